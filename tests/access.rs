@@ -1,11 +1,13 @@
 //! Who may do what, seen from outside: tokens and roles on every route, signing in with a browser, guesses, exposure.
 
+use crate::behind;
 use crate::support;
 
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use crate::support::{Answer, Server, data, gyrowatch};
+use crate::command::{beside, on_database};
+use crate::support::{Answer, FORM, Server, data, document, gyrowatch};
 use serde_json::{Value, json};
 
 /// Routes that need no token.
@@ -329,11 +331,11 @@ async fn without_a_token_nothing_is_answered_under_another_name_than_this_machin
 async fn a_stations_token_sends_for_that_station_alone_on_every_way_in() {
     let server = Server::start().await;
     let (admin, _) = token(&server, "", "admin", json!({})).await;
-    let record: Value = serde_json::from_str(&data("paper.json")).unwrap();
+    let record = document("paper.json");
     let own = record["station"].as_str().unwrap();
     let (mine, _) = token(&server, &admin, "station", json!({ "station": own })).await;
     let (other, _) = token(&server, &admin, "station", json!({ "station": "elsewhere" })).await;
-    let mut campaign: Value = serde_json::from_str(&data("practice/campaign-00.json")).unwrap();
+    let mut campaign = document("practice/campaign-00.json");
     campaign["station"] = own.into();
     let bench = json!({ "serial": "LFG-0101", "station": own, "measured_at": "2026-03-02T08:00:00Z", "method": "torque_feedback",
         "d_i_deg_per_h_g0": 1.0, "d_s_deg_per_h_g0": 2.0 });
@@ -368,7 +370,7 @@ fn cookie(answer: &Answer) -> String {
 
 async fn sign_in(server: &Server, token: &str) -> Answer {
     let form = format!("token={token}&back=%2Fstations");
-    server.call("POST", "/sign-in", &[("content-type", "application/x-www-form-urlencoded")], form).await
+    server.call("POST", "/sign-in", &[("content-type", FORM)], form).await
 }
 
 #[tokio::test]
@@ -491,11 +493,8 @@ async fn a_token_that_asks_for_too_much_is_put_off_and_others_are_not() {
 
 /// `gyrowatch token …` on the database of a service.
 fn token_command(dir: &std::path::Path, arguments: &[&str]) -> (bool, String) {
-    let url = format!("sqlite://{}", dir.join("gyrowatch.db").display());
-    let output =
-        gyrowatch().arg("token").args(arguments).env("GYROWATCH_DATABASE_URL", url).current_dir(dir).output().unwrap();
-    let said = String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap();
-    (output.status.success(), said)
+    let (status, said) = on_database(&[&["token"], arguments].concat(), dir);
+    (status == Some(0), said)
 }
 
 #[test]
@@ -548,10 +547,9 @@ async fn the_command_line_makes_lists_and_revokes_tokens_while_the_service_runs(
 async fn elsewhere_than_on_this_machine_it_listens_only_with_a_token_and_with_plain_words_or_tls() {
     const WORDS: &str = "anybody on the network can read tokens and records, and change them";
     let dir = tempfile::tempdir().unwrap();
-    let url = format!("sqlite://{}", dir.path().join("gyrowatch.db").display());
     let serve = |words: &str| {
-        let mut command = gyrowatch();
-        command.arg("serve").current_dir(dir.path()).env("GYROWATCH_DATABASE_URL", &url);
+        let mut command = beside(dir.path());
+        command.arg("serve");
         command.env("GYROWATCH_LISTEN", "0.0.0.0:0").env("GYROWATCH_SERVER__PLAIN_HTTP", words);
         command
     };
@@ -583,7 +581,7 @@ async fn everything_that_people_do_is_in_the_audit_trail_with_who_and_what_befor
     let (engineer, engineer_id) = token(&server, &admin, "engineer", json!({})).await;
     let mut newest = String::new();
     for (at, shift) in [("2026-03-01T08:00:00Z", 0.0), ("2026-03-08T08:00:00Z", 0.5)] {
-        let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
+        let mut record = document("paper.json");
         record["calibrated_at"] = at.into();
         let g = record["gyros"][0]["g_pulse_per_s_g0"][0].as_f64().unwrap();
         record["gyros"][0]["g_pulse_per_s_g0"][0] = (g + shift).into();
@@ -738,11 +736,9 @@ async fn who_sent_something_is_kept_with_it_shown_and_audited() {
 
 #[tokio::test]
 async fn the_audit_trail_cannot_be_rewritten() {
-    use sqlx::ConnectOptions;
     let server = Server::start().await;
     let _ = token(&server, "", "admin", json!({})).await;
-    let file = server.dir().join("gyrowatch.db");
-    let mut connection = sqlx::sqlite::SqliteConnectOptions::new().filename(file).connect().await.unwrap();
+    let mut connection = behind::open(&server.database()).await;
     for sql in ["UPDATE audit SET who = 'nobody'", "DELETE FROM audit"] {
         let error = sqlx::query(sql).execute(&mut connection).await.unwrap_err().to_string();
         assert!(error.contains("only ever added to"), "{error}");
@@ -782,8 +778,7 @@ async fn over_tls_a_new_certificate_is_shown_without_a_restart_and_a_bad_one_nev
     let made = one.post(url.replace("healthz", "v1/tokens")).header("content-type", "application/json");
     let made = made.body(r#"{"name":"a","role":"admin"}"#).send().await.unwrap().text().await.unwrap();
     let token = serde_json::from_str::<Value>(&made).unwrap()["token"].as_str().unwrap().to_owned();
-    let entered =
-        one.post(url.replace("healthz", "sign-in")).header("content-type", "application/x-www-form-urlencoded");
+    let entered = one.post(url.replace("healthz", "sign-in")).header("content-type", FORM);
     let entered = entered.body(format!("token={token}")).send().await.unwrap();
     assert!(entered.headers()["set-cookie"].to_str().unwrap().ends_with("; Secure"));
 

@@ -1,40 +1,23 @@
 //! From a record that a station posts to what a hook is told: nothing but HTTP.
 
 use std::collections::BTreeMap;
-use std::time::{Duration, Instant};
 
 use crate::lab::{day, record};
 use crate::receiver::{Receiver, Told};
-use crate::support::Server;
+use crate::support::{NEVER_LATE, Server};
 use serde_json::{Value, json};
 
 /// D_I of the gyro on given days, posted in the order given.
 async fn station_posts(server: &Server, serial: &str, history: &[(i64, f64)]) {
     for (at, d_i) in history {
         let imu = format!("IMU-{serial}");
-        let answer = server.post_json("/v1/records", &record(&imu, &day(*at), &[("G1", serial, *d_i, 2.0)])).await;
-        assert_eq!(answer.status, 201, "{}", answer.text());
+        server.post_json("/v1/records", &record(&imu, &day(*at), &[("G1", serial, *d_i, 2.0)])).await.created();
     }
 }
 
 /// A service to which nothing is late: stations measure in 2025.
 async fn serving() -> Server {
-    Server::start_with(&[("GYROWATCH_ALERTS__BACKFILL_DAYS", "100000")]).await
-}
-
-async fn sets_up(server: &Server, hook: Value) -> Value {
-    let answer = server.post_json("/v1/hooks", &hook).await;
-    assert_eq!(answer.status, 201, "{}", answer.text());
-    answer.json()
-}
-
-async fn all_told(server: &Server, hook: &Value) {
-    let path = format!("/v1/hooks/{}", hook["id"].as_str().unwrap());
-    let patience = Instant::now() + Duration::from_secs(120);
-    while server.get(&path).await.json()["queue"]["open"] != 0 {
-        assert!(Instant::now() < patience, "{}", server.log());
-        tokio::time::sleep(Duration::from_millis(20)).await;
-    }
+    Server::start_with(&[NEVER_LATE]).await
 }
 
 /// The events that were told, by alert, in the order in which they came.
@@ -72,9 +55,9 @@ const JUMP: [(i64, f64); 6] = [(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.03), (160
 #[tokio::test]
 async fn the_life_of_every_alert_is_told_to_a_signed_hook_as_its_history_has_it() {
     let (server, target) = (serving().await, Receiver::start().await);
-    let hook = sets_up(&server, json!({ "kind": "standard-webhooks", "url": target.url(), "batch": false })).await;
+    let hook = server.sets_up(json!({ "kind": "standard-webhooks", "url": target.url(), "batch": false })).await;
     station_posts(&server, "A", &JUMP).await;
-    all_told(&server, &hook).await;
+    server.all_told(&hook).await;
     let told = target.told();
     let stories = stories(&told);
     assert_eq!(stories, histories(&server).await);
@@ -104,16 +87,15 @@ async fn a_hook_hears_only_of_what_its_filter_lets_through() {
     ] {
         let url = format!("http://{}{path}", target.address);
         hooks.push(
-            sets_up(&server, json!({ "kind": "standard-webhooks", "url": url, "filter": filter, "batch": false }))
-                .await,
+            server.sets_up(json!({ "kind": "standard-webhooks", "url": url, "filter": filter, "batch": false })).await,
         );
     }
     let off = json!({ "kind": "standard-webhooks", "url": format!("http://{}/off", target.address), "enabled": false });
-    sets_up(&server, off).await;
+    server.sets_up(off).await;
     station_posts(&server, "A", &JUMP).await;
     station_posts(&server, "B", &JUMP).await;
     for hook in &hooks {
-        all_told(&server, hook).await;
+        server.all_told(hook).await;
     }
     let heard = |path: &str| -> Vec<Value> {
         let of_path = target.told().into_iter().filter(|told| told.path == path);
@@ -160,12 +142,12 @@ async fn all_that_a_record_changes_of_all_its_gyros_is_one_message() {
     let mut hooks = Vec::new();
     for kind in kinds {
         let url = format!("http://{}/{kind}", target.address);
-        let hook = sets_up(&server, json!({ "kind": kind, "url": url })).await;
+        let hook = server.sets_up(json!({ "kind": kind, "url": url })).await;
         assert_eq!(hook["batch"], true, "new hooks hear so unless they ask otherwise");
         hooks.push(hook);
     }
     let one_by_one = json!({ "kind": "cloudevents", "url": format!("http://{}/one", target.address), "batch": false });
-    hooks.push(sets_up(&server, one_by_one).await);
+    hooks.push(server.sets_up(one_by_one).await);
     let post = async |at: i64, a: [f64; 2], b: f64| {
         let gyros = [("G1", "A", a[0], a[1]), ("G2", "B", b, 2.0)];
         assert_eq!(server.post_json("/v1/records", &record("IMU-1", &day(at), &gyros)).await.status, 201);
@@ -175,7 +157,7 @@ async fn all_that_a_record_changes_of_all_its_gyros_is_one_message() {
     }
     post(120, [1.05, 2.05], 1.05).await;
     for hook in &hooks {
-        all_told(&server, hook).await;
+        server.all_told(hook).await;
     }
     let heard = |path: &str| -> Vec<Value> {
         let of_path = target.told().into_iter().filter(|told| told.path.starts_with(path));
@@ -198,7 +180,7 @@ async fn all_that_a_record_changes_of_all_its_gyros_is_one_message() {
 
     // A second campaign confirms some, and one gyro recovers: still one message, the gravest first.
     post(160, [1.05, 2.05], 1.0).await;
-    all_told(&server, &hooks[0]).await;
+    server.all_told(&hooks[0]).await;
     let all = heard("/standard-webhooks");
     assert_eq!(all.len(), 2);
     let first = &all[1]["alerts"][0];

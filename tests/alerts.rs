@@ -9,19 +9,7 @@ use gyrowatch::wire::time;
 use serde_json::{Value, json};
 
 use crate::lab::{Lab, bench, day, record};
-
-/// D_I of a gyro `A` on given days, posted in the order given.
-async fn lab_with(history: &[(i64, f64)]) -> Lab {
-    let lab = Lab::open().await;
-    station_posts(&lab, history).await;
-    lab
-}
-
-async fn station_posts(lab: &Lab, history: &[(i64, f64)]) {
-    for (at, d_i) in history {
-        lab.posts(&record("IMU-1", &day(*at), &[("G1", "A", *d_i, 2.0)])).await;
-    }
-}
+use crate::support::once;
 
 /// The alerts that a query finds, as `coefficient rule state severity`, in the order of these words.
 async fn engineer_sees(lab: &Lab, query: &str) -> Vec<String> {
@@ -60,14 +48,14 @@ const LEVEL: [(i64, f64); 3] = [(0, 1.0), (40, 1.0), (80, 1.0)];
 
 #[tokio::test]
 async fn a_gyro_within_its_limits_raises_nothing() {
-    let lab = lab_with(&LEVEL).await;
+    let lab = Lab::holding(&LEVEL).await;
     assert_eq!(engineer_sees(&lab, "").await, [] as [&str; 0]);
 }
 
 #[tokio::test]
 async fn a_step_fires_is_confirmed_and_resolves_while_the_baseline_goes_on_firing() {
-    let lab = lab_with(&LEVEL).await;
-    station_posts(&lab, &[(120, 1.02)]).await;
+    let lab = Lab::holding(&LEVEL).await;
+    lab.posts_history("IMU-1", "A", &[(120, 1.02)]).await;
     assert_eq!(
         engineer_sees(&lab, "").await,
         ["D_I baseline firing warning", "D_I range firing warning", "D_I step firing warning"]
@@ -91,12 +79,12 @@ async fn a_step_fires_is_confirmed_and_resolves_while_the_baseline_goes_on_firin
     let answer = lab.get(&format!("/v1/records/{}", step["record"].as_str().unwrap())).await.ok();
     assert_eq!(answer["record"]["calibrated_at"], day(120));
 
-    station_posts(&lab, &[(160, 1.02)]).await;
+    lab.posts_history("IMU-1", "A", &[(160, 1.02)]).await;
     assert_eq!(
         engineer_sees(&lab, "").await,
         ["D_I baseline firing critical", "D_I range firing warning", "D_I step firing critical"]
     );
-    station_posts(&lab, &[(200, 1.02)]).await;
+    lab.posts_history("IMU-1", "A", &[(200, 1.02)]).await;
     assert_eq!(engineer_sees(&lab, "state=firing").await, ["D_I baseline firing critical"]);
     assert_eq!(
         engineer_sees(&lab, "state=resolved").await,
@@ -105,14 +93,14 @@ async fn a_step_fires_is_confirmed_and_resolves_while_the_baseline_goes_on_firin
     assert_eq!(story_of(&lab, "step").await, ["fire", "escalate", "resolve"]);
 
     let id = alert_of(&lab, "step").await["id"].clone();
-    station_posts(&lab, &[(240, 1.05)]).await;
+    lab.posts_history("IMU-1", "A", &[(240, 1.05)]).await;
     let again = alert_of(&lab, "step").await;
     assert_eq!((&again["id"], &again["state"], &again["severity"]), (&id, &json!("firing"), &json!("warning")));
 }
 
 #[tokio::test]
 async fn what_one_record_of_one_gyro_violates_is_one_group() {
-    let lab = lab_with(&LEVEL).await;
+    let lab = Lab::holding(&LEVEL).await;
     let two = [("G1", "A", 1.02, 2.05), ("G2", "B/1", 1.0, 2.0)];
     lab.posts(&record("IMU-1", &day(120), &two)).await;
     lab.posts(&record("IMU-1", &day(121), &[("G2", "B/1", 1.1, 2.0)])).await;
@@ -130,7 +118,7 @@ async fn what_one_record_of_one_gyro_violates_is_one_group() {
 #[tokio::test]
 async fn many_records_in_one_import_leave_the_alerts_that_posting_one_by_one_leaves() {
     let history = [(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02), (160, 1.02), (200, 1.001), (240, 1.0), (280, 1.0)];
-    let one_by_one = lab_with(&history).await;
+    let one_by_one = Lab::holding(&history).await;
     let at_once = Lab::open().await;
     let records: Vec<Value> =
         history.iter().map(|(at, d_i)| record("IMU-1", &day(*at), &[("G1", "A", *d_i, 2.0)])).collect();
@@ -143,16 +131,16 @@ async fn many_records_in_one_import_leave_the_alerts_that_posting_one_by_one_lea
 
 #[tokio::test]
 async fn a_late_record_that_explains_a_step_resolves_it_and_one_that_changes_nothing_is_silent() {
-    let lab = lab_with(&[(0, 1.0), (40, 1.0), (80, 1.0), (160, 1.0145)]).await;
+    let lab = Lab::holding(&[(0, 1.0), (40, 1.0), (80, 1.0), (160, 1.0145)]).await;
     assert_eq!(story_of(&lab, "step").await, ["fire"]);
-    station_posts(&lab, &[(60, 1.0)]).await;
+    lab.posts_history("IMU-1", "A", &[(60, 1.0)]).await;
     assert_eq!(story_of(&lab, "step").await, ["fire"], "late, and no news");
-    station_posts(&lab, &[(120, 1.0075)]).await;
+    lab.posts_history("IMU-1", "A", &[(120, 1.0075)]).await;
     assert_eq!(story_of(&lab, "step").await, ["fire"], "one record moves no median");
-    station_posts(&lab, &[(110, 1.0075)]).await;
+    lab.posts_history("IMU-1", "A", &[(110, 1.0075)]).await;
     assert_eq!(story_of(&lab, "step").await, ["fire", "resolve"], "the step is now of 0.007");
     assert_eq!(story_of(&lab, "baseline").await, ["fire"]);
-    station_posts(&lab, &[(100, 1.05)]).await;
+    lab.posts_history("IMU-1", "A", &[(100, 1.05)]).await;
     assert_eq!(
         alert_of(&lab, "step").await["state"],
         "resolved",
@@ -162,7 +150,7 @@ async fn a_late_record_that_explains_a_step_resolves_it_and_one_that_changes_not
 
 #[tokio::test]
 async fn an_engineer_acknowledges_and_the_alert_says_who_and_why() {
-    let lab = lab_with(&[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02)]).await;
+    let lab = Lab::holding(&[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02)]).await;
     let id = alert_of(&lab, "baseline").await["id"].as_str().unwrap().to_owned();
     lab.clock_shows("2026-11-22T08:00:00Z");
     let known = json!({"by": "Li Wei", "reason": "re-test on Monday"});
@@ -175,7 +163,7 @@ async fn an_engineer_acknowledges_and_the_alert_says_who_and_why() {
     assert_eq!(engineer_sees(&lab, "state=acknowledged").await, ["D_I baseline acknowledged warning"]);
     assert_eq!(engineer_sees(&lab, "state=firing").await, ["D_I range firing warning", "D_I step firing warning"]);
 
-    station_posts(&lab, &[(160, 1.02)]).await;
+    lab.posts_history("IMU-1", "A", &[(160, 1.02)]).await;
     let alert = alert_of(&lab, "baseline").await;
     assert_eq!(
         (&alert["state"], &alert["severity"]),
@@ -194,25 +182,18 @@ async fn an_engineer_acknowledges_and_the_alert_says_who_and_why() {
 #[tokio::test]
 async fn a_silenced_alert_is_followed_without_telling_and_tells_at_its_end_what_still_fires() {
     let mut lab = Lab::with(|config| config.alerts.tick_s = 0.02).await;
-    station_posts(&lab, &[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02)]).await;
+    lab.posts_history("IMU-1", "A", &[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02)]).await;
     let id = alert_of(&lab, "baseline").await["id"].as_str().unwrap().to_owned();
     let order = json!({"until": "2026-11-23T00:00:00+01:00", "by": "Li Wei", "reason": "turntable under repair"});
     let alert = lab.post(&format!("/v1/alerts/{id}/silence"), &order).await.ok();
     assert_eq!((&alert["state"], &alert["silenced"]["until"]), (&json!("silenced"), &json!("2026-11-22T23:00:00Z")));
     assert_eq!(engineer_sees(&lab, "state=silenced").await, ["D_I baseline silenced warning"]);
-    station_posts(&lab, &[(160, 1.02)]).await;
+    lab.posts_history("IMU-1", "A", &[(160, 1.02)]).await;
     lab.restart().await;
     assert_eq!(story_of(&lab, "baseline").await, ["fire", "silence (untold)", "escalate (untold)"]);
 
     lab.clock_shows("2026-11-22T23:00:00Z");
-    let mut story = Vec::new();
-    for _ in 0..200 {
-        story = story_of(&lab, "baseline").await;
-        if story.len() > 3 {
-            break;
-        }
-        tokio::time::sleep(std::time::Duration::from_millis(20)).await;
-    }
+    let story = once(async || story_of(&lab, "baseline").await, |story| story.len() > 3).await;
     assert_eq!(story[3..], ["escalate"], "told once the silence has ended");
     assert_eq!(alert_of(&lab, "baseline").await["state"], "firing");
 }
@@ -220,7 +201,7 @@ async fn a_silenced_alert_is_followed_without_telling_and_tells_at_its_end_what_
 #[tokio::test]
 async fn what_fires_is_told_again_in_a_week_unless_somebody_knows() {
     let lab = Lab::with(|config| config.alerts.tick_s = 0.02).await;
-    station_posts(&lab, &[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02)]).await;
+    lab.posts_history("IMU-1", "A", &[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02)]).await;
     let known = alert_of(&lab, "step").await["id"].as_str().unwrap().to_owned();
     let order = json!({"by": "Li Wei", "reason": "turntable under repair"});
     lab.post(&format!("/v1/alerts/{known}/acknowledge"), &order).await.ok();
@@ -228,21 +209,14 @@ async fn what_fires_is_told_again_in_a_week_unless_somebody_knows() {
     tokio::time::sleep(std::time::Duration::from_millis(200)).await;
     assert_eq!(story_of(&lab, "baseline").await, ["fire"]);
     lab.clock_shows("2026-11-28T12:00:00Z");
-    let mut story = Vec::new();
-    for _ in 0..200 {
-        story = story_of(&lab, "baseline").await;
-        if story.len() > 1 {
-            break;
-        }
-        tokio::time::sleep(std::time::Duration::from_millis(20)).await;
-    }
+    let story = once(async || story_of(&lab, "baseline").await, |story| story.len() > 1).await;
     assert_eq!(story, ["fire", "repeat"]);
     assert_eq!(story_of(&lab, "step").await, ["fire", "acknowledge (untold)"]);
 }
 
 #[tokio::test]
 async fn an_acknowledgement_is_taken_back_with_who_and_why() {
-    let lab = lab_with(&[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02)]).await;
+    let lab = Lab::holding(&[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02)]).await;
     let id = alert_of(&lab, "baseline").await["id"].as_str().unwrap().to_owned();
     let remark = json!({"by": "Li Wei", "reason": "the wrong gyro"});
     let path = format!("/v1/alerts/{id}/unacknowledge");
@@ -258,7 +232,7 @@ async fn an_acknowledgement_is_taken_back_with_who_and_why() {
 #[tokio::test]
 async fn a_silence_of_all_that_match_holds_for_what_fires_and_will_fire_and_ends() {
     let mut lab = Lab::with(|config| config.alerts.tick_s = 0.02).await;
-    station_posts(&lab, &[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02)]).await;
+    lab.posts_history("IMU-1", "A", &[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02)]).await;
     let order = |matchers: Value| json!({"matchers": matchers, "until": "2026-11-23T00:00:00Z", "by": "Li Wei", "reason": "turntable under repair"});
     for (wrong, place) in [
         (order(json!({})), "/matchers"),
@@ -275,7 +249,7 @@ async fn a_silence_of_all_that_match_holds_for_what_fires_and_will_fire_and_ends
     assert_eq!(engineer_sees(&lab, "state=silenced").await, ["D_I step silenced warning"]);
     assert_eq!(alert_of(&lab, "step").await["silenced"]["silence"], by_imu["id"]);
     let by_station = lab.post("/v1/silences", &order(json!({"station": "ST-1"}))).await.created();
-    station_posts(&lab, &[(160, 1.02)]).await;
+    lab.posts_history("IMU-1", "A", &[(160, 1.02)]).await;
     assert_eq!(engineer_sees(&lab, "state=firing").await, [] as [&str; 0], "of all that this station measures");
     let of_another = [("G1", "B", 1.0, 2.0)];
     for (at, gyros) in [(0, of_another), (40, of_another), (80, [("G1", "B", 1.02, 2.0)])] {
@@ -300,14 +274,7 @@ async fn a_silence_of_all_that_match_holds_for_what_fires_and_will_fire_and_ends
     assert_eq!(story_of(&lab, "baseline").await, ["fire", "escalate (untold)", "escalate"], "told at its end");
     lab.clock_shows("2026-11-23T00:00:00Z");
     assert_eq!(engineer_sees(&lab, "state=silenced").await, [] as [&str; 0]);
-    let mut story = Vec::new();
-    for _ in 0..200 {
-        story = story_of(&lab, "step").await;
-        if story.len() > 2 {
-            break;
-        }
-        tokio::time::sleep(std::time::Duration::from_millis(20)).await;
-    }
+    let story = once(async || story_of(&lab, "step").await, |story| story.len() > 2).await;
     assert_eq!(story[2..], ["escalate"], "at the end of its time");
     assert_eq!(lab.get("/v1/silences").await.ok(), json!({"silences": []}));
     assert_eq!(lab.get("/v1/silences?state=all").await.ok()["silences"].as_array().unwrap().len(), 2);
@@ -340,19 +307,12 @@ async fn a_gyro_that_is_not_calibrated_in_time_is_overdue_until_it_is() {
 
 /// What a query finds once there are so many.
 async fn sees_at_last(lab: &Lab, query: &str, count: usize) -> Vec<String> {
-    for _ in 0..200 {
-        let seen = engineer_sees(lab, query).await;
-        if seen.len() == count {
-            return seen;
-        }
-        tokio::time::sleep(std::time::Duration::from_millis(20)).await;
-    }
-    engineer_sees(lab, query).await
+    once(async || engineer_sees(lab, query).await, |seen| seen.len() == count).await
 }
 
 #[tokio::test]
 async fn a_new_baseline_or_a_repair_ends_what_it_resets() {
-    let lab = lab_with(&[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02)]).await;
+    let lab = Lab::holding(&[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02)]).await;
     lab.post("/v1/gyros/A/baseline", &json!({"reason": "accepted", "at": day(130)})).await.created();
     let jump = ["D_I range firing warning", "D_I step firing warning"];
     assert_eq!(engineer_sees(&lab, "state=firing").await, jump, "a jump remains to be seen");
@@ -361,7 +321,7 @@ async fn a_new_baseline_or_a_repair_ends_what_it_resets() {
     let event = lab.post("/v1/gyros/A/events", &repair).await.created();
     assert_eq!((&event["event"], &event["at"]), (&json!("repair"), &json!(day(131))));
     assert_eq!(engineer_sees(&lab, "state=firing").await, [] as [&str; 0]);
-    station_posts(&lab, &[(110, 1.0)]).await;
+    lab.posts_history("IMU-1", "A", &[(110, 1.0)]).await;
     assert_eq!(
         engineer_sees(&lab, "state=firing").await,
         [] as [&str; 0],
@@ -377,14 +337,14 @@ async fn a_new_baseline_or_a_repair_ends_what_it_resets() {
 
 #[tokio::test]
 async fn methods_that_disagree_raise_an_alert_and_a_bench_that_agrees_again_ends_it() {
-    let lab = lab_with(&[(0, 1.0)]).await;
+    let lab = Lab::holding(&[(0, 1.0)]).await;
     lab.post("/v1/bench-results", &bench("A", &day(5), 1.03, 2.0)).await.created();
     assert_eq!(engineer_sees(&lab, "").await, ["D_I agreement firing warning"]);
     let alert = alert_of(&lab, "agreement").await;
     assert_eq!((&alert["station"], &alert["imu"]), (&json!("BENCH-1"), &json!("IMU-1")));
     lab.post("/v1/gyros/A/events", &json!({"event": "repair", "reason": "bearing", "at": day(6)})).await.created();
     lab.post("/v1/bench-results", &bench("A", &day(7), 1.0, 2.0)).await.created();
-    station_posts(&lab, &[(8, 1.0)]).await;
+    lab.posts_history("IMU-1", "A", &[(8, 1.0)]).await;
     assert_eq!(engineer_sees(&lab, "").await, ["D_I agreement resolved warning"]);
 }
 
@@ -434,7 +394,7 @@ async fn alerts_are_filtered_paged_and_exported() {
 
 #[tokio::test]
 async fn what_cannot_be_asked_or_said_is_refused_with_the_place() {
-    let lab = lab_with(&[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02), (160, 1.0)]).await;
+    let lab = Lab::holding(&[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02), (160, 1.0)]).await;
     for query in [
         "state=on",
         "rule=steps",

@@ -1,6 +1,7 @@
 //! Examples in the description of the API: what the service answers in one scenario. They are kept in
 //! `src/http/examples.json`, which `GYROWATCH_WRITE_EXAMPLES=1 cargo test --test all api_examples::` writes anew.
 
+use crate::behind;
 use crate::cluster;
 use crate::support;
 
@@ -9,12 +10,11 @@ use std::time::Duration;
 
 use crate::lab::{Answer, JSON, Lab, NDJSON};
 use crate::receiver::Receiver;
-use crate::support::data;
+use crate::support::{data, document};
 use gyrowatch::telemetry;
 use reqwest::Method;
 use reqwest::header::CONTENT_TYPE;
 use serde_json::{Map, Value, json};
-use sqlx::ConnectOptions;
 
 const FILE: &str = "src/http/examples.json";
 const PROBLEM: &str = "application/problem+json";
@@ -156,7 +156,7 @@ fn id(answer: &Value) -> String {
 
 /// The paper's record in a month of 2026; from the fifth on a gyro has changed.
 fn record(month: usize) -> Value {
-    let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
+    let mut record = document("paper.json");
     record["calibrated_at"] = format!("2026-{month:02}-01T08:00:00Z").into();
     if month > 4 {
         record["gyros"][0]["g_pulse_per_s_g0"][0] = 2.4710.into();
@@ -166,7 +166,7 @@ fn record(month: usize) -> Value {
 
 /// A practice campaign with the slow half of its rates left out.
 fn campaign(name: &str, day: usize) -> Value {
-    let mut campaign: Value = serde_json::from_str(&data(&format!("practice/{name}.json"))).unwrap();
+    let mut campaign = document(&format!("practice/{name}.json"));
     campaign["measured_at"] = format!("2026-03-{day:02}T08:00:00Z").into();
     let fast = |dwell: &Value| {
         let rates = dwell["rate_arcsec_s"].as_array().unwrap();
@@ -497,8 +497,7 @@ async fn what_any_operation_may_answer() -> BTreeMap<&'static str, Value> {
     }
 
     let held = Lab::with(|config| config.database.busy_timeout_s = 0.1).await;
-    let options = sqlx::sqlite::SqliteConnectOptions::new().filename(held.database());
-    let mut other = options.connect().await.unwrap();
+    let mut other = behind::open(&held.database()).await;
     sqlx::query("BEGIN IMMEDIATE").execute(&mut other).await.unwrap();
     let refused = held.post("/v1/records", &record(1)).await;
     assert_eq!(refused.status, 503, "{}", refused.text);

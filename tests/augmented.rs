@@ -1,46 +1,15 @@
 //! Closing the loop on the command line: an effect that was named enters the model, the next campaigns are fitted
 //! with it and compared with it, a simulated one shows it, and leaving it out undoes it.
 
-use std::path::{Path, PathBuf};
-
-use crate::support::{data_path, gyrowatch};
+use crate::command::{Folder, answer, read_json, run};
+use crate::lab::effects;
+use crate::support::{data_path, document};
 use serde_json::{Value, json};
-
-/// Practice campaign 2 has `temperature_bias` (key.json), and `practice/campaign-00.json` nothing.
-struct Bench {
-    dir: tempfile::TempDir,
-}
-
-impl Bench {
-    fn new() -> Self {
-        Self { dir: tempfile::tempdir().unwrap() }
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.dir.path().join(name)
-    }
-}
-
-fn run(arguments: &[&str]) -> (i32, String, String) {
-    let output = gyrowatch().args(arguments).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
-}
-
-fn json_of(arguments: &[&str]) -> Value {
-    let (status, out, error) = run(&[arguments, &["--format", "json"]].concat());
-    assert_eq!(status, 0, "{error}");
-    serde_json::from_str(&out).unwrap()
-}
-
-fn read(path: &Path) -> Value {
-    serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
-}
 
 /// The practice campaign with one effect alone, of those that other campaigns than the one it was found in can have,
 /// and that effect.
 fn practice_with_one_effect() -> (String, String) {
-    let key = read(&data_path("practice/key.json"));
+    let key = document("practice/key.json");
     let once = ["bias_step", "outlier_dwell"];
     let found =
         key.as_object().unwrap().iter().find_map(|(name, entry)| match entry["effects"].as_array()?.as_slice() {
@@ -52,10 +21,6 @@ fn practice_with_one_effect() -> (String, String) {
     found.expect("practice campaigns with one effect")
 }
 
-fn effects(diagnosis: &Value) -> Vec<&str> {
-    diagnosis["effects"].as_array().unwrap().iter().map(|e| e["effect"].as_str().unwrap()).collect()
-}
-
 /// D_I and D_S of a gyro as `calibrate` prints them, by serial.
 fn drift(answer: &Value, serial: &str) -> [f64; 2] {
     let separations = answer["separations"].as_array().unwrap();
@@ -65,28 +30,26 @@ fn drift(answer: &Value, serial: &str) -> [f64; 2] {
 
 #[test]
 fn an_adopted_effect_is_fitted_and_closes_the_gap_and_leaving_it_out_undoes_it() {
-    let bench = Bench::new();
+    let bench = Folder::new();
     let (campaign, cause) = practice_with_one_effect();
     let model = bench.path("model.json");
-    let model_path = model.to_str().unwrap();
-    let before = json_of(&["diagnose", &campaign, "--adopt", model_path]);
+    let before = answer(&["diagnose", &campaign, "--adopt", &model]);
     assert_eq!(effects(&before), [cause.as_str()]);
 
-    let file = read(&model);
+    let file = read_json(&model);
     assert_eq!(file["terms"], json!(["bias", "g_linear", "g_squared", "scale"]));
     assert_eq!(file["effects"][0]["effect"], cause.as_str());
     assert_eq!(file["effects"][0]["gyros"], before["effects"][0]["gyros"]);
-    assert_eq!(file["provenance"]["imu"], read(Path::new(&campaign))["imu"]);
+    assert_eq!(file["provenance"]["imu"], read_json(&campaign)["imu"]);
 
-    let after = json_of(&["diagnose", &campaign, "--model", model_path]);
+    let after = answer(&["diagnose", &campaign, "--model", &model]);
     assert_eq!(after["verdict"], "no_gap", "{after}");
     assert_eq!(after["model"]["effects"][0]["effect"], cause.as_str());
     let rms = |diagnosis: &Value, of: &str| diagnosis[of]["rms_deg_per_h"].as_f64().unwrap();
     assert!((rms(&after, "gap") / rms(&before, "remaining") - 1.0).abs() < 1e-3, "the gap is what remained");
 
     // The fit with the effect moves D_I and D_S to where the diagnosis said.
-    let (plain, augmented) =
-        (json_of(&["calibrate", &campaign]), json_of(&["calibrate", &campaign, "--model", model_path]));
+    let (plain, augmented) = (answer(&["calibrate", &campaign]), answer(&["calibrate", &campaign, "--model", &model]));
     assert_eq!(augmented["calibration"]["effects"], json!([cause]));
     let fitted = augmented["calibration"]["gyros"]
         .as_array()
@@ -113,29 +76,27 @@ fn an_adopted_effect_is_fitted_and_closes_the_gap_and_leaving_it_out_undoes_it()
     // Undone: the file without the effect is the plain model again.
     let mut plain_file = file;
     plain_file["effects"] = json!([]);
-    let undone = bench.path("undone.json");
-    std::fs::write(&undone, plain_file.to_string()).unwrap();
-    let again = json_of(&["diagnose", &campaign, "--model", undone.to_str().unwrap()]);
+    let undone = bench.file("undone.json", &plain_file.to_string());
+    let again = answer(&["diagnose", &campaign, "--model", &undone]);
     assert_eq!(again, before);
 }
 
 #[test]
 fn a_simulated_campaign_shows_the_effects_of_a_model_file() {
-    let bench = Bench::new();
-    let model = bench.path("model.json");
+    let bench = Folder::new();
     let estimate = |slot: &str| json!({"slot": slot, "name": "k", "value": 0.02, "sd": 0.001, "unit": "deg/h/K"});
     let file = json!({"terms": [], "effects": [
         {"effect": "temperature_bias", "gyros": ["G1", "G3"], "estimates": [estimate("G1"), estimate("G3")]}]});
-    std::fs::write(&model, file.to_string()).unwrap();
+    let model = bench.file("model.json", &file.to_string());
     let (campaign, truth) = (bench.path("c.json"), bench.path("t.json"));
-    let [campaign, truth, model] = [&campaign, &truth, &model].map(|path| path.to_str().unwrap());
-    let (status, _, error) = run(&["simulate", "--seed", "7", "--model", model, "--out", campaign, "--truth", truth]);
+    let (status, _, error) =
+        run(&["simulate", "--seed", "7", "--model", &model, "--out", &campaign, "--truth", &truth]);
     assert_eq!(status, 0, "{error}");
-    let key = read(Path::new(truth));
+    let key = read_json(truth);
     assert_eq!(key["c.json"]["effects"], json!(["temperature_bias"]));
     assert_eq!(key["c.json"]["gyros"], json!(["G1", "G3"]));
     assert!(key["c.json"]["seen"].as_f64().unwrap() > 8.0, "{key}");
-    let diagnosis = json_of(&["diagnose", campaign]);
+    let diagnosis = answer(&["diagnose", &campaign]);
     assert_eq!(effects(&diagnosis), ["temperature_bias"]);
     for estimate in diagnosis["effects"][0]["estimates"].as_array().unwrap() {
         let (value, sd) = (estimate["value"].as_f64().unwrap(), estimate["sd"].as_f64().unwrap());
@@ -145,18 +106,16 @@ fn a_simulated_campaign_shows_the_effects_of_a_model_file() {
 
 #[test]
 fn a_tilt_of_the_table_is_fitted_once_for_all_gyros() {
-    let bench = Bench::new();
-    let model = bench.path("model.json");
+    let bench = Folder::new();
     let tilt = |name: &str, value: f64| json!({"slot": "all", "name": name, "value": value, "sd": 1e-6, "unit": "rad"});
     let gyros = json!(["G1", "G2", "G3"]);
     let file = json!({"terms": [], "effects": [{"effect": "levelling", "gyros": gyros, "shape": {"with_rate": false},
         "estimates": [tilt("east", 4e-4), tilt("north", -2.5e-4)]}]});
-    std::fs::write(&model, file.to_string()).unwrap();
+    let model = bench.file("model.json", &file.to_string());
     let campaign = bench.path("c.json");
-    let [campaign, model] = [&campaign, &model].map(|path| path.to_str().unwrap());
-    let (status, _, error) = run(&["simulate", "--seed", "11", "--model", model, "--out", campaign]);
+    let (status, _, error) = run(&["simulate", "--seed", "11", "--model", &model, "--out", &campaign]);
     assert_eq!(status, 0, "{error}");
-    let fitted = json_of(&["calibrate", campaign, "--model", model]);
+    let fitted = answer(&["calibrate", &campaign, "--model", &model]);
     let of = |gyro: usize| fitted["calibration"]["gyros"][gyro]["effects"].clone();
     for (gyro, c) in [(1, 0), (1, 1), (2, 0), (2, 1)] {
         assert_eq!(of(gyro)[c]["value"], of(0)[c]["value"], "one tilt");
@@ -169,21 +128,21 @@ fn a_tilt_of_the_table_is_fitted_once_for_all_gyros() {
     let dof = |answer: &Value| -> i64 {
         answer["calibration"]["gyros"].as_array().unwrap().iter().map(|g| g["dof"].as_i64().unwrap()).sum()
     };
-    assert_eq!(dof(&json_of(&["calibrate", campaign])) - dof(&fitted), 2);
+    assert_eq!(dof(&answer(&["calibrate", &campaign])) - dof(&fitted), 2);
     // The diagnosis against that model finds nothing more, and the fit knows D_I and D_S hardly less well.
-    let against = json_of(&["diagnose", campaign, "--model", model]);
+    let against = answer(&["diagnose", &campaign, "--model", &model]);
     assert_eq!(against["verdict"], "no_gap", "{against}");
 }
 
 #[test]
 fn a_term_of_model_6_that_was_named_joins_the_terms() {
-    let bench = Bench::new();
+    let bench = Folder::new();
     let model = bench.path("model.json");
     let xsens = data_path("measured/xsens-mti.json");
-    let [xsens, model] = [xsens.to_str().unwrap(), model.to_str().unwrap()];
-    let before = json_of(&["diagnose", xsens, "--model", "bias", "--adopt", model]);
+    let xsens = xsens.to_str().unwrap();
+    let before = answer(&["diagnose", xsens, "--model", "bias", "--adopt", &model]);
     assert!(effects(&before).contains(&"g_linear"));
-    let fitted = json_of(&["calibrate", xsens, "--model", model]);
+    let fitted = answer(&["calibrate", xsens, "--model", &model]);
     let terms = fitted["calibration"]["model"].as_array().unwrap();
     assert!(terms.contains(&json!("g_linear")), "{terms:?}");
     assert!(fitted["calibration"]["gyros"][0]["g_pulse_per_s_g0"].is_array());
@@ -191,42 +150,36 @@ fn a_term_of_model_6_that_was_named_joins_the_terms() {
 
 #[test]
 fn a_step_or_a_bad_dwell_stays_in_the_campaign_in_which_it_happened() {
-    let bench = Bench::new();
-    let model = bench.path("model.json");
-    let campaign = read(&data_path("practice/campaign-00.json"));
+    let bench = Folder::new();
+    let campaign = document("practice/campaign-00.json");
     let file = json!({
         "terms": [],
         "effects": [{"effect": "outlier_dwell", "gyros": ["G1"], "shape": {"dwell": 5}, "estimates": []}],
         "provenance": {"imu": campaign["imu"], "station": campaign["station"], "measured_at": campaign["measured_at"]},
     });
-    std::fs::write(&model, file.to_string()).unwrap();
+    let model = bench.file("model.json", &file.to_string());
     let mut later = campaign.clone();
     later["measured_at"] = "2030-01-01T00:00:00Z".into();
-    let next = bench.path("later.json");
-    std::fs::write(&next, later.to_string()).unwrap();
-    let model = model.to_str().unwrap();
-    let here = json_of(&["calibrate", data_path("practice/campaign-00.json").to_str().unwrap(), "--model", model]);
+    let next = bench.file("later.json", &later.to_string());
+    let here = answer(&["calibrate", data_path("practice/campaign-00.json").to_str().unwrap(), "--model", &model]);
     assert_eq!(here["calibration"]["effects"], json!(["outlier_dwell"]));
-    let later = json_of(&["calibrate", next.to_str().unwrap(), "--model", model]);
+    let later = answer(&["calibrate", &next, "--model", &model]);
     assert_eq!(later["calibration"]["effects"], Value::Null);
 }
 
 #[test]
 fn what_a_campaign_cannot_be_fitted_with_is_left_out_and_said() {
-    let bench = Bench::new();
-    let model = bench.path("model.json");
+    let bench = Folder::new();
     let file = json!({"terms": [], "effects": [
         {"effect": "output_axis_g", "gyros": ["G1"], "estimates": []},
         {"effect": "temperature_bias", "gyros": ["G2"], "estimates": []}]});
-    std::fs::write(&model, file.to_string()).unwrap();
-    let mut cold = read(&data_path("practice/campaign-00.json"));
+    let model = bench.file("model.json", &file.to_string());
+    let mut cold = document("practice/campaign-00.json");
     for dwell in cold["dwells"].as_array_mut().unwrap() {
         dwell.as_object_mut().unwrap().remove("temperature_c");
     }
-    let campaign = bench.path("cold.json");
-    std::fs::write(&campaign, cold.to_string()).unwrap();
-    let [campaign, model] = [&campaign, &model].map(|path| path.to_str().unwrap());
-    let (plain, fitted) = (json_of(&["calibrate", campaign]), json_of(&["calibrate", campaign, "--model", model]));
+    let campaign = bench.file("cold.json", &cold.to_string());
+    let (plain, fitted) = (answer(&["calibrate", &campaign]), answer(&["calibrate", &campaign, "--model", &model]));
     assert_eq!(plain["separations"], fitted["separations"]);
     let notes = fitted["notes"].to_string();
     assert!(notes.contains("output_axis_g is left out"), "{notes}");
@@ -235,7 +188,7 @@ fn what_a_campaign_cannot_be_fitted_with_is_left_out_and_said() {
 
 #[test]
 fn a_bad_model_file_is_refused_by_the_place_of_its_fault() {
-    let bench = Bench::new();
+    let bench = Folder::new();
     let model = bench.path("model.json");
     let campaign = data_path("practice/campaign-00.json");
     let campaign = campaign.to_str().unwrap();
@@ -244,7 +197,7 @@ fn a_bad_model_file_is_refused_by_the_place_of_its_fault() {
         json!({"terms": ["bias"], "effects": [{"effect": "ghost", "gyros": ["G1"], "estimates": []}]}).to_string(),
     )
     .unwrap();
-    let path = model.to_str().unwrap();
+    let path = &*model;
     for command in ["diagnose", "calibrate"] {
         let (status, out, error) = run(&[command, campaign, "--model", path]);
         assert_eq!((status, out.as_str()), (1, ""));
@@ -261,13 +214,12 @@ fn a_bad_model_file_is_refused_by_the_place_of_its_fault() {
 /// What gyros of a kind cannot be as large as is no cause of theirs.
 #[test]
 fn nothing_is_named_larger_than_gyros_of_this_kind_have_it() {
-    let bench = Bench::new();
+    let bench = Folder::new();
     let (campaign, effect) = practice_with_one_effect();
     let named_with = |most: f64| {
-        let model = bench.path("kind.json");
         let file = json!({"terms": [], "effects": [], "plausible_sizes": {effect.as_str(): most}});
-        std::fs::write(&model, file.to_string()).unwrap();
-        let answer = json_of(&["diagnose", &campaign, "--model", model.to_str().unwrap()]);
+        let model = bench.file("kind.json", &file.to_string());
+        let answer = answer(&["diagnose", &campaign, "--model", &model]);
         effects(&answer).contains(&effect.as_str())
     };
     assert!(named_with(1e3));
@@ -276,7 +228,6 @@ fn nothing_is_named_larger_than_gyros_of_this_kind_have_it() {
     let (kind, adopted) = (bench.path("kind.json"), bench.path("adopted.json"));
     std::fs::write(&kind, json!({"terms": [], "effects": [], "plausible_sizes": {"magnetic": 0.5}}).to_string())
         .unwrap();
-    let files = [kind.to_str().unwrap(), adopted.to_str().unwrap()];
-    json_of(&["diagnose", &campaign, "--model", files[0], "--adopt", files[1]]);
-    assert_eq!(read(&adopted)["plausible_sizes"], json!({"magnetic": 0.5}));
+    answer(&["diagnose", &campaign, "--model", &kind, "--adopt", &adopted]);
+    assert_eq!(read_json(&adopted)["plausible_sizes"], json!({"magnetic": 0.5}));
 }

@@ -5,16 +5,9 @@ use crate::support;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 
-use crate::support::{Server, data, gyrowatch};
+use crate::command::on_database;
+use crate::support::{Server, data};
 use sqlx::ConnectOptions;
-
-/// Runs a command on the database in `dir`: how it ended, and what it said.
-fn run(arguments: &[&str], dir: &Path) -> (Option<i32>, String) {
-    let url = format!("sqlite://{}", dir.join("gyrowatch.db").display());
-    let output = gyrowatch().args(arguments).current_dir(dir).env("GYROWATCH_DATABASE_URL", url).output().unwrap();
-    let said = [output.stdout, output.stderr].concat();
-    (output.status.code(), String::from_utf8(said).unwrap())
-}
 
 async fn with_the_papers_figures() -> Server {
     let server = Server::start().await;
@@ -29,19 +22,19 @@ async fn a_backup_of_a_running_service_is_whole_and_restores_what_was_there() {
     let mut server = with_the_papers_figures().await;
     let trend = "/v1/gyros/LFG-0101/trend?coefficient=D_I";
     let before = server.get(trend).await.json();
-    let (status, said) = run(&["backup", "copy.db"], server.dir());
+    let (status, said) = on_database(&["backup", "copy.db"], server.dir());
     assert_eq!(status, Some(0), "{said}");
     assert!(said.contains("1 records, 6 bench results, 3 calibrations"), "{said}");
-    assert_eq!(run(&["restore", "--check", "copy.db"], server.dir()), (Some(0), said));
+    assert_eq!(on_database(&["restore", "--check", "copy.db"], server.dir()), (Some(0), said));
 
-    let (status, said) = run(&["restore", "--check", "nofile.db"], server.dir());
+    let (status, said) = on_database(&["restore", "--check", "nofile.db"], server.dir());
     assert_eq!(status, Some(1), "{said}");
     assert!(said.contains("nofile.db: there is no such file"), "{said}");
 
-    let (status, said) = run(&["backup", "copy.db"], server.dir());
+    let (status, said) = on_database(&["backup", "copy.db"], server.dir());
     assert_eq!(status, Some(1), "an earlier backup is not overwritten: {said}");
     assert!(said.contains("copy.db"), "{said}");
-    let (status, said) = run(&["restore", "copy.db"], server.dir());
+    let (status, said) = on_database(&["restore", "copy.db"], server.dir());
     assert_eq!(status, Some(1), "a database is not overwritten: {said}");
     assert!(said.contains("gyrowatch.db"), "{said}");
 
@@ -49,7 +42,7 @@ async fn a_backup_of_a_running_service_is_whole_and_restores_what_was_there() {
     for file in ["gyrowatch.db", "gyrowatch.db-wal", "gyrowatch.db-shm"] {
         std::fs::remove_file(server.dir().join(file)).unwrap();
     }
-    let (status, said) = run(&["restore", "copy.db"], server.dir());
+    let (status, said) = on_database(&["restore", "copy.db"], server.dir());
     assert_eq!(status, Some(0), "{said}");
     server.restart();
     assert_eq!(server.get(trend).await.json(), before);
@@ -67,14 +60,14 @@ async fn a_damaged_backup_is_found_out_and_says_where() {
         ("DELETE FROM gyro WHERE id = 1", "damaged"),
         ("DROP TABLE history", "no database of gyrowatch"),
     ] {
-        let (status, said) = run(&["backup", "copy.db"], server.dir());
+        let (status, said) = on_database(&["backup", "copy.db"], server.dir());
         assert_eq!(status, Some(0), "{said}");
         let file = server.dir().join("copy.db");
         let options = sqlx::sqlite::SqliteConnectOptions::new().filename(&file).foreign_keys(false);
         let mut connection = options.connect().await.unwrap();
         sqlx::query(change).execute(&mut connection).await.unwrap();
         sqlx::Connection::close(connection).await.unwrap();
-        let (status, said) = run(&["restore", "--check", "copy.db"], server.dir());
+        let (status, said) = on_database(&["restore", "--check", "copy.db"], server.dir());
         assert_eq!(status, Some(1), "{change}: {said}");
         assert!(said.contains("copy.db") && said.contains(named), "{change}: {said}");
         std::fs::remove_file(file).unwrap();
@@ -84,15 +77,15 @@ async fn a_damaged_backup_is_found_out_and_says_where() {
 #[tokio::test]
 async fn a_backup_that_is_cut_off_or_of_no_database_leaves_nothing_behind() {
     let server = with_the_papers_figures().await;
-    assert_eq!(run(&["backup", "copy.db"], server.dir()).0, Some(0));
+    assert_eq!(on_database(&["backup", "copy.db"], server.dir()).0, Some(0));
     let whole = std::fs::read(server.dir().join("copy.db")).unwrap();
     std::fs::write(server.dir().join("cut.db"), &whole[..whole.len() / 2]).unwrap();
-    let (status, said) = run(&["restore", "--check", "cut.db"], server.dir());
+    let (status, said) = on_database(&["restore", "--check", "cut.db"], server.dir());
     assert_eq!(status, Some(1), "{said}");
     assert!(said.contains("damaged"), "{said}");
 
     let empty = tempfile::tempdir().unwrap();
-    let (status, said) = run(&["backup", "copy.db"], empty.path());
+    let (status, said) = on_database(&["backup", "copy.db"], empty.path());
     assert_eq!(status, Some(1), "{said}");
     assert!(said.contains("gyrowatch.db"), "{said}");
     assert_eq!(std::fs::read_dir(empty.path()).unwrap().count(), 0);

@@ -11,7 +11,7 @@ use crate::support;
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
-use crate::support::{Server, asked, seed};
+use crate::support::{Server, asked, document, seed};
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -20,7 +20,7 @@ use tokio::io::AsyncReadExt;
 
 /// Tables 3 and 4 of the paper.
 fn paper() -> Value {
-    serde_json::from_str(&support::data("paper.json")).unwrap()
+    document("paper.json")
 }
 
 fn bench() -> Value {
@@ -370,7 +370,7 @@ async fn a_document_of_another_kind_is_told_where_it_belongs_and_nothing_else() 
 #[tokio::test]
 async fn a_line_that_lacks_its_time_is_refused_as_what_it_is() {
     let server = Server::start().await;
-    let campaign: Value = serde_json::from_str(&support::data("practice/campaign-00.json")).unwrap();
+    let campaign = document("practice/campaign-00.json");
     let mut lines = [bench(), campaign, paper()];
     for (document, time) in lines.iter_mut().zip(["measured_at", "measured_at", "calibrated_at"]) {
         document.as_object_mut().unwrap().remove(time).unwrap();
@@ -400,7 +400,7 @@ async fn a_time_of_long_ago_is_refused_wherever_it_is_said() {
     let first = with("/calibrated_at", json!("1950-01-01T00:00:00Z"));
     assert_eq!(server.post("/v1/records", "application/json", first).await.status, 201, "the limit itself is accepted");
     let (ago, before) = (json!("0206-03-01T08:00:00Z"), json!("1949-12-31T23:59:59Z"));
-    let mut campaign: Value = serde_json::from_str(&support::data("practice/campaign-00.json")).unwrap();
+    let mut campaign = document("practice/campaign-00.json");
     campaign["measured_at"] = ago.clone();
     let done = json!({"event": "repair", "reason": "new motor", "at": before});
     for (route, body, place) in [
@@ -423,7 +423,7 @@ async fn every_fault_of_a_record_is_named_at_once() {
     record["calibrated_at"] = json!("yesterday");
     record["gyros"][1]["e_sd"] = json!([-1, 0, -1]);
     record["gyros"][2]["serial"] = json!("\t");
-    let answer = server.post("/v1/records", "application/json", record.to_string()).await;
+    let answer = server.post_json("/v1/records", &record).await;
     let (status, _, mut pointers) = problem(&answer);
     pointers.sort();
     assert_eq!(status, 422);
@@ -476,7 +476,7 @@ async fn a_body_over_the_limit_is_413_however_it_is_declared() {
         assert!(answer.contains("\"title\":\"too large\""), "{answer}");
         assert!(answer.contains("may have 4194304 bytes, the limit that server.max_body_bytes sets"), "{answer}");
     }
-    assert_eq!(server.post("/v1/records", "application/json", paper().to_string()).await.status, 201);
+    assert_eq!(server.post_json("/v1/records", &paper()).await.status, 201);
 }
 
 #[tokio::test]
@@ -511,7 +511,7 @@ async fn unknown_paths_methods_and_items_are_told() {
 #[tokio::test]
 async fn bad_queries_are_refused_by_name() {
     let server = Server::start().await;
-    server.post("/v1/records", "application/json", paper().to_string()).await;
+    server.post_json("/v1/records", &paper()).await;
     let trend = "/v1/gyros/LFG-0101/trend?coefficient=D_I";
     assert_eq!(server.get(trend).await.status, 200);
     for (query, name) in [
@@ -539,8 +539,7 @@ async fn bad_queries_are_refused_by_name() {
 #[tokio::test]
 async fn the_same_calibration_with_other_content_is_a_conflict_that_names_the_member() {
     let server = Server::start().await;
-    let first = server.post("/v1/records", "application/json", paper().to_string()).await;
-    assert_eq!(first.status, 201);
+    let first = server.post_json("/v1/records", &paper()).await.created();
     let before = server.holdings().await;
     for (pointer, value) in [
         ("/station", json!("ST-9")),
@@ -559,19 +558,19 @@ async fn the_same_calibration_with_other_content_is_a_conflict_that_names_the_me
         paper().to_string().replace("2026-03-01T08:00:00Z", "2026-03-01T16:00:00.000+08:00").replace("2.421", "2.4210");
     let again = server.post("/v1/records", "application/json", rewritten).await;
     assert_eq!(again.status, 200);
-    assert_eq!(again.json()["id"], first.json()["id"]);
+    assert_eq!(again.json()["id"], first["id"]);
     assert_eq!(server.holdings().await, before);
 }
 
 #[tokio::test]
 async fn a_conflict_names_every_member_that_differs_of_the_gyro_in_its_slot() {
     let server = Server::start().await;
-    let first = server.post("/v1/records", "application/json", paper().to_string()).await.json();
+    let first = server.post_json("/v1/records", &paper()).await.json();
     let before = server.holdings().await;
     // The gyros in another order are the same record.
     let mut turned = paper();
     turned["gyros"].as_array_mut().unwrap().rotate_left(1);
-    let again = server.post("/v1/records", "application/json", turned.to_string()).await;
+    let again = server.post_json("/v1/records", &turned).await;
     assert_eq!((again.status, &again.json()["id"]), (200, &first["id"]), "{}", again.text());
     let line = server.post("/v1/import", "application/x-ndjson", turned.to_string()).await;
     assert_eq!((&line.json()["status"], &line.json()["id"]), (&json!(200), &first["id"]));
@@ -580,7 +579,7 @@ async fn a_conflict_names_every_member_that_differs_of_the_gyro_in_its_slot() {
     turned["note"] = json!("measured again");
     turned["gyros"][0]["g_pulse_per_s_g0"][2] = json!(-3.4082);
     turned["gyros"][2]["serial"] = json!("LFG-0999");
-    let answer = server.post("/v1/records", "application/json", turned.to_string()).await;
+    let answer = server.post_json("/v1/records", &turned).await;
     let (status, detail, mut pointers) = problem(&answer);
     pointers.sort();
     assert_eq!(status, 409);
@@ -590,7 +589,7 @@ async fn a_conflict_names_every_member_that_differs_of_the_gyro_in_its_slot() {
     // A gyro that is stored is missing here; one of another slot is not stored.
     let mut fewer = paper();
     fewer["gyros"].as_array_mut().unwrap().remove(0);
-    let (_, _, pointers) = problem(&server.post("/v1/records", "application/json", fewer.to_string()).await);
+    let (_, _, pointers) = problem(&server.post_json("/v1/records", &fewer).await);
     assert_eq!(pointers, ["/gyros"]);
     // Of many members so many are named, and how many more there are.
     let mut other = paper();
@@ -601,7 +600,7 @@ async fn a_conflict_names_every_member_that_differs_of_the_gyro_in_its_slot() {
         }
         gyro["bias_pulse_per_s"] = json!(2.0);
     }
-    let (_, detail, pointers) = problem(&server.post("/v1/records", "application/json", other.to_string()).await);
+    let (_, detail, pointers) = problem(&server.post_json("/v1/records", &other).await);
     assert_eq!(pointers.len(), 20, "{pointers:?}");
     assert!(detail.ends_with(" … and 1 more"), "{detail}");
     assert_eq!(server.holdings().await, before);
@@ -672,7 +671,7 @@ async fn what_looks_odd_but_is_legal_is_accepted() {
         let mut record = paper();
         record["calibrated_at"] = json!(format!("2026-04-{:02}T08:00:00Z", day + 1));
         record[member] = value.clone();
-        let answer = server.post("/v1/records", "application/json", record.to_string()).await;
+        let answer = server.post_json("/v1/records", &record).await;
         assert_eq!(answer.status, 201, "{what}: {}", answer.text());
         let stored = server.get(&format!("/v1/records/{}", answer.json()["id"].as_str().unwrap())).await.json();
         if member != "calibrated_at" {
@@ -691,7 +690,7 @@ async fn what_looks_odd_but_is_legal_is_accepted() {
     one_gyro["imu"] = json!("ONE");
     one_gyro["calibrated_at"] = json!("2026-03-04T08:00:00Z");
     one_gyro["gyros"] = json!([one_gyro["gyros"][2]]);
-    assert_eq!(server.post("/v1/records", "application/json", one_gyro.to_string()).await.status, 201);
+    assert_eq!(server.post_json("/v1/records", &one_gyro).await.status, 201);
 }
 
 #[tokio::test]
@@ -741,10 +740,10 @@ fn nest(chance: &mut ChaCha8Rng) -> (usize, String) {
 async fn nesting_of_any_depth_and_kind_is_refused_and_nothing_is_kept() {
     let rounds = asked("GYROWATCH_SOAK_ROUNDS", 60);
     let server = Server::start().await;
-    assert_eq!(server.post("/v1/records", "application/json", paper().to_string()).await.status, 201);
+    assert_eq!(server.post_json("/v1/records", &paper()).await.status, 201);
     let ways = [
         ("/v1/records", paper()),
-        ("/v1/campaigns", serde_json::from_str(&support::data("practice/campaign-00.json")).unwrap()),
+        ("/v1/campaigns", document("practice/campaign-00.json")),
         ("/v1/bench-results", bench()),
         ("/v1/hooks", json!({"name": "line", "url": "http://127.0.0.1:9/", "kind": "standard-webhooks"})),
         ("/v1/tokens", json!({"name": "a", "role": "station"})),
@@ -983,7 +982,7 @@ async fn a_record_that_the_database_refuses_takes_no_other_of_its_group_along() 
     }
     let groups = asked("GYROWATCH_SOAK_ROUNDS", 4);
     let server = Server::start().await;
-    behind::execute(&server.dir().join("gyrowatch.db"), behind::POISON).await;
+    behind::execute(&server.database(), behind::POISON).await;
     // The larger ones are judged while another is being written.
     let sizes = [64, 320];
     let (mut good, mut poisoned, mut unreadable, mut ids) = ([0_i64; 320], 0, 0, BTreeSet::new());

@@ -3,15 +3,15 @@
 //! A flip counts where SQLite uses the byte: what is free within a page, and pages that are free, say nothing. Which
 //! bytes are used is read from the file itself, by its format (sqlite.org/fileformat2.html).
 
+use crate::behind;
 use std::ops::Range;
 use std::path::Path;
-use std::time::{Duration, Instant};
 
-use crate::support::{Server, asked, data, gyrowatch, paper_record, seed};
+use crate::command::{self, on_database, verified};
+use crate::support::{SUMMARY, Server, asked, data, file_url, once, paper_record, seed};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde_json::json;
-use sqlx::ConnectOptions;
 
 /// Everything that the service keeps is in it.
 async fn a_service_with_everything() -> Server {
@@ -37,13 +37,10 @@ async fn a_service_with_everything() -> Server {
     for campaign in ["practice/campaign-00.json", "practice/campaign-02.json"] {
         assert_eq!(server.post("/v1/campaigns", "application/json", data(campaign)).await.status, 201);
     }
-    let begun = Instant::now();
-    while server.get("/v1/diagnoses/summary").await.json()["campaigns"]["waiting"] != 0
-        || !server.holdings().await.iter().any(|(name, rows)| name == "delivery_attempt" && *rows > 0)
-    {
-        assert!(begun.elapsed() < Duration::from_secs(180));
-        tokio::time::sleep(Duration::from_millis(100)).await;
-    }
+    server.settled(SUMMARY).await;
+    let is_tried =
+        |holdings: &Vec<(String, i64)>| holdings.iter().any(|(name, n)| name == "delivery_attempt" && *n > 0);
+    once(async || server.holdings().await, is_tried).await;
     assert!(server.terminate().0.success());
     for table in
         ["record", "history", "voided_history", "event", "bench_result", "alert", "alert_step", "hook", "delivery"]
@@ -133,8 +130,7 @@ fn used_by_tree(file: &[u8], page: usize, used: &mut Vec<Range<usize>>) {
 
 /// The bytes that a database uses.
 async fn used(path: &Path) -> Vec<Range<usize>> {
-    let options = sqlx::sqlite::SqliteConnectOptions::new().filename(path).read_only(true);
-    let mut connection = options.connect().await.unwrap();
+    let mut connection = behind::read(path).await;
     let roots: Vec<u32> = sqlx::query_scalar("SELECT rootpage FROM sqlite_schema WHERE rootpage > 0")
         .fetch_all(&mut connection)
         .await
@@ -180,12 +176,9 @@ async fn found(whole: &Path, damaged: &Path, flips: usize, first: usize, finds: 
 async fn a_flipped_bit_in_a_backup_or_in_the_services_own_file_is_found() {
     let server = a_service_with_everything().await;
     let flips = asked("GYROWATCH_SOAK_FLIPS", 60);
-    let own = server.dir().join("gyrowatch.db");
+    let own = server.database();
     let run = |arguments: &[&str], database: &Path| {
-        let url = format!("sqlite://{}", database.display());
-        let mut command = gyrowatch();
-        command.args(arguments).current_dir(server.dir()).env("GYROWATCH_DATABASE_URL", url);
-        let output = command.output().unwrap();
+        let output = command::on(&file_url(database)).args(arguments).current_dir(server.dir()).output().unwrap();
         assert!(output.status.code().is_some(), "{arguments:?}: {output:?}");
         output.status.success()
     };
@@ -204,14 +197,9 @@ async fn a_flipped_bit_in_a_backup_or_in_the_services_own_file_is_found() {
 #[tokio::test]
 async fn a_change_of_any_table_is_named_and_the_service_keeps_its_own() {
     let server = a_service_with_everything().await;
-    let own = server.dir().join("gyrowatch.db");
+    let own = server.database();
     let whole = std::fs::read(&own).unwrap();
-    let verify = || {
-        let url = format!("sqlite://{}", own.display());
-        let output = gyrowatch().arg("verify").current_dir(server.dir()).env("GYROWATCH_DATABASE_URL", url).output();
-        let output = output.unwrap();
-        (output.status.success(), String::from_utf8([output.stdout, output.stderr].concat()).unwrap())
-    };
+    let verify = || on_database(&["verify"], server.dir());
     for (table, change) in [
         ("alert", "UPDATE alert SET fired_at = fired_at + 1 WHERE id = (SELECT min(id) FROM alert)"),
         ("alert_step", "UPDATE alert_step SET body = replace(body, 'warning', 'varning')"),
@@ -228,28 +216,20 @@ async fn a_change_of_any_table_is_named_and_the_service_keeps_its_own() {
         ("_sqlx_migrations", "UPDATE _sqlx_migrations SET description = 'other' WHERE version = 3"),
         ("checksum", "DELETE FROM checksum WHERE name = 'alert'"),
     ] {
-        let options = sqlx::sqlite::SqliteConnectOptions::new().filename(&own);
-        let mut connection = options.connect().await.unwrap();
-        sqlx::raw_sql(sqlx::AssertSqlSafe(change)).execute(&mut connection).await.unwrap();
-        sqlx::Connection::close(connection).await.unwrap();
-        let (success, said) = verify();
-        assert!(!success && said.contains(table), "{change}: {said}");
+        behind::execute(&own, change).await;
+        let (status, said) = verify();
+        assert!(status != Some(0) && said.contains(table), "{change}: {said}");
         std::fs::write(&own, &whole).unwrap();
     }
-    let (success, said) = verify();
-    assert!(success, "{said}");
+    let (status, said) = verify();
+    assert_eq!(status, Some(0), "{said}");
 }
 
 /// Checksums follow every kind of change, an interrupted one, and a change by another process.
 #[tokio::test]
 async fn the_checksums_hold_while_the_service_writes_and_after_it_was_killed() {
     let mut server = a_service_with_everything().await;
-    let url = format!("sqlite://{}", server.dir().join("gyrowatch.db").display());
-    let verified = |server: &Server| {
-        let output = gyrowatch().arg("verify").current_dir(server.dir()).env("GYROWATCH_DATABASE_URL", &url).output();
-        let output = output.unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&[output.stdout, output.stderr].concat()));
-    };
+    let url = file_url(&server.database());
     server.restart();
     let alerts = server.get("/v1/alerts").await.json();
     let alert = alerts["alerts"][0]["id"].as_str().unwrap();
@@ -262,18 +242,13 @@ async fn the_checksums_hold_while_the_service_writes_and_after_it_was_killed() {
     for k in 0..40 {
         assert_eq!(server.post_json("/v1/records", &paper_record(4, 1440 * k)).await.status, 201);
     }
-    verified(&server);
-    let output = gyrowatch()
-        .args(["token", "create", "a", "--role", "admin"])
-        .current_dir(server.dir())
-        .env("GYROWATCH_DATABASE_URL", &url)
-        .output()
-        .unwrap();
-    assert!(output.status.success(), "{output:?}");
-    verified(&server);
+    verified(&url);
+    let (status, said) = on_database(&["token", "create", "a", "--role", "admin"], server.dir());
+    assert_eq!(status, Some(0), "{said}");
+    verified(&url);
     server.kill();
-    verified(&server);
+    verified(&url);
     server.restart();
     assert!(server.terminate().0.success());
-    verified(&server);
+    verified(&url);
 }

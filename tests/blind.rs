@@ -1,5 +1,6 @@
 //! The blind check itself: campaigns are sound, the seal holds, and the score tells truth-tellers from liars.
 
+use crate::support::root;
 use std::collections::BTreeSet;
 
 use gyrowatch::blindcheck::answer::{Answer, AnsweredEffect, AnsweredHeldOut, AnsweredShift, Unseen};
@@ -248,7 +249,7 @@ fn a_diagnosis_that_fails_is_a_miss_and_is_reported() {
 
 /// The campaigns that `scripts/blind_generator.py` wrote.
 fn of_the_second_generator() -> Vec<Foreign> {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/second-generator");
+    let folder = root().join("tests/data/second-generator");
     let key: Key = serde_json::from_str(&std::fs::read_to_string(folder.join("key.json")).unwrap()).unwrap();
     let read = |name: String| std::fs::read_to_string(folder.join(name)).unwrap();
     key.into_iter().map(|(name, key)| Foreign { text: read(name.clone()), name, key }).collect()

@@ -10,9 +10,10 @@ use std::process::{Child, Stdio};
 use std::time::Duration;
 
 use crate::chromium::Browser;
+use crate::command::beside;
 use crate::nginx::Nginx;
 use crate::receiver::Receiver;
-use crate::support::{Server, data, gyrowatch};
+use crate::support::{Server, data, document, gyrowatch, root};
 use serde_json::Value;
 
 /// `gyrowatch demo`: two years of a fleet, the paper's tables, campaigns with something hidden in them.
@@ -169,12 +170,7 @@ async fn under_a_prefix_an_engineer_signs_in_sees_a_plot_and_reads_the_api() {
         return;
     }
     let server = Server::start_with(&[("GYROWATCH_SERVER__BASE_PATH", "/gyrowatch")]).await;
-    let url = format!("sqlite://{}", server.dir().join("gyrowatch.db").display());
-    let made = gyrowatch()
-        .args(["token", "create", "Li", "--role", "engineer"])
-        .env("GYROWATCH_DATABASE_URL", url)
-        .output()
-        .unwrap();
+    let made = beside(server.dir()).args(["token", "create", "Li", "--role", "engineer"]).output().unwrap();
     let token = String::from_utf8(made.stdout).unwrap();
     let bearer = format!("Bearer {}", token.trim());
     let headers = [("authorization", bearer.as_str()), ("content-type", "application/json")];
@@ -248,7 +244,7 @@ async fn an_operator_sees_what_is_wrong_with_a_file_before_anything_is_stored() 
         return;
     }
     let server = Server::start().await;
-    let good: Value = serde_json::from_str(&data("paper.json")).unwrap();
+    let good = document("paper.json");
     let mut bad = good.clone();
     bad["gyros"][1]["e_pulse_per_arcsec"] = serde_json::json!([0.0, 0.0, 0.0]);
     bad["calibrated_at"] = "yesterday".into();
@@ -273,7 +269,7 @@ async fn an_operator_sees_what_is_wrong_with_a_file_before_anything_is_stored() 
     }
     assert_eq!(server.holdings().await, before, "a preview stores nothing");
     // A table that may have been cut inside its last number says so before it is stored.
-    let table = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/examples/march.csv")).unwrap();
+    let table = std::fs::read_to_string(root().join("docs/examples/march.csv")).unwrap();
     let (whole, cut) = (server.dir().join("whole.csv"), server.dir().join("cut.csv"));
     std::fs::write(&whole, format!("{}\n", table.trim_end())).unwrap();
     std::fs::write(&cut, table.trim_end()).unwrap();
@@ -316,7 +312,7 @@ async fn an_engineer_voids_a_calibration_notes_a_repair_and_starts_a_baseline() 
         return;
     }
     let server = Server::start().await;
-    let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
+    let mut record = document("paper.json");
     for month in 1..=4 {
         record["calibrated_at"] = format!("2026-0{month}-01T08:00:00Z").into();
         assert_eq!(server.post_json("/v1/records", &record).await.status, 201);
@@ -419,7 +415,7 @@ async fn times_stand_in_the_viewers_zone_with_utc_beside_them() {
         return;
     }
     let server = Server::start().await;
-    let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
+    let mut record = document("paper.json");
     for month in 1..=4 {
         record["calibrated_at"] = format!("2026-0{month}-01T08:00:00Z").into();
         if month == 4 {
@@ -642,7 +638,7 @@ async fn the_jobs(width: u32, slower: u32) {
     let browser = Browser::open(&demo.base, demo.dir.path()).await;
     browser.look(width, 900, false).await;
     browser.cdp("Emulation.setCPUThrottlingRate", serde_json::json!({"rate": slower})).await;
-    let csv = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/examples/march.csv")).unwrap();
+    let csv = std::fs::read_to_string(root().join("docs/examples/march.csv")).unwrap();
     assert!(csv.lines().nth(6).unwrap().starts_with("# gyros: G1 LFG-3001, G2 LFG-3002,"));
     let faulty = demo.dir.path().join("march.csv");
     std::fs::write(&faulty, csv.replace("G2 LFG-3002", "G2")).unwrap();
@@ -1048,8 +1044,7 @@ async fn a_command_prints_a_report_and_refuses_what_is_none() {
     let demo = Demo::start();
     let file = demo.dir.path().join("report.pdf");
     let print = |address: String| {
-        let mut command =
-            std::process::Command::new(Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/print_report"));
+        let mut command = std::process::Command::new(root().join("scripts/print_report"));
         command.arg(address).arg(&file).env("CHROMIUM", "chromium --no-sandbox").env("GYROWATCH_LANGUAGE", "zh");
         command.output().unwrap()
     };

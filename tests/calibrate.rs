@@ -2,32 +2,12 @@
 
 use std::io::Write;
 
-use assert_cmd::Command;
+use crate::command::{answer, complaint, printed};
+use crate::support::document;
 use serde_json::Value;
 
 const CAMPAIGN: &str = "tests/data/practice/campaign-00.json";
 const XSENS: &str = "tests/data/measured/xsens-mti.json";
-
-fn calibrate(arguments: &[&str]) -> Command {
-    let mut command = Command::cargo_bin("gyrowatch").unwrap();
-    command.current_dir(env!("CARGO_MANIFEST_DIR")).arg("calibrate").args(arguments);
-    command
-}
-
-fn table(arguments: &[&str]) -> String {
-    String::from_utf8(calibrate(arguments).assert().success().get_output().stdout.clone()).unwrap()
-}
-
-fn answer(arguments: &[&str]) -> Value {
-    let output = calibrate(arguments).args(["--format", "json"]).assert().success();
-    serde_json::from_slice(&output.get_output().stdout).unwrap()
-}
-
-fn complaint(arguments: &[&str], status: i32) -> String {
-    let output = calibrate(arguments).assert().code(status);
-    assert_eq!(String::from_utf8_lossy(&output.get_output().stdout), "");
-    String::from_utf8(output.get_output().stderr.clone()).unwrap()
-}
 
 fn file(suffix: &str, text: &str) -> tempfile::NamedTempFile {
     let mut file = tempfile::Builder::new().suffix(suffix).tempfile().unwrap();
@@ -76,7 +56,7 @@ fn as_csv(path: &str) -> String {
 
 #[test]
 fn a_campaign_yields_drift_with_sigmas_and_the_fit_with_its_evidence() {
-    let answer = answer(&[CAMPAIGN]);
+    let answer = answer(&["calibrate", CAMPAIGN]);
     assert_eq!(answer["calibration"]["model"], serde_json::json!(["bias", "g_linear", "g_squared", "scale"]));
     assert_eq!(answer["calibration"]["repeats"].as_array().unwrap().len(), 6);
     for (gyro, separation) in
@@ -101,12 +81,12 @@ fn a_campaign_yields_drift_with_sigmas_and_the_fit_with_its_evidence() {
 #[test]
 fn csv_gives_the_same_answer_as_json() {
     let csv = file(".csv", &as_csv(CAMPAIGN));
-    assert_eq!(answer(&[csv.path().to_str().unwrap()]), answer(&[CAMPAIGN]));
+    assert_eq!(answer(&["calibrate", csv.path().to_str().unwrap()]), answer(&["calibrate", CAMPAIGN]));
 }
 
 #[test]
 fn the_table_shows_fit_parameters_residuals_and_drift() {
-    let text = table(&[CAMPAIGN]);
+    let text = printed(&["calibrate", CAMPAIGN]);
     for words in ["IMU-9000, measured by ST-A", "Gauge: P_x + P_y + P_z = 0", "E_z", "Largest residuals", "published"] {
         assert!(text.contains(words), "{words} is missing in\n{text}");
     }
@@ -114,40 +94,43 @@ fn the_table_shows_fit_parameters_residuals_and_drift() {
 
 #[test]
 fn fewer_terms_are_fitted_with_model() {
-    let xsens = answer(&[XSENS, "--model", "bias,g_linear"]);
+    let xsens = answer(&["calibrate", XSENS, "--model", "bias,g_linear"]);
     assert_eq!(xsens["calibration"]["gyros"][0]["e_source"], "held");
     assert_eq!(xsens["separations"].as_array().unwrap().len(), 3);
     let words: Vec<&str> = xsens["notes"].as_array().unwrap().iter().map(|n| n["code"].as_str().unwrap()).collect();
     // The Earth's rate is below the noise of these gyros: leaving it out is told of and no more.
     assert_eq!(words, ["static_rate", "no_attitudes", "no_temperatures", "no_repeats", "residuals_exceed_noise"]);
 
-    let no_scale = answer(&[CAMPAIGN, "--model", "bias,g_linear"]);
+    let no_scale = answer(&["calibrate", CAMPAIGN, "--model", "bias,g_linear"]);
     assert_eq!(no_scale["separations"], serde_json::json!([]));
     let reason = no_scale["not_separated"][0]["reason"].as_str().unwrap();
     assert!(reason.contains("there is no D_I and D_S in deg/(h g0)"), "{reason}");
-    assert!(table(&[CAMPAIGN, "--model", "bias,scale"]).contains("is not separated: the model has no g_linear term"));
-    assert!(complaint(&[CAMPAIGN, "--model", "bias,jerk"], 2).contains("unknown term \"jerk\""));
+    assert!(
+        printed(&["calibrate", CAMPAIGN, "--model", "bias,scale"])
+            .contains("is not separated: the model has no g_linear term")
+    );
+    assert!(complaint(&["calibrate", CAMPAIGN, "--model", "bias,jerk"], 2).contains("unknown term \"jerk\""));
 }
 
 #[test]
 fn a_refused_file_says_where_and_why() {
     let text = std::fs::read_to_string(CAMPAIGN).unwrap();
     let json = file(".json", &text.replacen("\"start_s\":240.0", "\"start_s\":100.0", 1));
-    let words = complaint(&[json.path().to_str().unwrap()], 1);
+    let words = complaint(&["calibrate", json.path().to_str().unwrap()], 1);
     assert!(words.contains(json.path().to_str().unwrap()) && words.contains("/dwells/1/start_s: overlaps"), "{words}");
     let csv = file(".csv", &as_csv(CAMPAIGN).replacen("temperature_c", "temp", 1));
-    let words = complaint(&[csv.path().to_str().unwrap()], 1);
+    let words = complaint(&["calibrate", csv.path().to_str().unwrap()], 1);
     assert!(words.contains("line 7, column"), "{words}");
 }
 
 #[test]
 fn exchanged_outputs_are_refused_as_an_impossible_e() {
-    let mut campaign: Value = serde_json::from_slice(&std::fs::read(CAMPAIGN).unwrap()).unwrap();
+    let mut campaign = document("practice/campaign-00.json");
     for dwell in campaign["dwells"].as_array_mut().unwrap() {
         dwell["output_pulse_s"].as_array_mut().unwrap().swap(0, 2);
     }
     let exchanged = file(".json", &campaign.to_string());
-    let words = complaint(&[exchanged.path().to_str().unwrap()], 1);
+    let words = complaint(&["calibrate", exchanged.path().to_str().unwrap()], 1);
     assert!(
         words.contains("/gyros/0") && words.contains("/gyros/2") && words.contains("deg from the input axis"),
         "{words}"
@@ -169,7 +152,7 @@ fn a_bench_test_yields_a_bench_result() {
         dwell["output_sem_pulse_s"].as_array_mut().unwrap().truncate(1);
     }
     let bench = file(".json", &campaign.to_string());
-    let answer = answer(&[bench.path().to_str().unwrap()]);
+    let answer = answer(&["calibrate", bench.path().to_str().unwrap()]);
     let result = &answer["bench_result"];
     assert_eq!((&result["method"], &result["serial"]), (&"torque_feedback".into(), &"LFG-9000-1".into()));
     // The same gyro in the same campaign: the key's D_I and D_S.
@@ -182,7 +165,7 @@ fn a_bench_test_yields_a_bench_result() {
 
 /// The campaign with something else in it, in a file of its own.
 fn changed(change: impl FnOnce(&mut Value)) -> tempfile::NamedTempFile {
-    let mut campaign: Value = serde_json::from_slice(&std::fs::read(CAMPAIGN).unwrap()).unwrap();
+    let mut campaign = document("practice/campaign-00.json");
     change(&mut campaign);
     file(".json", &campaign.to_string())
 }
@@ -193,7 +176,7 @@ fn path(file: &tempfile::NamedTempFile) -> &str {
 
 #[test]
 fn every_sd_says_what_it_is_made_of_and_is_as_before_where_the_station_states_nothing() {
-    let plain = answer(&[CAMPAIGN]);
+    let plain = answer(&["calibrate", CAMPAIGN]);
     assert_eq!(plain["calibration"]["station_uncertainty"], serde_json::json!({"stated": false}));
     for separation in plain["separations"].as_array().unwrap() {
         for name in ["d_i", "d_s", "d_o", "scale_factor"] {
@@ -202,12 +185,12 @@ fn every_sd_says_what_it_is_made_of_and_is_as_before_where_the_station_states_no
             assert_eq!((&parts["statistical"], &parts["combined"]), (&separation[name]["sd"], &separation[name]["sd"]));
         }
     }
-    assert!(table(&[CAMPAIGN]).contains("No uncertainty of the station is stated"));
+    assert!(printed(&["calibrate", CAMPAIGN]).contains("No uncertainty of the station is stated"));
     let stated = changed(|campaign| {
         campaign["station_uncertainty"] =
             serde_json::json!({"levelling_arcsec": 20, "azimuth_arcsec": 30, "fixture_arcsec": 5})
     });
-    let found = answer(&[path(&stated)]);
+    let found = answer(&["calibrate", path(&stated)]);
     for (before, after) in plain["separations"].as_array().unwrap().iter().zip(found["separations"].as_array().unwrap())
     {
         assert_eq!(before["d_i"]["value"], after["d_i"]["value"]);
@@ -217,8 +200,8 @@ fn every_sd_says_what_it_is_made_of_and_is_as_before_where_the_station_states_no
         assert!(after["d_i"]["sd"].as_f64() > before["d_i"]["sd"].as_f64());
     }
     let as_csv = file(".csv", &as_csv(path(&stated)));
-    assert_eq!(answer(&[path(&as_csv)]), found);
-    assert!(!table(&[path(&stated)]).contains("No uncertainty"));
+    assert_eq!(answer(&["calibrate", path(&as_csv)]), found);
+    assert!(!printed(&["calibrate", path(&stated)]).contains("No uncertainty"));
 }
 
 #[test]
@@ -229,7 +212,7 @@ fn what_a_campaign_cannot_tell_of_its_station_is_said() {
             dwell.as_object_mut().unwrap().remove("attitude");
         }
     });
-    let found = answer(&[path(&without)]);
+    let found = answer(&["calibrate", path(&without)]);
     let parts = &found["separations"][0]["uncertainty"]["d_s"];
     assert!(parts["levelling"].is_null() && parts["fixture"].is_number(), "{parts}");
     let note = found["notes"].as_array().unwrap().iter().find(|n| n["code"] == "station_left_out").expect("said");
@@ -257,12 +240,12 @@ fn three(bias: f64) -> Vec<tempfile::NamedTempFile> {
 fn several_campaigns_say_what_repeats_between_them() {
     let files = three(0.02);
     // The order of the files is that of a shell, and says nothing.
-    let arguments = [path(&files[2]), path(&files[0]), path(&files[1])];
+    let arguments = ["calibrate", path(&files[2]), path(&files[0]), path(&files[1])];
     let found = answer(&arguments);
     let campaigns = found["campaigns"].as_array().unwrap();
     let times: Vec<&str> = campaigns.iter().map(|one| one["measured_at"].as_str().unwrap()).collect();
     assert_eq!(times, ["2026-03-01T08:00:00Z", "2026-03-02T08:00:00Z", "2026-03-03T08:00:00Z"]);
-    assert_eq!(answer(&[path(&files[1])]), campaigns[1]);
+    assert_eq!(answer(&["calibrate", path(&files[1])]), campaigns[1]);
     let of = |slot: &str, coefficient: &str| {
         let all = found["between_campaigns"].as_array().unwrap().iter();
         all.clone().find(|r| r["slot"] == slot && r["coefficient"] == coefficient).unwrap().clone()
@@ -292,10 +275,10 @@ fn several_campaigns_say_what_repeats_between_them() {
     let beyond = d_f["beyond_sd"].as_f64().unwrap();
     assert!((0.9..1.1).contains(&(beyond / between)), "{d_f}");
     assert!(d_f["sd"].as_f64().unwrap() > 0.9 * between / f64::sqrt(3.0), "{d_f}");
-    let text = table(&arguments);
+    let text = printed(&arguments);
     assert!(text.contains("the sd of the mean holds it: G1 D_F, G2 D_F, G3 D_F"), "{text}");
     let alike = three(0.0);
-    let text = table(&[path(&alike[0]), path(&alike[1])]);
+    let text = printed(&["calibrate", path(&alike[0]), path(&alike[1])]);
     assert!(text.contains("No coefficient differs between campaigns by more than is stated"), "{text}");
 }
 
@@ -311,7 +294,7 @@ fn campaigns_of_other_imus_gyros_or_instants_are_refused_by_file() {
     let other_gyro = later(|campaign| campaign["gyros"][1]["serial"] = "LFG-1".into());
     let same_instant = changed(|_| ());
     for (file, why) in [(&other_imu, "IMU-1"), (&other_gyro, "LFG-1"), (&same_instant, "")] {
-        let words = complaint(&[CAMPAIGN, path(file)], 1);
+        let words = complaint(&["calibrate", CAMPAIGN, path(file)], 1);
         assert!(words.contains(path(file)) && words.contains(CAMPAIGN) && words.contains(why), "{words}");
     }
 }

@@ -2,20 +2,20 @@
 
 use crate::lab;
 
-use std::path::Path;
-
 use reqwest::Method;
 use reqwest::header::CONTENT_TYPE;
 use serde_json::{Value, json};
 
+use crate::command;
 use crate::lab::{Answer, JSON, Lab, assert_close, tables_3_and_4, verdict};
+use crate::support::{data_path, document};
 use gyrowatch::config::StatedUncertainty;
 
 const CSV: &str = "text/csv";
 
 /// Practice campaign 0: no hidden effect; the key has its D_I and D_S.
 fn campaign() -> Value {
-    serde_json::from_str(include_str!("data/practice/campaign-00.json")).unwrap()
+    document("practice/campaign-00.json")
 }
 
 /// D_I and D_S of the key.
@@ -303,13 +303,11 @@ async fn designs_that_show_too_little_are_answered_with_what_is_missing() {
 #[tokio::test]
 async fn the_diagnosis_of_a_stored_campaign_is_the_command_lines() {
     let mut lab = Lab::open().await;
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/practice/campaign-03.json");
-    let sent: Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+    let path = data_path("practice/campaign-03.json");
+    let sent = document("practice/campaign-03.json");
     let id = posts(&lab, &sent).await.created()["id"].as_str().unwrap().to_owned();
     let diagnosis = lab.diagnosis(&id).await.ok();
-    let mut command = assert_cmd::Command::cargo_bin("gyrowatch").unwrap();
-    let printed = command.args(["diagnose", "--format", "json"]).arg(&path).assert().success();
-    let printed: Value = serde_json::from_slice(&printed.get_output().stdout).unwrap();
+    let printed = command::answer(&["diagnose", path.to_str().unwrap()]);
     let mut alone = diagnosis.clone();
     // What was foretold of a campaign follows from the stored ones before it.
     assert!(alone.as_object_mut().unwrap().remove("forecast").is_some());

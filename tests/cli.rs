@@ -1,5 +1,6 @@
 //! The command line as people and scripts use it: what it prints where, and how it ends.
 
+use crate::command::{answer, printed};
 use std::io::Write;
 
 use assert_cmd::Command;
@@ -12,11 +13,6 @@ fn gyrowatch(arguments: &[&str]) -> Command {
     let mut command = Command::cargo_bin("gyrowatch").unwrap();
     command.current_dir(env!("CARGO_MANIFEST_DIR")).args(arguments);
     command
-}
-
-fn printed(arguments: &[&str]) -> String {
-    let output = gyrowatch(arguments).assert().success();
-    String::from_utf8(output.get_output().stdout.clone()).unwrap()
 }
 
 /// What goes to standard error, and that nothing goes to standard output.
@@ -48,7 +44,7 @@ fn near(value: &Value, golden: f64) {
 
 #[test]
 fn the_papers_record_is_separated_into_its_golden_figures() {
-    let answer: Value = serde_json::from_str(&printed(&["separate", PAPER, "--format", "json"])).unwrap();
+    let answer = answer(&["separate", PAPER]);
     for (separation, golden) in answer["separations"].as_array().unwrap().iter().zip(GOLDEN) {
         assert_eq!(separation["method"], "rigid");
         for (name, golden) in ["d_i", "d_s", "d_o"].iter().zip(golden) {
@@ -85,7 +81,7 @@ fn people_get_a_table_with_every_method() {
 fn what_lies_outside_its_requirement_is_said_without_a_history() {
     let file = paper_with("[2.4210, 4.0554, 6.5179]", "[20.0, 4.0554, 6.5179]");
     let path = file.path().to_str().unwrap();
-    let answer: Value = serde_json::from_str(&printed(&["separate", path, "--format", "json"])).unwrap();
+    let answer = answer(&["separate", path]);
     let verdicts = answer["verdicts"].as_array().unwrap();
     let said: Vec<String> = verdicts
         .iter()
@@ -316,7 +312,7 @@ fn a_diagnosis_for_people_says_how_sure_a_name_is_and_what_it_does_to_each_gyro(
     let page = dir.path().join("report.html");
     let table = printed(&["diagnose", file, "--report", page.to_str().unwrap()]);
     let page = std::fs::read_to_string(page).unwrap();
-    let answer: Value = serde_json::from_str(&printed(&["diagnose", file, "--format", "json"])).unwrap();
+    let answer = answer(&["diagnose", file]);
     for effect in answer["effects"].as_array().unwrap() {
         let (p, d) = (effect["p_value_adjusted"].as_f64().unwrap(), effect["detectability"].as_f64().unwrap());
         let id = effect["effect"].as_str().unwrap();
@@ -356,7 +352,7 @@ fn a_clean_campaign_shows_no_finding_and_says_that_what_was_tried_is_chance() {
     let table = printed(&["diagnose", file]);
     assert!(table.contains("No gap: fitted to this campaign, the model leaves no more than noise."), "{table}");
     assert!(table.contains("within the noise: no finding") && !table.contains("Also beyond the noise"), "{table}");
-    let answer: Value = serde_json::from_str(&printed(&["diagnose", file, "--format", "json"])).unwrap();
+    let answer = answer(&["diagnose", file]);
     let gap = &answer["gap"];
     let alone = gap["noise_alone_deg_per_h"].as_f64().unwrap();
     assert!((gap["rms_deg_per_h"].as_f64().unwrap() / alone - 1.0).abs() < 0.1, "{gap}");
@@ -445,7 +441,7 @@ fn a_document_of_a_wrong_form_is_told_all_of_it_in_words_of_json() {
 
 #[test]
 fn the_clocking_is_the_small_turn_also_where_d_s_is_negative() {
-    let answer: Value = serde_json::from_str(&printed(&["separate", PAPER, "--format", "json"])).unwrap();
+    let answer = answer(&["separate", PAPER]);
     for (separation, golden) in answer["separations"].as_array().unwrap().iter().zip(GOLDEN) {
         let expected = (golden[2] / golden[1]).atan().to_degrees();
         let clocking = separation["clocking_deg"]["value"].as_f64().unwrap();

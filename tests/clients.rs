@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use crate::support::{Server, required};
+use crate::support::{Server, required, root};
 use serde_json::json;
 
 /// By the system's Python, which needs nothing else, and by one that has pandas.
@@ -12,7 +12,7 @@ async fn the_python_client_posts_reads_and_retries() {
     if !required("python3") {
         return;
     }
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = root();
     let server = Server::start().await;
     let mut plain = Command::new("python3");
     plain.args(["-m", "unittest", "discover", "-s", "tests"]).current_dir(root.join("clients/python"));
@@ -26,7 +26,7 @@ async fn the_python_client_posts_reads_and_retries() {
 
 /// Runs the tests of `clients/python`.
 fn passes(tests: &mut Command) -> String {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
+    let data = root().join("tests/data");
     let output = tests.env("GYROWATCH_TEST_DATA", data).output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success() && said.contains("OK") && !said.contains("Ran 0 tests"), "{said}");
@@ -42,7 +42,7 @@ async fn with_token(server: &Server) -> String {
 }
 
 fn script() -> Command {
-    Command::new(Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/clients"))
+    Command::new(root().join("scripts/clients"))
 }
 
 /// Whether there are generators and types; where they cannot be had a test says so and passes over.
@@ -62,7 +62,7 @@ fn dashboards_are_what_grafana_s_own_types_say() {
     if !are_there() {
         return;
     }
-    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/grafana");
+    let config = root().join("config/grafana");
     let checked = |dir: &Path| {
         let output = script().arg("dashboards").arg(dir).output().unwrap();
         (output.status.success(), String::from_utf8_lossy(&output.stdout).into_owned())
@@ -78,7 +78,7 @@ fn dashboards_are_what_grafana_s_own_types_say() {
 
 #[tokio::test]
 async fn generated_clients_in_python_and_typescript_compile_and_are_used() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = root();
     if !are_there() {
         return;
     }

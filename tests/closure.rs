@@ -1,18 +1,13 @@
 //! What a calibration record says by itself: Tables 3-4 of the paper, whose closure two coefficients cannot explain.
 
+use crate::command::answer;
 use crate::lab::{Lab, day, record, tables_3_and_4};
 use crate::support::{data_path, gyrowatch};
 use serde_json::{Value, json};
 
-fn diagnose(path: &str) -> Value {
-    let output = gyrowatch().args(["diagnose", path, "--format", "json"]).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
 #[test]
 fn the_paper_s_tables_have_a_gap_of_one_class_and_say_what_would_tell_it_apart() {
-    let answer = diagnose(data_path("paper.json").to_str().unwrap());
+    let answer = answer(&["diagnose", data_path("paper.json").to_str().unwrap()]);
     assert_eq!(answer["verdict"], "partly_explained");
     let effects = answer["effects"].as_array().unwrap();
     assert_eq!(effects.len(), 1, "one class, not two causes");
@@ -51,7 +46,7 @@ fn a_record_without_a_closure_has_no_gap_and_what_needs_dwells_is_refused() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("record.json");
     std::fs::write(&path, record("IMU-1", &day(0), &[("G1", "A", 3.0, 4.0)]).to_string()).unwrap();
-    let answer = diagnose(path.to_str().unwrap());
+    let answer = answer(&["diagnose", path.to_str().unwrap()]);
     assert_eq!((&answer["verdict"], &answer["effects"]), (&json!("no_gap"), &json!([])));
     let model = dir.path().join("model.json");
     let output = gyrowatch().arg("diagnose").arg(&path).arg("--adopt").arg(&model).output().unwrap();
@@ -64,7 +59,7 @@ fn a_record_without_a_closure_has_no_gap_and_what_needs_dwells_is_refused() {
 async fn the_service_answers_the_same_for_a_stored_record() {
     let lab = Lab::open().await;
     let stored = lab.posts(&tables_3_and_4()).await;
-    let answer = lab.get(&format!("/v1/records/{}/diagnosis", stored["id"].as_str().unwrap())).await.ok();
-    assert_eq!(answer, diagnose(data_path("paper.json").to_str().unwrap()));
+    let served = lab.get(&format!("/v1/records/{}/diagnosis", stored["id"].as_str().unwrap())).await.ok();
+    assert_eq!(served, answer(&["diagnose", data_path("paper.json").to_str().unwrap()]));
     lab.get("/v1/records/0000000000000/diagnosis").await.refused(404);
 }

@@ -5,6 +5,7 @@ use crate::lab;
 use crate::support;
 
 use crate::lab::{Lab, bench, day, record, verdict};
+use crate::support::document;
 use serde_json::{Value, json};
 
 fn of_a(at: i64, d_i: f64) -> Value {
@@ -381,7 +382,7 @@ async fn a_voided_separation_is_compared_no_more_with_the_bench() {
 #[tokio::test]
 async fn a_campaign_is_voided_and_revised_like_a_record() {
     let lab = Lab::open().await;
-    let campaign: Value = serde_json::from_str(&support::data("practice/campaign-00.json")).unwrap();
+    let campaign = document("practice/campaign-00.json");
     let id = id_of(&lab.post("/v1/campaigns", &campaign).await.created());
     let serial = campaign["gyros"][0]["serial"].as_str().unwrap();
     assert_eq!(lab.sees_trend(serial, "").await.len(), 1);

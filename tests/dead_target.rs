@@ -5,10 +5,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use crate::lab::{Lab, day, record};
+use crate::lab::Lab;
 use crate::receiver::{Receiver, Told};
+use crate::support::once;
 use axum::http::StatusCode;
-use axum::response::IntoResponse;
 use gyrowatch::core::time::UtcMicros;
 use gyrowatch::wire::time;
 use serde_json::{Value, json};
@@ -32,27 +32,18 @@ struct Scene {
 impl Scene {
     async fn set() -> Self {
         let lab = Lab::with(|config| config.hooks.retry_waits_s = WAITS_S.to_vec()).await;
-        let up = Arc::new(AtomicBool::new(false));
-        let is_up = up.clone();
-        let troubled = Receiver::answering(move |_, _| match is_up.load(Ordering::SeqCst) {
-            true => ().into_response(),
-            false => StatusCode::BAD_GATEWAY.into_response(),
-        })
-        .await;
+        let (troubled, up) = Receiver::switched(false, StatusCode::BAD_GATEWAY).await;
         let sound = Receiver::start().await;
         let mut hooks = Vec::new();
         for target in [&troubled, &sound] {
-            let hook = json!({"kind": "standard-webhooks", "url": target.url(), "filter": {"rules": ["step"]}});
-            hooks.push(lab.post("/v1/hooks", &hook).await.created()["id"].as_str().unwrap().to_owned());
+            hooks.push(lab.tells(target, json!({"filter": {"rules": ["step"]}})).await);
         }
         let (sound_hook, troubled_hook) = (hooks.remove(1), hooks.remove(0));
         Self { lab, up, troubled, sound, troubled_hook, sound_hook }
     }
 
     async fn station_posts(&self, serial: &str, history: &[(i64, f64)]) {
-        for (at, d_i) in history {
-            self.lab.posts(&record(&format!("IMU-{serial}"), &day(*at), &[("G1", serial, *d_i, 2.0)])).await;
-        }
+        self.lab.posts_history(&format!("IMU-{serial}"), serial, history).await;
     }
 
     /// Deliveries of a hook, oldest first.
@@ -73,18 +64,14 @@ impl Scene {
 
     /// Waits until the first delivery to the troubled target has had so many attempts, and is not under way.
     async fn has_tried(&self, attempts: usize) -> Value {
-        let patience = Instant::now() + Duration::from_secs(120);
-        loop {
-            let first = self.deliveries(&self.troubled_hook, "").await.remove(0);
+        let look = async || self.deliveries(&self.troubled_hook, "").await.remove(0);
+        let has_settled = |first: &Value| {
             // Attempts are read after the rest of a delivery: one that has just been written down shows half.
             let due = first["due_at"].as_str().map(|due| time::parse(due).unwrap());
             let settled = due.is_none_or(|due| due > self.lab.clock.now());
-            if settled && first["attempts"].as_array().unwrap().len() >= attempts {
-                return first;
-            }
-            assert!(Instant::now() < patience, "{attempts} attempts: {first}");
-            tokio::time::sleep(Duration::from_millis(10)).await;
-        }
+            settled && first["attempts"].as_array().unwrap().len() >= attempts
+        };
+        once(look, has_settled).await
     }
 
     /// Climbs the ladder to the attempt that is the `rungs`-th after the first: each comes when it is due, and not
@@ -140,13 +127,9 @@ async fn a_target_that_is_down_for_three_days_is_told_everything_in_order_when_i
     // While it is down, the alert becomes critical and ends, and another begins.
     scene.station_posts("A", &[(80, 1.03), (120, 1.03)]).await;
     scene.station_posts("B", &[(0, 1.0), (40, 1.03)]).await;
-    let patience = Instant::now() + Duration::from_secs(120);
-    while Scene::alerts_told(&scene.sound).len() < 4 {
-        assert!(Instant::now() < patience, "the other target is told at once");
-        tokio::time::sleep(Duration::from_millis(10)).await;
-    }
-    // What one alert does comes in order; two wait for one another only where a target is slow.
-    let sound = Scene::alerts_told(&scene.sound);
+    // The other target is told at once. What one alert does comes in order; two wait for one another only where a
+    // target is slow.
+    let sound = once(async || Scene::alerts_told(&scene.sound), |told| told.len() >= 4).await;
     let of = |serial: &str| -> Vec<Told> {
         sound.iter().filter(|told| told.json()["data"]["serial"] == serial).cloned().collect()
     };

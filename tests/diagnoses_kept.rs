@@ -3,66 +3,28 @@
 use crate::cluster;
 use std::time::Duration;
 
-use crate::lab::Lab;
+use crate::lab::{Lab, at};
+use crate::support::{document, id, once};
 use serde_json::{Value, json};
-use sqlx::{Connection, PgConnection, SqliteConnection};
 
 /// A practice campaign with `temperature_bias` in it, at some time.
 fn campaign(measured_at: &str) -> Value {
-    let mut campaign: Value = serde_json::from_str(include_str!("data/practice/campaign-02.json")).unwrap();
-    campaign["measured_at"] = measured_at.into();
-    campaign
-}
-
-fn id(stored: &Value) -> &str {
-    stored["id"].as_str().unwrap()
-}
-
-/// Works with a connection to the database of a laboratory, whichever it is.
-macro_rules! connected {
-    ($lab:expr, $connection:ident => $work:expr) => {
-        if cluster::is_wanted() {
-            let mut $connection = PgConnection::connect(&$lab.config.database.url).await.unwrap();
-            let done = $work;
-            $connection.close().await.unwrap();
-            done
-        } else {
-            let mut $connection = SqliteConnection::connect(&$lab.config.database.url).await.unwrap();
-            let done = $work;
-            $connection.close().await.unwrap();
-            done
-        }
-    };
-}
-
-/// Changes the database of a service that stands still.
-async fn tamper(lab: &Lab, sql: &'static str) {
-    let rows = connected!(lab, connection => sqlx::query(sql).execute(&mut connection).await.unwrap().rows_affected());
-    assert!(rows > 0, "{sql}");
+    at(document("practice/campaign-02.json"), measured_at)
 }
 
 /// The one that is kept, inflated by hand.
 async fn kept(lab: &Lab) -> Value {
-    let sql = "SELECT packed FROM diagnosis";
-    let packed: Vec<u8> =
-        connected!(lab, connection => sqlx::query_scalar(sql).fetch_one(&mut connection).await.unwrap());
-    serde_json::from_reader(flate2::read::ZlibDecoder::new(&packed[..])).unwrap()
+    let packed: Vec<(Vec<u8>,)> = lab.rows("SELECT packed FROM diagnosis").await;
+    serde_json::from_reader(flate2::read::ZlibDecoder::new(&packed[0].0[..])).unwrap()
 }
 
 async fn due(lab: &Lab) -> i64 {
-    let sql = "SELECT count(*) FROM diagnosis WHERE body IS NULL";
-    connected!(lab, connection => sqlx::query_scalar(sql).fetch_one(&mut connection).await.unwrap())
+    lab.rows::<(i64,)>("SELECT count(*) FROM diagnosis WHERE body IS NULL").await[0].0
 }
 
 /// Until nothing is due; nobody asks for a diagnosis meanwhile.
 async fn all_made(lab: &Lab) {
-    for _ in 0..600 {
-        if due(lab).await == 0 {
-            return;
-        }
-        tokio::time::sleep(Duration::from_millis(100)).await;
-    }
-    panic!("a minute was not enough");
+    once(async || due(lab).await, |due| *due == 0).await;
 }
 
 #[tokio::test]
@@ -80,15 +42,12 @@ async fn a_kept_diagnosis_is_served_after_a_restart_and_made_again_by_another_pr
     let mut text = kept(&lab).await;
     text["verdict"] = "as kept".into();
     // As an earlier version kept it.
-    let sql = "UPDATE diagnosis SET body = $1, packed = NULL";
-    connected!(lab, connection => {
-        sqlx::query(sql).bind(text.to_string()).execute(&mut connection).await.unwrap();
-    });
+    lab.change_to("UPDATE diagnosis SET body = $1, packed = NULL", &[&text.to_string()]).await;
     lab.start().await;
     assert_eq!(lab.diagnosis(id(&stored)).await.ok()["verdict"], "as kept");
 
     lab.stop().await;
-    tamper(&lab, "UPDATE diagnosis SET program = '0.0.1, method 0'").await;
+    assert!(lab.change("UPDATE diagnosis SET program = '0.0.1, method 0'").await > 0);
     lab.start().await;
     assert_eq!(lab.diagnosis(id(&stored)).await.ok(), made);
     lab.stop().await;
@@ -102,7 +61,7 @@ async fn what_was_due_when_the_service_stopped_is_made_after_its_start() {
         lab.post("/v1/campaigns", &campaign(&format!("2026-05-0{day}T08:00:00Z"))).await.created();
     }
     lab.stop().await;
-    tamper(&lab, "UPDATE diagnosis SET body = NULL").await;
+    assert!(lab.change("UPDATE diagnosis SET body = NULL").await > 0);
     lab.start().await;
     all_made(&lab).await;
 }
@@ -154,17 +113,11 @@ async fn what_could_not_be_kept_is_made_again_without_anybody_asking() {
     lab.post("/v1/campaigns", &campaign("2026-05-01T08:00:00Z")).await.created();
     all_made(&lab).await;
     lab.stop().await;
-    tamper(&lab, "UPDATE diagnosis SET body = NULL, packed = NULL").await;
-    execute(&lab, refuses).await;
+    assert!(lab.change("UPDATE diagnosis SET body = NULL, packed = NULL").await > 0);
+    lab.change(refuses).await;
     lab.start().await;
     tokio::time::sleep(Duration::from_secs(5)).await;
     assert_eq!(due(&lab).await, 1);
-    execute(&lab, takes).await;
+    lab.change(takes).await;
     all_made(&lab).await;
-}
-
-async fn execute(lab: &Lab, sql: &'static str) {
-    connected!(lab, connection => {
-        sqlx::query(sql).execute(&mut connection).await.unwrap();
-    });
 }

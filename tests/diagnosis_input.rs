@@ -3,7 +3,9 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use crate::support::{data_path, gyrowatch};
+use crate::command::run;
+use crate::lab::effects;
+use crate::support::document;
 use gyrowatch::simulate::scenario::EffectChoice;
 use gyrowatch::simulate::{Scenario, simulate};
 use gyrowatch::wire::campaign::to_json;
@@ -15,7 +17,7 @@ use serde_json::{Value, json};
 
 /// Practice campaign 0: nothing is hidden in it.
 fn clean() -> Value {
-    serde_json::from_slice(&std::fs::read(data_path("practice/campaign-00.json")).unwrap()).unwrap()
+    document("practice/campaign-00.json")
 }
 
 /// What came of it: the answer, or what the refusal says.
@@ -23,16 +25,15 @@ fn diagnosed(campaign: &Value) -> Result<Value, String> {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("campaign.json");
     std::fs::write(&path, campaign.to_string()).unwrap();
-    let output = gyrowatch().arg("diagnose").arg(&path).args(["--format", "json"]).output().unwrap();
-    let (out, error) = (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
+    let (status, out, error) = run(&["diagnose", path.to_str().unwrap(), "--format", "json"]);
     assert!(!error.contains("panicked"), "{error}");
-    match output.status.code() {
-        Some(0) => Ok(serde_json::from_str(&out).unwrap()),
-        Some(1) => {
+    match status {
+        0 => Ok(serde_json::from_str(&out).unwrap()),
+        1 => {
             assert_eq!(out, "");
             Err(error)
         }
-        other => panic!("{other:?}: {error}"),
+        other => panic!("{other}: {error}"),
     }
 }
 
@@ -210,10 +211,6 @@ fn temperature_bias() -> Value {
     serde_json::from_str(&to_json(&simulate(&scenario).unwrap().campaign)).unwrap()
 }
 
-fn names(answer: &Value) -> Vec<&str> {
-    answer["effects"].as_array().unwrap().iter().map(|e| e["effect"].as_str().unwrap()).collect()
-}
-
 #[rstest]
 #[case(999.0)]
 #[case(-273.15)]
@@ -224,7 +221,7 @@ fn a_thermometers_fault_value_is_named_and_left_out(#[case] fault: f64) {
     let mut campaign = temperature_bias();
     dwells(&mut campaign)[40]["temperature_c"] = json!(fault);
     let answer = diagnosed(&campaign).unwrap();
-    assert_eq!((&answer["verdict"], names(&answer)), (&json!("explained"), vec!["temperature_bias"]));
+    assert_eq!((&answer["verdict"], effects(&answer)), (&json!("explained"), vec!["temperature_bias"]));
     let notes: Vec<&str> = answer["notes"].as_array().unwrap().iter().map(|n| n.as_str().unwrap()).collect();
     let told = |note: &&str| note.contains(&format!("of /dwells/40 is {fault} deg C")) && note.contains("left out");
     assert!(notes.iter().any(told), "{notes:?}");
@@ -238,7 +235,7 @@ fn temperatures_and_standard_errors_are_used_where_they_are() {
         dwells(&mut campaign)[(k + 3) % 78].as_object_mut().unwrap().remove("output_sem_pulse_s");
     }
     let answer = diagnosed(&campaign).unwrap();
-    assert_eq!((&answer["verdict"], names(&answer)), (&json!("explained"), vec!["temperature_bias"]));
+    assert_eq!((&answer["verdict"], effects(&answer)), (&json!("explained"), vec!["temperature_bias"]));
 }
 
 /// A chamber's log: one orientation, a ramp of temperature, an accelerometer that drifts with it, no attitude and no
@@ -275,11 +272,11 @@ fn thermal_log(seed: u64, bend: f64) -> Value {
 fn a_thermal_log_is_put_down_to_temperature_and_to_nothing_implausible() {
     for seed in 0..6 {
         let answer = diagnosed(&thermal_log(seed, 0.0)).unwrap();
-        assert_eq!(names(&answer).first(), Some(&"temperature_bias"), "{seed}: {answer}");
+        assert_eq!(effects(&answer).first(), Some(&"temperature_bias"), "{seed}: {answer}");
         let bent = diagnosed(&thermal_log(seed, 0.6)).unwrap();
         let signs = bent["remaining"]["signs"].to_string();
-        match names(&bent).first() {
-            Some(name) => assert!(name.starts_with("temperature"), "{seed}: {:?}", names(&bent)),
+        match effects(&bent).first() {
+            Some(name) => assert!(name.starts_with("temperature"), "{seed}: {:?}", effects(&bent)),
             None => assert!(signs.contains("temperature"), "{seed}: {signs}"),
         }
         for answer in [answer, bent] {
@@ -299,7 +296,7 @@ fn nothing_is_named_that_no_gyro_can_have() {
         without(&mut log, "temperature_c");
         let answer = diagnosed(&log).unwrap();
         let of_force = ["g_linear", "g_squared", "cross_compliance", "cubic_g"];
-        assert!(names(&answer).iter().all(|name| !of_force.contains(name)), "{seed}: {:?}", names(&answer));
+        assert!(effects(&answer).iter().all(|name| !of_force.contains(name)), "{seed}: {:?}", effects(&answer));
         let implausible = |c: &&Value| c["why_not"] == "its size would be beyond what is plausible";
         assert!(answer["candidates"].as_array().unwrap().iter().filter(implausible).count() > 0, "{seed}: {answer}");
     }

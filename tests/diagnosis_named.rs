@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::support::{data, data_path};
+use crate::support::document;
 use gyrowatch::blindcheck::draw::{Case, Draw, Trial};
 use gyrowatch::core::augmented::Options;
 use gyrowatch::core::diagnose::{Diagnosis, Verdict, diagnose};
@@ -32,7 +32,7 @@ fn means(diagnosis: &Diagnosis, id: &str) -> bool {
 }
 
 fn practice(name: &str) -> Value {
-    serde_json::from_slice(&std::fs::read(data_path("practice").join(name)).unwrap()).unwrap()
+    document(&format!("practice/{name}"))
 }
 
 fn diagnosed(campaign: &Value) -> Diagnosis {
@@ -43,7 +43,7 @@ fn diagnosed(campaign: &Value) -> Diagnosis {
 /// By itself each gyro would rather have an entry of its own, `scale_quadratic` and `scale_asymmetry`.
 #[test]
 fn a_cause_that_two_entries_explain_alike_has_one_name_in_all_its_gyros() {
-    let answer = diagnosed(&serde_json::from_str(&data("one-name-for-both.json")).unwrap());
+    let answer = diagnosed(&document("one-name-for-both.json"));
     assert_eq!(names(&answer), BTreeSet::from(["scale_asymmetry"]));
     assert_eq!(answer.effects[0].gyros, [Slot::G1, Slot::G2]);
     assert_eq!(answer.verdict, Verdict::Explained);

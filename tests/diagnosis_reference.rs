@@ -4,20 +4,20 @@ use crate::support;
 
 use std::path::{Path, PathBuf};
 
+use crate::command::{answer, ended};
 use crate::lab::Lab;
-use crate::support::{Server, data_path, gyrowatch};
+use crate::support::{Server, data_path, document, gyrowatch};
 use serde_json::{Value, json};
 
 /// Practice campaign 0: nothing is hidden in it.
 fn clean() -> Value {
-    serde_json::from_slice(&std::fs::read(data_path("practice/campaign-00.json")).unwrap()).unwrap()
+    document("practice/campaign-00.json")
 }
 
 /// |E| of the practice IMU's gyros, pulse/arcsec.
 fn scale() -> f64 {
     let campaign = data_path("practice/campaign-00.json");
-    let output = gyrowatch().arg("calibrate").arg(campaign).args(["--format", "json"]).output().unwrap();
-    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let answer = answer(&["calibrate", campaign.to_str().unwrap()]);
     answer["separations"][0]["scale_factor"]["value"].as_f64().unwrap()
 }
 
@@ -42,10 +42,7 @@ fn run(campaign: &Value, reference: &Value, more: &[&str]) -> (i32, String, Stri
     let dir = tempfile::tempdir().unwrap();
     let [campaign, reference] =
         [("campaign.json", campaign), ("reference.json", reference)].map(|(name, d)| written(dir.path(), name, d));
-    let output =
-        gyrowatch().arg("diagnose").arg(campaign).arg("--reference").arg(reference).args(more).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+    ended(gyrowatch().arg("diagnose").arg(campaign).arg("--reference").arg(reference).args(more))
 }
 
 fn split(campaign: &Value, reference: &Value) -> Value {
@@ -194,7 +191,7 @@ async fn the_page_shows_the_parts_against_the_calibration_before_or_another_one(
     third["measured_at"] = "2026-06-01T08:00:00Z".into();
     let mut ids = Vec::new();
     for campaign in [clean(), second, third] {
-        let answer = server.post("/v1/campaigns", "application/json", campaign.to_string()).await.json();
+        let answer = server.post_json("/v1/campaigns", &campaign).await.json();
         ids.push(answer["id"].as_str().unwrap().to_owned());
     }
     let page = async |path: &str| server.get(path).await.text();

@@ -1,6 +1,7 @@
 //! `dwells`: raw logs of every layout that the maps in `examples/maps` describe, made here, and what is wrong with
 //! logs.
 
+use crate::support::root;
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,7 +19,7 @@ use serde_json::Value;
 const G: f64 = 9.806_65;
 
 fn map(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/maps").join(name)
+    root().join("examples/maps").join(name)
 }
 
 fn dwells(dir: &Path, arguments: &[&str]) -> Output {
@@ -696,7 +697,7 @@ fn a_guessed_map_says_why_and_leaves_open_what_the_log_does_not_say() {
 /// The example log: turns at 10 deg/s of quiet gyros, in which the Earth's rate goes round.
 #[test]
 fn the_example_log_becomes_a_campaign_that_has_no_gap() {
-    let logs = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/logs");
+    let logs = root().join("examples/logs");
     let output = dwells(&logs, &["table.csv", "--map", "map.toml", "--programme", "programme.csv"]);
     let made = campaign(&output);
     let phases = |name: &str| made["dwells"].as_array().unwrap().iter().filter(|d| d["phase"] == name).count();
@@ -726,7 +727,7 @@ fn the_example_log_becomes_a_campaign_that_has_no_gap() {
 /// The example log, changed as stations' logs are: what the rows then are, or what is said.
 #[test]
 fn what_was_commanded_agrees_with_the_outputs_or_is_refused() {
-    let logs = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/logs");
+    let logs = root().join("examples/logs");
     let text = fs::read_to_string(logs.join("table.csv")).unwrap();
     let (head, rows) = text.split_once('\n').unwrap();
     // Time, three counts, the table's rate.
@@ -835,7 +836,7 @@ fn what_was_commanded_agrees_with_the_outputs_or_is_refused() {
 /// The example log in units that it is not in, with a cell too many, and one that moves: what is said.
 #[test]
 fn units_that_cannot_be_shifted_cells_and_motion_are_refused() {
-    let logs = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/logs");
+    let logs = root().join("examples/logs");
     let text = fs::read_to_string(logs.join("table.csv")).unwrap();
     let (head, rows) = text.split_once('\n').unwrap();
     let dir = tempfile::tempdir().unwrap();
@@ -1082,7 +1083,7 @@ fn names_units_and_dates_that_are_not_plain_are_asked_for() {
 
 #[test]
 fn a_programme_may_be_a_workbook_or_of_another_encoding() {
-    let logs = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/logs");
+    let logs = root().join("examples/logs");
     let dir = tempfile::tempdir().unwrap();
     let table = fs::read_to_string(logs.join("programme.csv")).unwrap();
     let mut book = rust_xlsxwriter::Workbook::new();

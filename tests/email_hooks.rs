@@ -120,8 +120,7 @@ async fn violates(server: &Server) {
         let g = &mut record["gyros"][0]["g_pulse_per_s_g0"][0];
         let factor = if number > 5 { 1.5 } else { 1.0 + 1e-7 * number as f64 };
         *g = Value::from(g.as_f64().unwrap() * factor);
-        let answer = server.post("/v1/records", "application/json", record.to_string()).await;
-        assert_eq!(answer.status, 201, "{}", answer.text());
+        server.post_json("/v1/records", &record).await.created();
     }
 }
 
@@ -130,9 +129,8 @@ async fn an_alert_is_mailed_to_every_recipient_after_the_server_refused_it_once(
     let mail = MailServer::start().await;
     let server = with(&mail).await;
     let hook = json!({ "kind": "email", "url": "mailto:wei.li@lab.example,weber@lab.example" });
-    let made = server.post_json("/v1/hooks", &hook).await;
-    assert_eq!(made.status, 201, "{}", made.text());
-    let id = made.json()["id"].as_str().unwrap().to_owned();
+    let made = server.post_json("/v1/hooks", &hook).await.created();
+    let id = made["id"].as_str().unwrap().to_owned();
     let test = server.post_json(&format!("/v1/hooks/{id}/test"), &json!({})).await;
     assert!(test.status < 300, "{}", test.text());
     let test = &mail.received(2).await[0];
@@ -159,9 +157,8 @@ async fn a_recipient_whom_the_server_does_not_know_keeps_the_mail_from_nobody_el
     let mail = MailServer::start().await;
     let server = with(&mail).await;
     let hook = async |url: &str| {
-        let made = server.post_json("/v1/hooks", &json!({ "kind": "email", "url": url, "name": url })).await;
-        assert_eq!(made.status, 201, "{}", made.text());
-        made.json()["id"].as_str().unwrap().to_owned()
+        let made = server.post_json("/v1/hooks", &json!({ "kind": "email", "url": url, "name": url })).await.created();
+        made["id"].as_str().unwrap().to_owned()
     };
     let ended = async |id: &str| {
         assert!(server.post_json(&format!("/v1/hooks/{id}/test"), &json!({})).await.status < 300);

@@ -2,6 +2,7 @@
 //! forms.
 
 use crate::receiver;
+use crate::support;
 
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -9,7 +10,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use crate::receiver::Receiver;
-use crate::support::{Server, asked, paper_record, required};
+use crate::support::{NEVER_LATE, Server, asked, paper_record, required};
 use axum::http::StatusCode;
 use axum::response::IntoResponse;
 use serde_json::{Value, json};
@@ -139,7 +140,7 @@ async fn a_clock_that_jumps_loses_and_doubles_nothing() {
         ("DONT_FAKE_MONOTONIC", "1"),
         ("GYROWATCH_HOOKS__RETRY_WAITS_S", "0.2,0.2,0.2,0.2,0.2,0.2,0.2,0.2,0.2,0.2,0.2,0.2,0.2"),
         // Stations measure long ago, and are not late.
-        ("GYROWATCH_ALERTS__BACKFILL_DAYS", "100000"),
+        NEVER_LATE,
     ])
     .await;
     let server = Arc::new(server);
@@ -165,9 +166,8 @@ async fn a_clock_that_jumps_loses_and_doubles_nothing() {
                         let g = &mut body["gyros"][0]["g_pulse_per_s_g0"][1];
                         *g = (g.as_f64().unwrap() + 1.0).into();
                     }
-                    let answer = server.post_json("/v1/records", &body).await;
-                    assert_eq!(answer.status, 201, "{}", answer.text());
-                    let id = answer.json()["id"].as_str().unwrap().to_owned();
+                    let answer = server.post_json("/v1/records", &body).await.created();
+                    let id = answer["id"].as_str().unwrap().to_owned();
                     assert!(id > last, "{id} was given after {last}: identifiers ascend, whatever the clock does");
                     last.clone_from(&id);
                     times.lock().unwrap().push((id, body["calibrated_at"].as_str().unwrap().to_owned()));
@@ -223,8 +223,7 @@ async fn a_clock_that_jumps_loses_and_doubles_nothing() {
 /// Bytes that `/metrics` gives for a series.
 async fn metric(server: &Server, name: &str) -> f64 {
     let text = server.get("/metrics").await.text();
-    let line = text.lines().find(|line| line.starts_with(name)).unwrap_or_else(|| panic!("{name}"));
-    line.rsplit_once(' ').unwrap().1.parse().unwrap()
+    support::metric(&text, name)
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

@@ -1,16 +1,16 @@
 //! Many writers on several servers judge as one would: what they store at the same time is computed again afterwards,
 //! and the alerts of gyros that have a sender of their own take the steps that they take at a single server.
 
+use crate::command;
 use crate::support;
 
 use std::collections::BTreeMap;
 use std::panic::AssertUnwindSafe;
-use std::time::Duration;
 
 use crate::cluster::{self, count};
 use crate::database_proxy::Proxy;
 use crate::lab::record;
-use crate::support::Server;
+use crate::support::{NEVER_LATE, Server};
 use futures::FutureExt as _;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -21,8 +21,7 @@ use sqlx::{Connection, PgConnection};
 const IMUS: i64 = 6;
 
 async fn server_on(url: &str) -> Server {
-    let never_late = ("GYROWATCH_ALERTS__BACKFILL_DAYS", "100000");
-    Server::start_with(&[("GYROWATCH_DATABASE_URL", url), never_late]).await
+    Server::start_with(&[("GYROWATCH_DATABASE_URL", url), NEVER_LATE]).await
 }
 
 /// An instant, in half days, that no other record of any sender has.
@@ -57,13 +56,13 @@ async fn send(servers: &[&Server], sender: i64, steps: i64, shared: bool) {
         // After every fourth comes one that was made before it.
         let half_days = if step % 4 == 2 { vec![2 * step, 2 * step - 1] } else { vec![2 * step] };
         for half_day in half_days {
-            let answer = taken(server, "/v1/records", &made(half_day, imu, d_i)).await;
+            let answer = server.takes("/v1/records", &made(half_day, imu, d_i)).await;
             stored.push((answer["id"].as_str().unwrap().to_owned(), half_day));
         }
         match chance.random_range(0..8) {
             0 => {
                 let (id, _) = stored.swap_remove(chance.random_range(0..stored.len()));
-                taken(server, &format!("/v1/records/{id}/void"), &said(json!({}))).await;
+                server.takes(&format!("/v1/records/{id}/void"), &said(json!({}))).await;
             }
             1 => {
                 let (id, of) = stored.swap_remove(chance.random_range(0..stored.len()));
@@ -71,24 +70,11 @@ async fn send(servers: &[&Server], sender: i64, steps: i64, shared: bool) {
                 let there = server.get(&format!("/v1/records/{id}")).await.json();
                 let imu: i64 = there["record"]["imu"].as_str().unwrap()["IMU-".len()..].parse().unwrap();
                 let revised = said(json!({"record": made(of, imu, 1.002)}));
-                taken(server, &format!("/v1/records/{id}/revise"), &revised).await;
+                server.takes(&format!("/v1/records/{id}/revise"), &revised).await;
             }
             _ => {}
         }
     }
-}
-
-/// The answer, once a server has taken it; the same again is no harm.
-async fn taken(server: &Server, path: &str, body: &Value) -> Value {
-    for _ in 0..600 {
-        let answer = server.post_json(path, body).await;
-        match answer.status {
-            200 | 201 => return answer.json(),
-            503 => tokio::time::sleep(Duration::from_millis(50)).await,
-            _ => panic!("{}: {}", answer.status, answer.text()),
-        }
-    }
-    panic!("nobody takes {body}")
 }
 
 /// What became of the alerts of each sender's own gyros, in order.
@@ -110,12 +96,6 @@ async fn sent_by_all(servers: &[&Server], senders: i64, steps: i64, shared: bool
     futures::future::join_all(all).await;
 }
 
-fn verify(url: &str) -> Result<(), String> {
-    let output = support::gyrowatch().arg("verify").env("GYROWATCH_DATABASE_URL", url).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    if output.status.success() { Ok(()) } else { Err(said) }
-}
-
 /// An alert fires and ends by turns.
 const TWICE: &str = "SELECT count(*) FROM (SELECT alert_step.action, lag(alert_step.action) OVER (PARTITION BY alert ORDER BY alert_step.id) AS before
                          FROM alert_step WHERE action IN ('fire', 'resolve')) AS steps WHERE action = before";
@@ -130,12 +110,12 @@ async fn sixteen_senders_at_four_servers_are_judged_as_by_one() {
     let steps = support::asked("GYROWATCH_SOAK_STEPS", 16) as i64;
     let alone = cluster::fresh_database().await;
     sent_by_all(&[&server_on(&alone).await], SENDERS, steps, false).await;
-    verify(&alone).unwrap();
+    command::verified(&alone);
 
     let url = cluster::fresh_database().await;
     let servers = [server_on(&url).await, server_on(&url).await, server_on(&url).await, server_on(&url).await];
     sent_by_all(&servers.each_ref(), SENDERS, steps, true).await;
-    verify(&url).unwrap();
+    command::verified(&url);
     let (found, expected) = (steps_of(&url).await, steps_of(&alone).await);
     assert!(expected.len() > 8, "{expected:?}");
     let differing: Vec<_> =
@@ -157,13 +137,12 @@ async fn without_locks_the_check_fails() {
         return;
     }
     let url = cluster::fresh_database().await;
-    let address = url.split_once('@').unwrap().1.split_once('/').unwrap().0.parse().unwrap();
-    let between = Proxy::to(address).await;
+    let between = Proxy::before(&url).await;
     let through = between.url(&url);
     let servers = [server_on(&through).await, server_on(&through).await];
     between.takes_locks_away();
     let sent = AssertUnwindSafe(sent_by_all(&servers.each_ref(), 8, 12, true)).catch_unwind().await;
-    let verified = verify(&url);
+    let whole = command::on(&url).arg("verify").output().unwrap().status.success();
     let twice = count(&url, TWICE).await;
-    assert!(sent.is_err() || verified.is_err() || twice > 0, "everything is as with locks");
+    assert!(sent.is_err() || !whole || twice > 0, "everything is as with locks");
 }

@@ -3,15 +3,16 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::support::{Server, data, gyrowatch};
-use serde_json::{Value, json};
+use crate::command::on_database;
+use crate::support::{Server, document};
+use serde_json::json;
 
 const CALIBRATIONS: usize = 5;
 
 /// The paper's IMU calibrated every other day, with standard deviations in the newest record; one record is voided.
 async fn a_served_fleet() -> Server {
     let server = Server::start().await;
-    let paper: Value = serde_json::from_str(&data("paper.json")).unwrap();
+    let paper = document("paper.json");
     let mut ids = Vec::new();
     for k in 0..CALIBRATIONS {
         let mut record = paper.clone();
@@ -24,21 +25,13 @@ async fn a_served_fleet() -> Server {
                 gyro["g_sd"] = json!([1e-6, 1e-6, 1e-6]);
             }
         }
-        let answer = server.post_json("/v1/records", &record).await;
-        assert_eq!(answer.status, 201, "{}", answer.text());
-        ids.push(answer.json()["id"].as_str().unwrap().to_owned());
+        let answer = server.post_json("/v1/records", &record).await.created();
+        ids.push(answer["id"].as_str().unwrap().to_owned());
     }
     let said = json!({ "author": "Chen", "reason": "table was not level" });
     let voided = server.post_json(&format!("/v1/records/{}/void", ids[1]), &said).await;
     assert_eq!(voided.status, 200, "{}", voided.text());
     server
-}
-
-fn export(arguments: &[&str], dir: &Path) -> (Option<i32>, String) {
-    let url = format!("sqlite://{}", dir.join("gyrowatch.db").display());
-    let command = [&["export"], arguments].concat();
-    let output = gyrowatch().args(command).current_dir(dir).env("GYROWATCH_DATABASE_URL", url).output().unwrap();
-    (output.status.code(), String::from_utf8([output.stdout, output.stderr].concat()).unwrap())
 }
 
 type Line = BTreeMap<String, String>;
@@ -55,7 +48,7 @@ fn number(line: &Line, column: &str) -> Option<f64> {
 #[tokio::test]
 async fn an_exported_history_says_what_the_trends_answer() {
     let server = a_served_fleet().await;
-    let (status, said) = export(&["all.csv"], server.dir());
+    let (status, said) = on_database(&["export", "all.csv"], server.dir());
     assert_eq!(status, Some(0), "{said}");
     assert!(said.contains("12 rows of 3 gyros"), "{said}");
     let exported = lines(&server.dir().join("all.csv"));
@@ -98,7 +91,7 @@ async fn an_export_keeps_to_the_gyros_and_times_that_were_asked_for_and_shows_wh
     let server = a_served_fleet().await;
     let asked =
         ["some.csv", "--serial", "LFG-0102", "--from", "2026-03-03T08:00:00.25Z", "--to", "2026-03-07T12:00:00Z"];
-    assert_eq!(export(&asked, server.dir()).0, Some(0));
+    assert_eq!(on_database(&[&["export"], &asked[..]].concat(), server.dir()).0, Some(0));
     let times = |file: &str| -> Vec<(String, String)> {
         let lines = lines(&server.dir().join(file));
         assert!(lines.iter().all(|line| line["serial"] == "LFG-0102"));
@@ -109,8 +102,8 @@ async fn an_export_keeps_to_the_gyros_and_times_that_were_asked_for_and_shows_wh
     };
     let (fifth, seventh) = ("2026-03-05T08:00:00.25Z".to_owned(), "2026-03-07T08:00:00.25Z".to_owned());
     assert_eq!(times("some.csv"), [(fifth, "false".to_owned()), (seventh, "false".to_owned())]);
-    let with_voided = [&["voided.csv", "--voided"], &asked[1..]].concat();
-    assert_eq!(export(&with_voided, server.dir()).0, Some(0));
+    let with_voided = [&["export", "voided.csv", "--voided"], &asked[1..]].concat();
+    assert_eq!(on_database(&with_voided, server.dir()).0, Some(0));
     let voided = times("voided.csv");
     assert_eq!(voided.len(), 3);
     assert!(voided.contains(&("2026-03-03T08:00:00.25Z".to_owned(), "true".to_owned())), "{voided:?}");
@@ -126,7 +119,7 @@ async fn an_export_that_fails_says_why_and_leaves_nothing_behind() {
         (&["no/such/directory/all.csv"], "no/such/directory"),
         (&["gyrowatch.db", "--format", "csv"], "gyrowatch.db"),
     ] {
-        let (status, said) = export(arguments, server.dir());
+        let (status, said) = on_database(&[&["export"], arguments].concat(), server.dir());
         assert_ne!(status, Some(0), "{arguments:?}");
         assert!(said.contains(named), "{arguments:?}: {said}");
         assert!(!server.dir().join(arguments[0]).with_extension("csv").exists(), "{arguments:?}");
@@ -138,7 +131,7 @@ async fn an_export_that_fails_says_why_and_leaves_nothing_behind() {
 #[tokio::test]
 async fn a_program_without_parquet_says_how_to_build_one_with_it() {
     let server = a_served_fleet().await;
-    let (status, said) = export(&["all.parquet"], server.dir());
+    let (status, said) = on_database(&["export", "all.parquet"], server.dir());
     assert_eq!(status, Some(1));
     assert!(said.contains("--features parquet"), "{said}");
     assert!(!server.dir().join("all.parquet").exists());
@@ -151,8 +144,8 @@ async fn a_parquet_file_holds_the_same_as_the_csv_in_columns_with_types() {
     use parquet::record::Field;
 
     let server = a_served_fleet().await;
-    assert_eq!(export(&["all.csv", "--voided"], server.dir()).0, Some(0));
-    let (status, said) = export(&["all.parquet", "--voided"], server.dir());
+    assert_eq!(on_database(&["export", "all.csv", "--voided"], server.dir()).0, Some(0));
+    let (status, said) = on_database(&["export", "all.parquet", "--voided"], server.dir());
     assert_eq!(status, Some(0), "{said}");
     let file = std::fs::File::open(server.dir().join("all.parquet")).unwrap();
     let reader = SerializedFileReader::new(file).unwrap();

@@ -8,9 +8,10 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use crate::command::beside;
 use crate::prometheus::Prometheus;
 use crate::support::{
-    Answer, Server, fill, gyrowatch_under, on_a_small_disk, paper_record, required, small_disks_work,
+    Answer, Server, client, file_url, fill, gyrowatch_under, on_a_small_disk, paper_record, required, small_disks_work,
 };
 
 fn record(number: usize) -> String {
@@ -115,16 +116,14 @@ async fn a_full_disk_is_answered_507_while_reading_goes_on_and_there_is_room_aga
 async fn a_log_that_cannot_be_written_ends_nothing() {
     gyrowatch::system::install_crypto();
     let dir = tempfile::tempdir().unwrap();
-    let mut command = gyrowatch_under(&[]);
-    command.arg("serve").current_dir(dir.path()).env("GYROWATCH_LISTEN", "127.0.0.1:0");
-    command.env("GYROWATCH_DATABASE_URL", format!("sqlite://{}", dir.path().join("gyrowatch.db").display()));
-    command.env("GYROWATCH_LOG__FILTER", "trace");
+    let mut command = beside(dir.path());
+    command.arg("serve").env("GYROWATCH_LISTEN", "127.0.0.1:0").env("GYROWATCH_LOG__FILTER", "trace");
     let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
     let mut child = command.stdout(Stdio::piped()).stderr(full).spawn().unwrap();
     let mut line = String::new();
     std::io::BufRead::read_line(&mut std::io::BufReader::new(child.stdout.take().unwrap()), &mut line).unwrap();
     let address = line.trim().split_once("://").expect("it starts").1.to_owned();
-    let http = gyrowatch::system::http_client(Duration::from_secs(20), Duration::from_secs(120)).build().unwrap();
+    let http = client();
     for number in 0..3 {
         let request = http.post(format!("http://{address}/v1/records")).header("content-type", "application/json");
         let answer = request.body(record(number)).send().await.unwrap();
@@ -251,7 +250,7 @@ async fn on_a_read_only_file_system_it_does_not_start_and_names_the_file() {
     let under: Vec<&str> = under.iter().map(String::as_str).collect();
     let mut command = gyrowatch_under(&under);
     command.arg("serve").env("GYROWATCH_LISTEN", "127.0.0.1:0");
-    command.env("GYROWATCH_DATABASE_URL", format!("sqlite://{}", dir.path().join("gyrowatch.db").display()));
+    command.env("GYROWATCH_DATABASE_URL", file_url(&dir.path().join("gyrowatch.db")));
     let output = command.output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(1), "{said}");

@@ -7,8 +7,9 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use crate::cluster::{self, Cluster, count};
+use crate::command::verified;
 use crate::database_proxy::Proxy;
-use crate::support::Server;
+use crate::support::{NEVER_LATE, Server, free_port};
 use serde_json::{Value, json};
 use sqlx::{Connection, PgConnection};
 
@@ -16,11 +17,7 @@ const LEASE: Duration = Duration::from_secs(3);
 
 async fn server_on(url: &str, others: &[(&str, &str)]) -> Server {
     let lease = LEASE.as_secs().to_string();
-    let settings = [
-        ("GYROWATCH_DATABASE_URL", url),
-        ("GYROWATCH_DATABASE__LEASE_S", &lease),
-        ("GYROWATCH_ALERTS__BACKFILL_DAYS", "100000"),
-    ];
+    let settings = [("GYROWATCH_DATABASE_URL", url), ("GYROWATCH_DATABASE__LEASE_S", &lease), NEVER_LATE];
     Server::start_with(&[&settings, others].concat()).await
 }
 
@@ -56,25 +53,6 @@ async fn shown(server: &Server, imu: &str) -> Vec<Vec<f64>> {
     all
 }
 
-async fn stored(server: &Server, record: &Value) {
-    let end = Instant::now() + Duration::from_secs(60);
-    loop {
-        let answer = server.post_json("/v1/records", record).await;
-        match answer.status {
-            200 | 201 => return,
-            503 if Instant::now() < end => tokio::time::sleep(Duration::from_millis(100)).await,
-            _ => panic!("{}: {}", answer.status, answer.text()),
-        }
-    }
-}
-
-fn verified(url: &str) -> String {
-    let output = support::gyrowatch().arg("verify").env("GYROWATCH_DATABASE_URL", url).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
-    said
-}
-
 /// `scripts/soak failovers` does this 100 times.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_failover_that_loses_commits_mixes_nothing_up() {
@@ -91,24 +69,24 @@ async fn a_failover_that_loses_commits_mixes_nothing_up() {
     for round in 0..rounds {
         let name = |what: &str, k: usize| format!("{what}{round}-{k}");
         let known = record(&name("known", 0), 0.001 * round as f64, round);
-        stored(&a, &known).await;
+        a.takes("/v1/records", &known).await;
         let mut standby = primary.standby();
         standby.crash();
         // How many commits are lost, and how many take their versions: fewer, as many, more.
         let (lost, others) = (1 + round % 2, 1 + round % 4);
         let levels = |what: usize, k: usize| 0.01 * (1 + what) as f64 + 0.003 * k as f64;
         for k in 0..lost {
-            stored(&a, &record(&name("lost", k), levels(0, k), k)).await;
+            a.takes("/v1/records", &record(&name("lost", k), levels(0, k), k)).await;
         }
         primary.crash();
         standby.start_again();
         standby.promote().await;
         between.leads_to(standby.address());
         for k in 0..others {
-            stored(&b, &record(&name("other", k), levels(1, k), k)).await;
+            b.takes("/v1/records", &record(&name("other", k), levels(1, k), k)).await;
         }
         for k in 0..lost {
-            stored(&a, &record(&name("lost", k), levels(0, k), k)).await;
+            a.takes("/v1/records", &record(&name("lost", k), levels(0, k), k)).await;
         }
         let own = [(name("lost", 0), levels(0, 0)), (name("other", 0), levels(1, 0))];
         for (imu, _) in &own {
@@ -176,7 +154,7 @@ async fn a_synchronous_standby_has_all_that_was_acknowledged() {
         let there = count(&own, "SELECT count(*) FROM record").await;
         assert!(there >= acknowledged, "round {round}: {there} of {acknowledged} are there");
         // One may have been stored without an answer.
-        stored(&server, &record(&format!("after{round}"), 0.0, 0)).await;
+        server.takes("/v1/records", &record(&format!("after{round}"), 0.0, 0)).await;
         acknowledged = count(&own, "SELECT count(*) FROM record").await;
         primary = standby;
     }
@@ -190,14 +168,13 @@ async fn a_host_that_falls_silent_holds_nobody_up_for_longer_than_two_leases() {
         return;
     }
     let url = cluster::fresh_database().await;
-    let address = url.split_once('@').unwrap().1.split_once('/').unwrap().0.parse().unwrap();
-    let between = Proxy::to(address).await;
+    let between = Proxy::before(&url).await;
     let mut server = server_on(&between.url(&url), &[("GYROWATCH_SERVER__SHUTDOWN_GRACE_S", "4")]).await;
-    stored(&server, &record("before", 0.0, 0)).await;
+    server.takes("/v1/records", &record("before", 0.0, 0)).await;
     // What held its connections is gone, and another has its address.
     between.silences_connections();
     let silent = Instant::now();
-    stored(&server, &record("after", 0.0, 1)).await;
+    server.takes("/v1/records", &record("after", 0.0, 1)).await;
     let took = silent.elapsed();
     assert!(took < 2 * LEASE, "writing again after {took:?}");
     let answer = server.get("/v1/gyros/after-0/trend").await;
@@ -225,7 +202,6 @@ async fn an_import_over_a_long_way_asks_a_handful_of_questions() {
     }
     let records = support::asked("GYROWATCH_SOAK_FAR", 600);
     let url = cluster::fresh_database().await;
-    let address = url.split_once('@').unwrap().1.split_once('/').unwrap().0.parse().unwrap();
     let near = server_on(&url, &[]).await;
     let import = |minutes: std::ops::Range<usize>| {
         let lines = minutes.map(|k| record(&format!("far{}", k % (records / 3)), 0.0, k).to_string());
@@ -234,7 +210,7 @@ async fn an_import_over_a_long_way_asks_a_handful_of_questions() {
     let answer = near.post("/v1/import", "application/x-ndjson", import(0..records)).await;
     assert_eq!(answer.text().matches("\"id\"").count(), records);
     drop(near);
-    let between = Proxy::to(address).await;
+    let between = Proxy::before(&url).await;
     between.delays(Duration::from_millis(3));
     let server = server_on(&between.url(&url), &[]).await;
     // What is asked once a connection, to open it and to prepare statements, is not of the import.
@@ -261,17 +237,16 @@ async fn a_note_at_one_server_makes_another_read_that_gyro_alone() {
         return;
     }
     let url = cluster::fresh_database().await;
-    let address = url.split_once('@').unwrap().1.split_once('/').unwrap().0.parse().unwrap();
-    let between = Proxy::to(address).await;
+    let between = Proxy::before(&url).await;
     let (a, b) = (server_on(&between.url(&url), &[]).await, server_on(&url, &[]).await);
     let lines: Vec<String> = (0..400).map(|k| record(&format!("n{k}"), 0.0, k).to_string()).collect();
     let answer = b.post("/v1/import", "application/x-ndjson", lines.join("\n")).await;
     assert_eq!(answer.text().matches("\"id\"").count(), 400);
-    stored(&a, &record("n0", 0.0, 1000)).await;
+    a.takes("/v1/records", &record("n0", 0.0, 1000)).await;
     tokio::time::sleep(Duration::from_secs(1)).await;
     let read_for = async |minute: usize| {
         let before = between.answered_bytes();
-        stored(&a, &record("n0", 0.0, minute)).await;
+        a.takes("/v1/records", &record("n0", 0.0, minute)).await;
         between.answered_bytes() - before
     };
     let without = read_for(1001).await;
@@ -287,9 +262,8 @@ async fn a_note_at_one_server_makes_another_read_that_gyro_alone() {
     assert!(with < without + 20_000, "{without} bytes before, {with} after a note");
     // And what was noted counts at once.
     let event = json!({"event": "baseline", "at": "2026-01-02T00:00:00Z", "reason": "new level", "author": "tester"});
-    let marked = b.post_json("/v1/gyros/n0-0/events", &event).await;
-    assert_eq!(marked.status, 201, "{}", marked.text());
-    stored(&a, &record("n0", 0.0, 1003)).await;
+    b.post_json("/v1/gyros/n0-0/events", &event).await.created();
+    a.takes("/v1/records", &record("n0", 0.0, 1003)).await;
     verified(&url);
 }
 
@@ -308,10 +282,10 @@ async fn of_several_hosts_the_one_that_takes_writes_is_found() {
         primary.address()
     );
     let server = server_on(&both, &[]).await;
-    stored(&server, &record("one", 0.0, 0)).await;
+    server.takes("/v1/records", &record("one", 0.0, 0)).await;
     primary.crash();
     standby.promote().await;
-    stored(&server, &record("two", 0.0, 1)).await;
+    server.takes("/v1/records", &record("two", 0.0, 1)).await;
     let answer = server.get("/v1/gyros/two-0/trend").await;
     assert_eq!(answer.status, 200, "{}", answer.text());
     assert_eq!(count(&standby.url(name), "SELECT count(*) FROM record").await, 2);
@@ -327,7 +301,7 @@ struct Pooler {
 impl Pooler {
     async fn start(database: &str, mode: &str) -> Self {
         use std::os::unix::fs::PermissionsExt;
-        let port = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let port = free_port();
         let dir = tempfile::tempdir().unwrap();
         std::fs::set_permissions(dir.path(), std::fs::Permissions::from_mode(0o755)).unwrap();
         let (host, name) = database.split_once('@').unwrap().1.split_once('/').unwrap();
@@ -373,7 +347,7 @@ async fn a_pooler_serves_by_the_session_and_is_refused_by_the_transaction() {
     let by_session = Pooler::start(&url, "session").await;
     let server = server_on(&by_session.url(&url), &[]).await;
     for minute in 0..5 {
-        stored(&server, &record("pooled", 0.0, minute)).await;
+        server.takes("/v1/records", &record("pooled", 0.0, minute)).await;
     }
     assert_eq!(shown(&server, "pooled").await[0].len(), 5);
     drop(server);

@@ -1,62 +1,34 @@
 //! A hook that begins to listen is first told what fires, and never hears the end of what it did not hear fire.
 
-use crate::lab;
-
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use crate::lab::{Lab, day, record};
 use crate::receiver::Receiver;
+use crate::support::once;
 use axum::http::StatusCode;
-use axum::response::IntoResponse;
 use gyrowatch::core::time::UtcMicros;
 use gyrowatch::pipeline::{AlertChange, AlertOrder};
 use serde_json::{Value, json};
 
-async fn posts(lab: &Lab, serial: &str, at: i64, d_i: f64) {
-    lab.posts(&record(&format!("IMU-{serial}"), &day(at), &[("G1", serial, d_i, 2.0)])).await;
-}
-
 /// The gyro steps at its fourth record.
 async fn steps(lab: &Lab, serial: &str) {
-    for (at, d_i) in [(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.05)] {
-        posts(lab, serial, at, d_i).await;
-    }
+    lab.posts_history(&format!("IMU-{serial}"), serial, &[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.05)]).await;
 }
 
 /// The gyro is back at its level, so often that all is resolved.
 async fn recovers(lab: &Lab, serial: &str) {
-    for at in [160, 200, 240] {
-        posts(lab, serial, at, 1.0).await;
-    }
+    lab.posts_history(&format!("IMU-{serial}"), serial, &[160, 200, 240].map(|at| (at, 1.0))).await;
     assert_eq!(firing(lab, serial).await, 0);
 }
 
 async fn firing(lab: &Lab, serial: &str) -> usize {
-    let found = lab.get(&format!("/v1/alerts?state=firing&serial={serial}")).await.ok();
-    found["alerts"].as_array().unwrap().len()
-}
-
-async fn hook(lab: &Lab, target: &Receiver, more: Value) -> String {
-    let mut hook = json!({ "kind": "standard-webhooks", "url": target.url() });
-    hook.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
-    lab.post("/v1/hooks", &hook).await.created()["id"].as_str().unwrap().to_owned()
-}
-
-async fn change(lab: &Lab, hook: &str, change: Value) {
-    let request = lab.request(reqwest::Method::PATCH, &format!("/v1/hooks/{hook}"));
-    let request = request.header("content-type", "application/json").body(change.to_string());
-    lab::Answer::of(request).await.ok();
+    lab.alerts(&format!("state=firing&serial={serial}")).await.len()
 }
 
 /// What a target has been told, alert by alert: gyro, rule and event; once nothing is open for the hook.
 async fn told(lab: &Lab, hook: &str, target: &Receiver) -> Vec<Vec<String>> {
-    let patience = Instant::now() + Duration::from_secs(60);
-    while lab.get(&format!("/v1/hooks/{hook}")).await.ok()["queue"]["open"] != 0 {
-        assert!(Instant::now() < patience);
-        tokio::time::sleep(Duration::from_millis(10)).await;
-    }
+    lab.all_told(hook).await;
     let of_message = |body: &Value| -> Vec<String> {
         let text = |alert: &Value, member: &str| alert[member].as_str().unwrap().to_owned();
         let alerts = body["alerts"].as_array().unwrap().iter();
@@ -81,9 +53,9 @@ async fn a_new_hook_is_told_at_once_what_fires_and_no_end_of_what_it_did_not_hea
     steps(&lab, "C").await;
     recovers(&lab, "C").await;
     let targets = [Receiver::start().await, Receiver::start().await, Receiver::start().await];
-    let all = hook(&lab, &targets[0], json!({})).await;
-    let of_b = hook(&lab, &targets[1], json!({ "filter": { "gyros": ["B"], "rules": ["step"] } })).await;
-    let each = hook(&lab, &targets[2], json!({ "batch": false })).await;
+    let all = lab.tells(&targets[0], json!({})).await;
+    let of_b = lab.tells(&targets[1], json!({ "filter": { "gyros": ["B"], "rules": ["step"] } })).await;
+    let each = lab.tells(&targets[2], json!({ "batch": false })).await;
     assert_eq!(
         told(&lab, &all, &targets[0]).await,
         [[all_of("A", "alert.fired"), all_of("B", "alert.fired")].concat()]
@@ -103,13 +75,13 @@ async fn a_new_hook_is_told_at_once_what_fires_and_no_end_of_what_it_did_not_hea
 async fn a_hook_whose_filter_changes_hears_what_it_lets_through_from_now_on_and_the_end_of_what_it_heard() {
     let lab = Lab::open().await;
     let target = Receiver::start().await;
-    let id = hook(&lab, &target, json!({ "filter": { "gyros": ["A"] } })).await;
+    let id = lab.tells(&target, json!({ "filter": { "gyros": ["A"] } })).await;
     steps(&lab, "A").await;
     steps(&lab, "B").await;
     assert_eq!(told(&lab, &id, &target).await, [all_of("A", "alert.fired")]);
-    change(&lab, &id, json!({ "filter": { "gyros": ["B"] } })).await;
+    lab.patch(&format!("/v1/hooks/{id}"), &json!({ "filter": { "gyros": ["B"] } })).await.ok();
     assert_eq!(told(&lab, &id, &target).await[1..], [all_of("B", "alert.fired")]);
-    change(&lab, &id, json!({ "name": "night" })).await;
+    lab.patch(&format!("/v1/hooks/{id}"), &json!({ "name": "night" })).await.ok();
     recovers(&lab, "A").await;
     let all = told(&lab, &id, &target).await;
     let ends: Vec<String> = all[2..].concat();
@@ -121,16 +93,16 @@ async fn a_hook_whose_filter_changes_hears_what_it_lets_through_from_now_on_and_
 async fn a_hook_that_is_enabled_again_hears_how_things_stand_and_not_what_it_missed() {
     let lab = Lab::open().await;
     let target = Receiver::start().await;
-    let id = hook(&lab, &target, json!({})).await;
+    let id = lab.tells(&target, json!({})).await;
     steps(&lab, "A").await;
     steps(&lab, "B").await;
     assert_eq!(told(&lab, &id, &target).await.len(), 2);
-    change(&lab, &id, json!({ "enabled": false })).await;
+    lab.patch(&format!("/v1/hooks/{id}"), &json!({ "enabled": false })).await.ok();
     recovers(&lab, "A").await;
     steps(&lab, "C").await;
     steps(&lab, "D").await;
     recovers(&lab, "D").await;
-    change(&lab, &id, json!({ "enabled": true })).await;
+    lab.patch(&format!("/v1/hooks/{id}"), &json!({ "enabled": true })).await.ok();
     let all = told(&lab, &id, &target).await;
     let expected = [all_of("A", "alert.resolved"), all_of("B", "alert.fired"), all_of("C", "alert.fired")].concat();
     assert_eq!(all[2..], [expected], "of D, which came and went, nothing");
@@ -142,25 +114,15 @@ async fn a_hook_that_is_enabled_again_hears_how_things_stand_and_not_what_it_mis
 #[tokio::test]
 async fn a_hook_that_is_back_from_410_hears_what_fires_instead_of_what_waited() {
     let lab = Lab::with(|config| config.hooks.retry_waits_s = vec![3600.0]).await;
-    let gone = Arc::new(AtomicBool::new(true));
-    let is_gone = gone.clone();
-    let target = Receiver::answering(move |_, _| match is_gone.load(Ordering::SeqCst) {
-        true => StatusCode::GONE.into_response(),
-        false => ().into_response(),
-    })
-    .await;
-    let id = hook(&lab, &target, json!({})).await;
+    let (target, takes) = Receiver::switched(false, StatusCode::GONE).await;
+    let id = lab.tells(&target, json!({})).await;
     steps(&lab, "A").await;
-    let patience = Instant::now() + Duration::from_secs(60);
-    while lab.get(&format!("/v1/hooks/{id}")).await.ok()["enabled"] == true {
-        assert!(Instant::now() < patience);
-        tokio::time::sleep(Duration::from_millis(10)).await;
-    }
+    once(async || lab.get(&format!("/v1/hooks/{id}")).await.ok(), |hook| hook["enabled"] == false).await;
     steps(&lab, "B").await;
     recovers(&lab, "A").await;
-    gone.store(false, Ordering::SeqCst);
+    takes.store(true, Ordering::SeqCst);
     let refused = target.told().len();
-    change(&lab, &id, json!({ "enabled": true })).await;
+    lab.patch(&format!("/v1/hooks/{id}"), &json!({ "enabled": true })).await.ok();
     let all = told(&lab, &id, &target).await;
     assert_eq!(all[refused..], [all_of("B", "alert.fired")], "that A fires never came, so its end does not either");
 }
@@ -169,12 +131,12 @@ async fn a_hook_that_is_back_from_410_hears_what_fires_instead_of_what_waited() 
 async fn what_a_silence_has_held_back_is_told_at_its_end_to_hooks_that_came_during_it_too() {
     let lab = Lab::open().await;
     let (early, late) = (Receiver::start().await, Receiver::start().await);
-    let first = hook(&lab, &early, json!({})).await;
+    let first = lab.tells(&early, json!({})).await;
     steps(&lab, "A").await;
     assert_eq!(told(&lab, &first, &early).await, [all_of("A", "alert.fired")]);
     let order = json!({"matchers": {"serial": "A"}, "until": "2026-11-30T00:00:00Z", "by": "Li", "reason": "known"});
     let silence = lab.post("/v1/silences", &order).await.created()["id"].as_str().unwrap().to_owned();
-    let second = hook(&lab, &late, json!({})).await;
+    let second = lab.tells(&late, json!({})).await;
     steps(&lab, "B").await;
     assert_eq!(told(&lab, &second, &late).await, [all_of("B", "alert.fired")], "A is silenced");
     lab.post(&format!("/v1/silences/{silence}/end"), &json!({"by": "Li", "reason": "over"})).await.ok();
@@ -186,13 +148,13 @@ async fn what_a_silence_has_held_back_is_told_at_its_end_to_hooks_that_came_duri
 async fn a_silence_that_is_taken_off_one_alert_is_told_to_hooks_that_came_during_it() {
     let lab = Lab::open().await;
     let (early, late) = (Receiver::start().await, Receiver::start().await);
-    let first = hook(&lab, &early, json!({"filter": {"rules": ["step"]}})).await;
+    let first = lab.tells(&early, json!({"filter": {"rules": ["step"]}})).await;
     steps(&lab, "A").await;
     assert_eq!(told(&lab, &first, &early).await, [["A step alert.fired"]]);
     let alert = lab.get("/v1/alerts?serial=A&rule=step").await.ok()["alerts"][0]["id"].as_str().unwrap().to_owned();
     let silence = json!({"until": "2026-11-30T00:00:00Z", "by": "Li", "reason": "known"});
     lab.post(&format!("/v1/alerts/{alert}/silence"), &silence).await.ok();
-    let second = hook(&lab, &late, json!({"filter": {"rules": ["step"]}})).await;
+    let second = lab.tells(&late, json!({"filter": {"rules": ["step"]}})).await;
     assert!(told(&lab, &second, &late).await.is_empty(), "it is silenced");
     let (by, reason) = ("Li".to_owned(), "mended".to_owned());
     let order = AlertOrder { alert: alert.parse().unwrap(), change: AlertChange::Unsilence, by, reason };
@@ -205,7 +167,7 @@ async fn a_silence_that_is_taken_off_one_alert_is_told_to_hooks_that_came_during
 async fn who_has_heard_that_an_alert_is_grave_hears_that_it_is_less_so() {
     let lab = Lab::open().await;
     let target = Receiver::start().await;
-    let id = hook(&lab, &target, json!({"filter": {"min_severity": "critical", "rules": ["baseline"]}})).await;
+    let id = lab.tells(&target, json!({"filter": {"min_severity": "critical", "rules": ["baseline"]}})).await;
     steps(&lab, "A").await;
     let confirms = record("IMU-A", &day(150), &[("G1", "A", 1.05, 2.0)]);
     let confirms = lab.posts(&confirms).await["id"].as_str().unwrap().to_owned();
@@ -215,18 +177,6 @@ async fn who_has_heard_that_an_alert_is_grave_hears_that_it_is_less_so() {
     assert_eq!(told(&lab, &id, &target).await[1..], [["A baseline alert.lowered"]]);
     recovers(&lab, "A").await;
     assert_eq!(told(&lab, &id, &target).await[2..], [["A baseline alert.resolved"]]);
-}
-
-/// A target that takes nothing while the flag is up.
-async fn refusing(status: StatusCode) -> (Receiver, Arc<AtomicBool>) {
-    let refuses = Arc::new(AtomicBool::new(true));
-    let up = refuses.clone();
-    let target = Receiver::answering(move |_, _| match up.load(Ordering::SeqCst) {
-        true => status.into_response(),
-        false => ().into_response(),
-    })
-    .await;
-    (target, refuses)
 }
 
 /// The clock of the service stands still by itself.
@@ -252,15 +202,15 @@ async fn settles(lab: &Lab, hook: &str) -> i64 {
 async fn a_target_that_was_down_too_long_is_told_what_still_fires_once_it_takes_messages_again() {
     for batch in [true, false] {
         let mut lab = Lab::with(|config| config.hooks.retry_waits_s = vec![0.05]).await;
-        let (target, refuses) = refusing(StatusCode::INTERNAL_SERVER_ERROR).await;
-        let id = hook(&lab, &target, json!({ "batch": batch })).await;
+        let (target, takes) = Receiver::switched(false, StatusCode::INTERNAL_SERVER_ERROR).await;
+        let id = lab.tells(&target, json!({ "batch": batch })).await;
         steps(&lab, "A").await;
         steps(&lab, "B").await;
         let of_two = if batch { 2 } else { 6 };
         assert_eq!(settles(&lab, &id).await, of_two);
         // Whatever the service knew of the target's health is forgotten.
         lab.restart().await;
-        refuses.store(false, Ordering::SeqCst);
+        takes.store(true, Ordering::SeqCst);
         let before = target.told().len();
         recovers(&lab, "B").await;
         assert!(told(&lab, &id, &target).await[before..].is_empty(), "it never heard that B fires");
@@ -279,17 +229,17 @@ async fn a_target_that_was_down_too_long_is_told_what_still_fires_once_it_takes_
 #[tokio::test]
 async fn what_waited_behind_a_message_that_was_given_up_begins_and_never_ends_what_was_not_heard() {
     let lab = Lab::with(|config| config.hooks.retry_waits_s = vec![1.0]).await;
-    let (target, refuses) = refusing(StatusCode::UNPROCESSABLE_ENTITY).await;
-    let id = hook(&lab, &target, json!({ "batch": false, "filter": { "rules": ["step", "baseline"] } })).await;
+    let (target, takes) = Receiver::switched(false, StatusCode::UNPROCESSABLE_ENTITY).await;
+    let id = lab.tells(&target, json!({ "batch": false, "filter": { "rules": ["step", "baseline"] } })).await;
     steps(&lab, "A").await;
     steps(&lab, "B").await;
     // While the target refuses that they fire, A is confirmed and B is over: both wait behind.
-    posts(&lab, "A", 160, 1.05).await;
+    lab.posts_history("IMU-A", "A", &[(160, 1.05)]).await;
     recovers(&lab, "B").await;
     while lab.get(&format!("/v1/hooks/{id}")).await.ok()["queue"]["dead"] == 0 {
         a_second_passes(&lab).await;
     }
-    refuses.store(false, Ordering::SeqCst);
+    takes.store(true, Ordering::SeqCst);
     let refused = target.told().len();
     settles(&lab, &id).await;
     let heard = told(&lab, &id, &target).await[refused..].concat();

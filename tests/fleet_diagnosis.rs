@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
 use crate::lab::Lab;
-use crate::support::{Server, gyrowatch};
+use crate::support::{Server, gyrowatch, id, once};
 use gyrowatch::simulate::presets::preset;
 use gyrowatch::simulate::scenario::EffectChoice;
 use gyrowatch::simulate::{Scenario, simulate};
@@ -61,19 +61,8 @@ fn fleet() -> Vec<Value> {
 
 /// Until an order has ended.
 async fn ended(lab: &Lab, id: &str) -> Value {
-    let patience = Instant::now() + Duration::from_secs(240);
-    loop {
-        let order = lab.get(&format!("/v1/diagnoses/{id}")).await.ok();
-        if !order["ended_at"].is_null() {
-            return order;
-        }
-        assert!(Instant::now() < patience, "{order}");
-        tokio::time::sleep(Duration::from_millis(100)).await;
-    }
-}
-
-fn id(order: &Value) -> &str {
-    order["id"].as_str().unwrap()
+    let look = async || lab.get(&format!("/v1/diagnoses/{id}")).await.ok();
+    once(look, |order| !order["ended_at"].is_null()).await
 }
 
 fn found<'a>(summary: &'a Value, effect: &str, serial: &str) -> &'a Value {
@@ -380,14 +369,7 @@ async fn the_page_shows_what_was_found_and_takes_an_order() {
     assert!(empty.status == 200 && empty.text().contains("No order yet"));
 
     let origin = server.url("");
-    let send = |path: &'static str, origin: &str, fields: &str| {
-        let (server, headers, fields) =
-            (&server, [("content-type", FORM), ("origin", origin)].map(owned), fields.to_owned());
-        async move {
-            let headers: Vec<_> = headers.iter().map(|(name, value)| (name.as_str(), value.as_str())).collect();
-            server.call("POST", path, &headers, fields).await
-        }
-    };
+    let send = async |path: &str, origin: &str, form: &'static str| server.send_form(origin, path, form).await;
     let wrong = send("/diagnoses", &origin, "imu=NOBODY&since=2026-05-01").await;
     assert_eq!(wrong.status, 422);
     assert!(wrong.text().contains("IMU: no IMU is named NOBODY") && wrong.text().contains("value=\"NOBODY\""));
@@ -396,11 +378,7 @@ async fn the_page_shows_what_was_found_and_takes_an_order() {
 
     let taken = send("/diagnoses", &origin, "imu=WARM&since=2026-05-01&until=2026-05-01&again=yes").await;
     assert_eq!((taken.status, &taken.headers["location"]), (303, &"/diagnoses#orders".parse().unwrap()));
-    let patience = Instant::now() + Duration::from_secs(180);
-    while !server.get("/diagnoses").await.text().contains("</svg>done</span>") {
-        assert!(Instant::now() < patience, "{}", server.get("/diagnoses").await.text());
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
+    once(async || server.get("/diagnoses").await.text(), |page| page.contains("</svg>done</span>")).await;
     let order = &server.get("/v1/diagnoses").await.json()["diagnoses"][0];
     assert_eq!(order["asked"]["until"], "2026-05-01T23:59:59.999999Z");
     assert_eq!(order["counts"]["done"], 1, "{order}");
@@ -416,32 +394,21 @@ async fn the_page_shows_what_was_found_and_takes_an_order() {
     assert!(chinese.contains("零偏随温度变化") && chinese.contains("首次出现") && !chinese.contains("First with it"));
     assert!(!server.get("/diagnoses?effect=warmup").await.text().contains("WARM-1"));
 
-    let path: &'static str = format!("/diagnoses/{}/cancel", id(order)).leak();
-    assert_eq!(send(path, "https://evil.example", "").await.status, 403);
-    assert_eq!(send(path, &origin, "").await.status, 409, "it has ended");
+    let path = format!("/diagnoses/{}/cancel", id(order));
+    assert_eq!(send(&path, "https://evil.example", "").await.status, 403);
+    assert_eq!(send(&path, &origin, "").await.status, 409, "it has ended");
     assert_eq!(send("/diagnoses/0000000000000/cancel", &origin, "").await.status, 404);
-}
-
-const FORM: &str = "application/x-www-form-urlencoded";
-
-fn owned((name, value): (&str, &str)) -> (String, String) {
-    (name.to_owned(), value.to_owned())
 }
 
 #[tokio::test]
 async fn what_a_diagnosis_names_is_adopted_and_undone_on_the_pages() {
     let server = Server::start().await;
     let sent = campaign("WARM", 3, "ST-1", Some(in_gyros("temperature_bias", &["G1", "G2", "G3"])));
-    let stored = server.post("/v1/campaigns", lab::JSON, sent.to_string()).await;
-    assert_eq!(stored.status, 201, "{}", stored.text());
-    let id = stored.json()["id"].as_str().unwrap().to_owned();
+    let stored = server.post_json("/v1/campaigns", &sent).await.created();
+    let id = id(&stored);
     let diagnosed = || async {
-        loop {
-            let answer = server.get(&format!("/v1/campaigns/{id}/diagnosis")).await;
-            if answer.status != 202 {
-                break answer.json();
-            }
-        }
+        let look = async || server.get(&format!("/v1/campaigns/{id}/diagnosis")).await;
+        once(look, |answer| answer.status != 202).await.json()
     };
     let named = diagnosed().await["effects"].clone();
     assert!(!named.as_array().unwrap().is_empty());
@@ -450,14 +417,7 @@ async fn what_a_diagnosis_names_is_adopted_and_undone_on_the_pages() {
     assert!(page.contains(&format!("href=\"{form}\"")), "{page}");
     assert!(server.get(&form).await.text().contains("enters the model of this IMU"));
     let origin = server.url("");
-    let send = |path: &str, fields: &str| {
-        let (server, path, fields) = (&server, path.to_owned(), fields.to_owned());
-        let headers = [owned(("content-type", FORM)), owned(("origin", &origin))];
-        async move {
-            let headers: Vec<_> = headers.iter().map(|(name, value)| (name.as_str(), value.as_str())).collect();
-            server.call("POST", &path, &headers, fields).await
-        }
-    };
+    let send = async |path: &str, form: &'static str| server.send_form(&origin, path, form).await;
     let models = || async { server.get("/v1/imus/WARM/model").await.json() };
     assert_eq!(send(&form, "by=M&reason=").await.status, 422, "without a reason");
     assert_eq!(models().await["history"], json!([]));

@@ -1,26 +1,17 @@
 //! Why a coefficient changed: the history of a gyro, diagnosed from what the service holds.
 
-use crate::lab;
-
 use serde_json::Value;
 
-use crate::lab::{Lab, day, record};
+use crate::lab::{Lab, day, record, scatter};
 use gyrowatch::wire::time;
-use sqlx::{Connection, SqliteConnection};
-
-/// Scatter of calibration, deg/(h g0): a fixed sequence that no cause follows.
-fn scatter(k: i64) -> f64 {
-    let noise = [0.3, -1.1, 0.8, 0.1, -0.6, 1.2, -0.2, -0.9, 0.5, 0.7, -1.0, 0.4, -0.3, 1.0, -0.8, 0.2, 0.6];
-    noise[(k * 5 % 17) as usize] * 1e-4
-}
 
 /// Twenty-four records, four weeks apart, every third one by the second station.
 async fn station_history(lab: &Lab, imu: &str, serial: &str, shift: i64, d_i: impl Fn(i64, bool) -> f64) {
     let mut records = Vec::new();
     for k in 0..24 {
         let away = k % 3 == 2;
-        let d_i = 3.0 + scatter(k + shift) + d_i(k, away);
-        let mut sent = record(imu, &day(28 * k), &[("G1", serial, d_i, 4.0 + scatter(k + shift + 3))]);
+        let d_i = 3.0 + scatter(k + shift, 1e-4) + d_i(k, away);
+        let mut sent = record(imu, &day(28 * k), &[("G1", serial, d_i, 4.0 + scatter(k + shift + 3, 1e-4))]);
         sent["station"] = if away { "ST-2" } else { "ST-1" }.into();
         sent["temperature_c"] = (40 + k * k % 7).into();
         records.push(sent);
@@ -94,11 +85,9 @@ async fn a_campaigns_temperature_is_the_mean_of_what_its_dwells_can_be_believed(
         }
         faulty += &(cells.join(",") + "\n");
     }
-    let request = lab.request(reqwest::Method::POST, "/v1/campaigns").header("content-type", "text/csv").body(faulty);
-    let stored = lab::Answer::of(request).await.created();
+    let stored = lab.post_text("/v1/campaigns", "text/csv", faulty).await.created();
     assert!(stored["id"].is_string());
-    let mut database = SqliteConnection::connect(&format!("sqlite://{}", lab.database().display())).await.unwrap();
-    let kept: f64 = sqlx::query_scalar("SELECT temperature_c FROM record").fetch_one(&mut database).await.unwrap();
+    let kept = lab.rows::<(f64,)>("SELECT temperature_c FROM record").await[0].0;
     // In the place of the fault stands what lies between its neighbours.
     stated[7] = 0.5 * (stated[6] + stated[8]);
     let mean = stated.iter().sum::<f64>() / stated.len() as f64;
@@ -139,8 +128,11 @@ async fn a_lone_imu_that_was_moved_gets_a_class() {
     let mut records = Vec::new();
     for k in 0..24 {
         let moved = if k >= 12 { 5e-3 } else { 0.0 };
-        let mut sent =
-            record("IMU-1", &day(28 * k), &[("G1", "ALONE", 3.0 + moved + scatter(k), 4.0 + scatter(k + 3))]);
+        let mut sent = record(
+            "IMU-1",
+            &day(28 * k),
+            &[("G1", "ALONE", 3.0 + moved + scatter(k, 1e-4), 4.0 + scatter(k + 3, 1e-4))],
+        );
         sent["station"] = if k >= 12 { "ST-2" } else { "ST-1" }.into();
         records.push(sent);
     }
@@ -155,8 +147,8 @@ async fn a_lone_imu_that_was_moved_gets_a_class() {
 #[tokio::test]
 async fn a_history_full_of_voids_and_revisions_is_diagnosed_by_what_counts() {
     let (lab, plain) = (Lab::open().await, Lab::open().await);
-    let d_i = |k: i64| 3.0 + scatter(k) + 4e-4 * k as f64;
-    let sent = |k: i64, d_i: f64| record("IMU-1", &day(28 * k), &[("G1", "AGES", d_i, 4.0 + scatter(k + 3))]);
+    let d_i = |k: i64| 3.0 + scatter(k, 1e-4) + 4e-4 * k as f64;
+    let sent = |k: i64, d_i: f64| record("IMU-1", &day(28 * k), &[("G1", "AGES", d_i, 4.0 + scatter(k + 3, 1e-4))]);
     let said = |record: &Value| serde_json::json!({"author": "Li Wei", "reason": "wrong serial", "record": record});
     for k in 0..24 {
         plain.posts(&sent(k, d_i(k))).await;
@@ -179,7 +171,7 @@ async fn a_history_full_of_voids_and_revisions_is_diagnosed_by_what_counts() {
 /// Records of one gyro of an IMU of its own at ST-1, `days` apart.
 async fn sends(lab: &Lab, serial: &str, records: i64, days: f64, d_i: impl Fn(i64) -> f64) {
     let shift = serial.bytes().map(i64::from).sum::<i64>();
-    let noise = |k: i64| scatter(k + k / 17 * 3 + shift);
+    let noise = |k: i64| scatter(k + k / 17 * 3 + shift, 1e-4);
     let of = |k: i64| {
         let figures = ("G1", serial, 3.0 + noise(k) + d_i(k), 4.0 + noise(k + 3));
         let start = time::parse(&day(0)).unwrap();
@@ -227,8 +219,8 @@ fn by_stations(serial: &str, records: i64, of: impl Fn(i64) -> (&'static str, f6
     let shift = serial.bytes().map(i64::from).sum::<i64>();
     let one = |k: i64| {
         let (station, d_i) = of(k);
-        let d_i = 3.0 + scatter(k + shift) + d_i;
-        let mut sent = record(&format!("IMU-{serial}"), &day(28 * k), &[("G1", serial, d_i, 4.0 + scatter(k))]);
+        let d_i = 3.0 + scatter(k + shift, 1e-4) + d_i;
+        let mut sent = record(&format!("IMU-{serial}"), &day(28 * k), &[("G1", serial, d_i, 4.0 + scatter(k, 1e-4))]);
         sent["station"] = station.into();
         sent
     };

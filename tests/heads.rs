@@ -2,15 +2,13 @@
 //! where it is missing, and found out where it is wrong.
 
 use crate::cluster;
-use std::time::Duration;
 
 use crate::lab::{JSON, Lab, NDJSON, bench, day, record};
-use crate::support::Server;
+use crate::support::{Server, id, once};
 use gyrowatch::config::Config;
 use gyrowatch::core::time::UtcMicros;
 use gyrowatch::system::Clock;
 use serde_json::{Value, json};
-use sqlx::{AssertSqlSafe, ConnectOptions, Connection, PgConnection, SqliteConnection};
 
 /// A laboratory on a file, and one on PostgreSQL where there is that.
 async fn on_both(change: impl Fn(&mut Config)) -> Vec<Lab> {
@@ -29,16 +27,9 @@ async fn on_both(change: impl Fn(&mut Config)) -> Vec<Lab> {
 
 /// What a column of the row of a gyro says.
 async fn says(lab: &Lab, serial: &str, column: &str) -> String {
-    let sql = AssertSqlSafe(format!("SELECT CAST({column} AS TEXT) FROM head WHERE serial = '{serial}'"));
-    let said: Option<String> = if lab.config.database.url.starts_with("sqlite") {
-        let mut connection: SqliteConnection =
-            sqlx::sqlite::SqliteConnectOptions::new().filename(lab.database()).connect().await.unwrap();
-        sqlx::query_scalar(sql).fetch_one(&mut connection).await.unwrap()
-    } else {
-        let mut connection = PgConnection::connect(&lab.config.database.url).await.unwrap();
-        sqlx::query_scalar(sql).fetch_one(&mut connection).await.unwrap()
-    };
-    said.unwrap_or_default()
+    let sql = format!("SELECT CAST({column} AS TEXT) FROM head WHERE serial = '{serial}'");
+    let said: Vec<(Option<String>,)> = lab.rows(&sql).await;
+    said[0].0.clone().unwrap_or_default()
 }
 
 /// Every row is as what is stored says.
@@ -46,10 +37,6 @@ async fn stand(lab: &Lab, after: &str) {
     let verified = lab.verified().await;
     assert!(verified.faults.is_empty(), "{after}: {:#?}", verified.faults);
     assert!(verified.heads.is_some_and(|gyros| gyros > 0), "{after}: {verified:?}");
-}
-
-fn id(answer: &Value) -> &str {
-    answer["id"].as_str().unwrap()
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -168,11 +155,7 @@ async fn whatever_changes_how_a_gyro_stands_its_row_follows() {
         assert_eq!(says(&lab, "M0-1", "status").await, "confirmed");
         // Nothing but time has passed.
         lab.clock_shows("2028-11-01T12:00:00Z");
-        let patience = std::time::Instant::now() + Duration::from_secs(30);
-        while says(&lab, "M5-1", "firing").await != "1" {
-            assert!(std::time::Instant::now() < patience, "no alert of overdue is counted");
-            tokio::time::sleep(Duration::from_millis(50)).await;
-        }
+        once(async || says(&lab, "M5-1", "firing").await, |alerts_of_overdue| alerts_of_overdue == "1").await;
         stand(&lab, "a calibration that is overdue").await;
         let overdue = lab.get("/v1/gyros?status=overdue&limit=10000").await.ok()["gyros"].clone();
         let retired = lab.get("/v1/gyros").await.ok()["gyros"].clone();

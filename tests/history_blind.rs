@@ -1,17 +1,10 @@
 //! Fleets with a hidden cause, sent as records to a service and asked of it: a few of each kind.
 
-use assert_cmd::Command;
-use serde_json::Value;
+use crate::command;
 
 #[test]
 fn hidden_causes_are_found_through_the_real_ingest() {
-    let output = Command::cargo_bin("gyrowatch")
-        .unwrap()
-        .args(["blindcheck", "history", "--count", "4", "--seed", "2026", "--format", "json"])
-        .output()
-        .unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let report = command::answer(&["blindcheck", "history", "--count", "4", "--seed", "2026"]);
     assert_eq!(report["fleets"], 76);
     let figure = |what: &str| {
         let rows = report["rows"].as_array().unwrap();

@@ -1,7 +1,8 @@
 //! What hooks are told with is not to be read in a backup, where there is a key (GYROWATCH_SECRETS_KEY).
 
+use crate::command::{beside, on_database};
 use crate::receiver::Receiver;
-use crate::support::{Server, gyrowatch};
+use crate::support::Server;
 use serde_json::{Value, json};
 use standardwebhooks::Webhook;
 
@@ -16,10 +17,8 @@ fn key(byte: u8) -> String {
 /// Which of the secrets a backup gives away.
 fn given_away(server: &Server) -> Vec<&'static str> {
     let file = server.dir().join("copy.db");
-    let url = format!("sqlite://{}", server.dir().join("gyrowatch.db").display());
-    let mut command = gyrowatch();
-    let output = command.args(["backup"]).arg(&file).env("GYROWATCH_DATABASE_URL", url).output().unwrap();
-    assert!(output.status.success(), "{output:?}");
+    let (status, said) = on_database(&["backup", "copy.db"], server.dir());
+    assert_eq!(status, Some(0), "{said}");
     let bytes = std::fs::read(&file).unwrap();
     std::fs::remove_file(file).unwrap();
     HIDDEN.into_iter().filter(|text| bytes.windows(text.len()).any(|part| part == text.as_bytes())).collect()
@@ -27,13 +26,12 @@ fn given_away(server: &Server) -> Vec<&'static str> {
 
 /// Why the service does not start.
 fn refusal(server: &Server, key: Option<&str>) -> String {
-    let mut command = gyrowatch();
-    let url = format!("sqlite://{}", server.dir().join("gyrowatch.db").display());
-    command.arg("serve").env("GYROWATCH_DATABASE_URL", url).env("GYROWATCH_LISTEN", "127.0.0.1:0");
+    let mut command = beside(server.dir());
+    command.arg("serve").env("GYROWATCH_LISTEN", "127.0.0.1:0");
     if let Some(key) = key {
         command.env(KEY, key);
     }
-    let output = command.current_dir(server.dir()).output().unwrap();
+    let output = command.output().unwrap();
     assert!(!output.status.success());
     String::from_utf8(output.stderr).unwrap()
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::receiver::{Receiver, Told};
-use crate::support::{Answer, Server};
+use crate::support::{Answer, Server, once};
 use axum::http::StatusCode;
 use axum::response::IntoResponse;
 use base64::Engine;
@@ -22,24 +22,7 @@ fn key(bytes: usize) -> String {
 }
 
 /// What the engineer does.
-trait Engineer {
-    async fn sets_up(&self, hook: Value) -> Value;
-    async fn changes(&self, hook: &Value, change: Value) -> Answer;
-    async fn tests(&self, hook: &Value) -> Value;
-    /// Waits until the delivery is in one of `states`.
-    async fn sees(&self, delivery: &Value, states: &[&str]) -> Value;
-    async fn sees_attempts(&self, delivery: &Value, count: usize) -> Value;
-}
-
-impl Engineer for Server {
-    async fn sets_up(&self, hook: Value) -> Value {
-        let answer = self.post_json("/v1/hooks", &hook).await;
-        assert_eq!(answer.status, 201, "{}", answer.text());
-        let body = answer.json();
-        assert_eq!(answer.headers["location"], format!("/v1/hooks/{}", body["id"].as_str().unwrap()));
-        body
-    }
-
+impl Server {
     async fn changes(&self, hook: &Value, change: Value) -> Answer {
         let path = format!("/v1/hooks/{}", hook["id"].as_str().unwrap());
         self.call("PATCH", &path, &[("content-type", "application/json")], change.to_string()).await
@@ -51,6 +34,7 @@ impl Engineer for Server {
         answer.json()
     }
 
+    /// Waits until the delivery is in one of `states`.
     async fn sees(&self, delivery: &Value, states: &[&str]) -> Value {
         wait(self, delivery, |now| states.contains(&now["state"].as_str().unwrap())).await
     }
@@ -62,15 +46,7 @@ impl Engineer for Server {
 
 async fn wait(server: &Server, delivery: &Value, until: impl Fn(&Value) -> bool) -> Value {
     let path = format!("/v1/deliveries/{}", delivery["id"].as_str().unwrap());
-    let patience = Instant::now() + Duration::from_secs(120);
-    loop {
-        let now = server.get(&path).await.json();
-        if until(&now) {
-            return now;
-        }
-        assert!(Instant::now() < patience, "{now:#}\n{}", server.log());
-        tokio::time::sleep(Duration::from_millis(20)).await;
-    }
+    once(async || server.get(&path).await.json(), until).await
 }
 
 fn verifies(told: &Told, secret: &str) -> bool {

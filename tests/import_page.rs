@@ -2,9 +2,9 @@
 //! document at all; and the right document in the place of a wrong one.
 
 use std::fs;
-use std::path::Path;
 
-use crate::support::{Server, data, gyrowatch};
+use crate::spoken::unescaped;
+use crate::support::{FORM, Server, data, gyrowatch, root};
 use base64::prelude::{BASE64_STANDARD, Engine};
 use serde_json::{Value, json};
 
@@ -42,13 +42,13 @@ fn field(page: &str, name: &str) -> String {
     let from = page.rfind(&format!("<textarea name=\"{name}\"")).unwrap_or_else(|| panic!("no {name} in {page}"));
     let text = &page[from..][page[from..].find('>').unwrap() + 1..];
     let text = &text[..text.find("</textarea>").unwrap()];
-    text.replace("&quot;", "\"").replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
+    unescaped(text)
 }
 
 #[tokio::test]
 async fn a_raw_log_gets_a_first_map_and_with_its_map_becomes_a_campaign_that_is_stored() {
     let server = Server::start().await;
-    let logs = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/logs");
+    let logs = root().join("examples/logs");
     let [log, map, programme] =
         ["table.csv", "map.toml", "programme.csv"].map(|name| fs::read_to_string(logs.join(name)).unwrap());
     let guessed = previewed(&server, with_map("", "", &log)).await;
@@ -215,7 +215,7 @@ async fn what_is_refused_for_another_that_is_stored_can_be_put_in_its_place() {
         form.append_pair("id", &id).append_pair("text", &text).extend_pairs(fields).finish()
     };
     let send = async |body: String| {
-        let kind = [("content-type", "application/x-www-form-urlencoded")];
+        let kind = [("content-type", FORM)];
         server.call("POST", "/import/replace", &kind, body).await
     };
     let unsaid = send(order(&[("by", "Li Wei"), ("reason", ""), ("confirm", "yes")])).await;

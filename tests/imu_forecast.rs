@@ -1,16 +1,14 @@
 //! The model of one IMU: fitted to its campaigns, it foretells the next ones, says what has changed, and is what
 //! `simulate --model` draws.
 
-use crate::cluster;
-use crate::lab;
-
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use crate::lab::Lab;
+use crate::command::{answer, printed, read_json, run};
+use crate::lab::{Lab, at};
 use crate::receiver::Receiver;
-use crate::support::{Server, data_path, gyrowatch};
+use crate::support::{Server, data_path, once};
 use gyrowatch::core::alert_decision::Late;
 use gyrowatch::core::augmented::{Adopted, AugmentedModel, KnownEffect};
 use gyrowatch::core::calibrate::outcome::{Outcome, evaluate_with};
@@ -29,7 +27,6 @@ use gyrowatch::simulate::scenario::GyroChoice;
 use gyrowatch::simulate::{Scenario, simulate};
 use gyrowatch::wire;
 use serde_json::{Value, json};
-use sqlx::{Connection, PgConnection, SqliteConnection};
 
 /// Change of D_I and D_S of G1 with temperature, deg/(h g0 K).
 const K: [f64; 2] = [0.003, -0.002];
@@ -341,18 +338,6 @@ fn written(dir: &Path, name: &str, campaign: &Campaign) -> PathBuf {
     path
 }
 
-fn run(arguments: &[&str]) -> (i32, String, String) {
-    let output = gyrowatch().args(arguments).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
-}
-
-fn ran(arguments: &[&str]) -> String {
-    let (status, out, error) = run(arguments);
-    assert_eq!(status, 0, "{arguments:?}: {error}");
-    out
-}
-
 #[test]
 fn the_command_line_fits_foretells_climbs_the_ladder_and_simulates_this_imu() {
     let dir = tempfile::tempdir().unwrap();
@@ -361,13 +346,13 @@ fn the_command_line_fits_foretells_climbs_the_ladder_and_simulates_this_imu() {
     let next = written(dir.path(), "next.json", &campaign(2, 2, NOMINAL_C + 3.0, 1.0));
     let (first, next) = (first.to_str().unwrap(), next.to_str().unwrap());
     let model = path("model.json");
-    let table = ran(&["model", "fit", first, "-o", &model]);
+    let table = printed(&["model", "fit", first, "-o", &model]);
     assert!(table.contains("temperature_g") && table.contains("LFG-0"), "{table}");
-    let file: Value = serde_json::from_slice(&std::fs::read(&model).unwrap()).unwrap();
+    let file = read_json(&model);
     assert_eq!((&file["version"], &file["effects"][0]["effect"]), (&json!(2), &json!("temperature_g")));
     let coefficients = file["identified"]["coefficients"].as_array().unwrap();
     assert_eq!(file["identified"]["covariance"].as_array().unwrap().len(), coefficients.len());
-    let asked = ran(&["model", "fit", first, "--effects", "temperature_g"]);
+    let asked = printed(&["model", "fit", first, "--effects", "temperature_g"]);
     let asked: Value = serde_json::from_str(&asked).unwrap();
     assert_eq!(asked["effects"][0]["gyros"], json!(["G1", "G2", "G3"]));
     let mut cold = campaign(3, 3, NOMINAL_C, 1.0);
@@ -377,36 +362,35 @@ fn the_command_line_fits_foretells_climbs_the_ladder_and_simulates_this_imu() {
     let (status, out, said) = run(&["model", "fit", cold.to_str().unwrap(), "--effects", "temperature_g"]);
     assert!(status == 0 && !out.contains("temperature_g") && said.contains("temperature_g is left out"), "{said}");
 
-    let told: Value = serde_json::from_str(&ran(&["predict", &model, next, "--format", "json"])).unwrap();
+    let told = answer(&["predict", &model, next]);
     // Three kelvin warmer than the model has seen: every place says so, and none that it is as foretold.
     let verdict = &told["compared"]["verdict"];
     assert_eq!((&told["compared"]["state"], &verdict["state"]), (&json!("indeterminate"), &json!("indeterminate")));
     assert_eq!(told["gyros"][0]["predicted_pulse_s"].as_array().unwrap().len(), 78);
-    let table = ran(&["predict", &model, next]);
+    let table = printed(&["predict", &model, next]);
     assert!(table.contains("Promised by the model") && table.contains("noise floor"), "{table}");
     assert!(table.contains("cannot be judged") && table.contains("has not seen such temperatures"), "{table}");
-    let steps: Value = serde_json::from_str(&ran(&["gap", &model, next, "--format", "json"])).unwrap();
+    let steps = answer(&["gap", &model, next]);
     assert_eq!(steps[0]["rungs"][1]["effect"], "temperature_g");
-    let words = ran(&["gap", &model, next]);
+    let words = printed(&["gap", &model, next]);
     let said = ["forecast error of each campaign", "model (6)", "+ temperature_g", "cannot be judged", "noise floor"];
     assert!(said.iter().all(|part| words.contains(part)), "{words}");
-    let against: Value =
-        serde_json::from_str(&ran(&["diagnose", next, "--model", &model, "--format", "json"])).unwrap();
+    let against = answer(&["diagnose", next, "--model", &model]);
     assert_eq!(against["effects_against_model"]["effects"][0]["changed"], false);
 
     // What is still to be measured: the same IMU at another temperature, and one that the model allows.
     let scenario = path("tomorrow.toml");
     std::fs::write(&scenario, "measured_at = \"2026-09-01T08:00:00Z\"\n[temperature]\nmean_c = 47.0\n").unwrap();
-    let told: Value = serde_json::from_str(&ran(&["predict", &model, &scenario, "--format", "json"])).unwrap();
+    let told = answer(&["predict", &model, &scenario]);
     assert_eq!(told["next_dwells"].as_array().unwrap().len(), 8);
     assert!(told["compared"].is_null() && told["promised"]["closure"].as_f64().unwrap() > 0.8, "{}", told["promised"]);
     let mut z = Vec::new();
     for seed in ["3", "4", "5"] {
         let made = path("made.json");
-        ran(&["simulate", "--scenario", &scenario, "--model", &model, "--seed", seed, "--out", &made]);
-        let told: Value = serde_json::from_str(&ran(&["predict", &model, &made, "--format", "json"])).unwrap();
+        printed(&["simulate", "--scenario", &scenario, "--model", &model, "--seed", seed, "--out", &made]);
+        let told = answer(&["predict", &model, &made]);
         z.push(told["compared"]["p_value"].as_f64().unwrap());
-        let document: Value = serde_json::from_slice(&std::fs::read(&made).unwrap()).unwrap();
+        let document = read_json(&made);
         assert_eq!(document["gyros"][2]["serial"], "LFG-2");
     }
     assert!(z.iter().all(|p| *p > 1e-3), "{z:?}");
@@ -484,9 +468,7 @@ async fn the_service_foretells_each_campaign_by_the_model_in_force_when_it_came_
     lab.post("/v1/campaigns", &document(&second)).await.created();
 
     let file = model(&[&first]).into_model(&temperature_g());
-    let mut body: Value = serde_json::from_str(&wire::model::to_json(&file)).unwrap();
-    body["author"] = "M. Adopter".into();
-    body["reason"] = "it foretells".into();
+    let body = adoption(&file);
     let adopted = lab.post("/v1/imus/IMU-07/model", &body).await.created();
     assert_eq!(adopted["model"]["version"], 2);
     let stored = lab.post("/v1/campaigns", &document(&third)).await.created();
@@ -539,9 +521,7 @@ async fn a_model_of_other_gyros_is_not_adopted_and_a_gyro_exchanged_since_is_sai
     let first = campaign(1, 1, NOMINAL_C, 1.0);
     lab.post("/v1/campaigns", &document(&first)).await.created();
     let file = model(&[&first]).into_model(&temperature_g());
-    let mut body: Value = serde_json::from_str(&wire::model::to_json(&file)).unwrap();
-    body["author"] = "M. Adopter".into();
-    body["reason"] = "it foretells".into();
+    let body = adoption(&file);
     let mut strangers = body.clone();
     for gyro in strangers["identified"]["gyros"].as_array_mut().unwrap() {
         gyro["serial"] = format!("NEW-{}", gyro["slot"]).into();
@@ -619,8 +599,7 @@ async fn an_adoption_states_the_stored_campaigns_at_its_temperature_and_its_undo
     let unmoved = d_i(&lab, "LFG-1").await;
 
     let file = model(&[&campaigns[0]]).into_model(&temperature_g());
-    let mut body: Value = serde_json::from_str(&wire::model::to_json(&file)).unwrap();
-    body["author"] = "M. Adopter".into();
+    let mut body = adoption(&file);
     body["reason"] = "D_I follows temperature".into();
     let mut other = body.clone();
     other["identified"]["imu"] = "IMU-99".into();
@@ -881,19 +860,12 @@ async fn what_an_earlier_version_stated_otherwise_is_stated_anew_after_the_start
     assert_eq!(suspected["records"].as_array().unwrap().len(), 1);
     lab.stop().await;
     let body = wire::model::to_json(&file);
-    tamper(&lab, "UPDATE imu_model SET body = $1", Some(&body)).await;
-    tamper(&lab, "DELETE FROM campaign_model WHERE record IN (SELECT id FROM record WHERE kind = 0)", None).await;
+    assert!(lab.change_to("UPDATE imu_model SET body = $1", &[&body]).await > 0);
+    let of_records = "DELETE FROM campaign_model WHERE record IN (SELECT id FROM record WHERE kind = 0)";
+    assert!(lab.change(of_records).await > 0);
     lab.start().await;
     let counting = &right[..5];
-    let mut now = d_i(&lab, "LFG-0").await;
-    for _ in 0..600 {
-        if now == counting {
-            break;
-        }
-        tokio::time::sleep(Duration::from_millis(100)).await;
-        now = d_i(&lab, "LFG-0").await;
-    }
-    assert_eq!(now, counting);
+    once(async || d_i(&lab, "LFG-0").await, |now| now == counting).await;
     // What was set aside then is stated anew where it counts again.
     lab.post(&format!("/v1/stations/{station}/trust"), &window).await.ok();
     assert_eq!(d_i(&lab, "LFG-0").await, right);
@@ -905,27 +877,6 @@ async fn what_an_earlier_version_stated_otherwise_is_stated_anew_after_the_start
     lab.restart().await;
     tokio::time::sleep(Duration::from_secs(1)).await;
     assert_eq!(d_i(&lab, "LFG-0").await, right);
-}
-
-async fn tamper(lab: &Lab, sql: &'static str, text: Option<&str>) {
-    let rows = match cluster::is_wanted() {
-        true => {
-            let mut connection = PgConnection::connect(&lab.config.database.url).await.unwrap();
-            let query = text.into_iter().fold(sqlx::query(sql), |query, text| query.bind(text));
-            query.execute(&mut connection).await.unwrap().rows_affected()
-        }
-        false => {
-            let mut connection = SqliteConnection::connect(&lab.config.database.url).await.unwrap();
-            let query = text.into_iter().fold(sqlx::query(sql), |query, text| query.bind(text));
-            query.execute(&mut connection).await.unwrap().rows_affected()
-        }
-    };
-    assert!(rows > 0, "{sql}");
-}
-
-fn at(mut campaign: Value, measured_at: &str) -> Value {
-    campaign["measured_at"] = measured_at.into();
-    campaign
 }
 
 fn document(campaign: &Campaign) -> Value {
@@ -942,11 +893,16 @@ fn in_june(day: u32, moved: f64) -> Value {
     at(document(&campaign), &format!("2026-06-{day:02}T08:00:00Z"))
 }
 
-async fn adopts(lab: &Lab, model: &AugmentedModel) -> Value {
+/// What adopts a model.
+fn adoption(model: &AugmentedModel) -> Value {
     let mut body: Value = serde_json::from_str(&wire::model::to_json(model)).unwrap();
     body["author"] = "M. Adopter".into();
     body["reason"] = "it foretells".into();
-    lab.post("/v1/imus/IMU-07/model", &body).await.created()
+    body
+}
+
+async fn adopts(lab: &Lab, model: &AugmentedModel) -> Value {
+    lab.post("/v1/imus/IMU-07/model", &adoption(model)).await.created()
 }
 
 /// Posts a campaign and waits until its diagnosis is kept: what is made of its forecast.
@@ -960,17 +916,10 @@ async fn measured(lab: &Lab, campaign: &Value) -> Value {
 
 /// Waits until the alert of the IMU stands so and is so severe; it, or null where there is none.
 async fn alert_is(lab: &Lab, wanted: Option<[&str; 2]>) -> Value {
-    let patience = Instant::now() + Duration::from_secs(60);
-    loop {
-        let found = lab.get("/v1/alerts?rule=forecast").await.ok()["alerts"].clone();
-        let alert = &found[0];
-        let stands = [&alert["state"], &alert["severity"]].map(|word| word.as_str().unwrap_or_default());
-        if wanted.map_or(alert.is_null(), |wanted| stands == wanted) {
-            return alert.clone();
-        }
-        assert!(Instant::now() < patience, "{found:#}");
-        tokio::time::sleep(Duration::from_millis(30)).await;
-    }
+    let look = async || lab.get("/v1/alerts?rule=forecast").await.ok()["alerts"][0].clone();
+    let stands =
+        |alert: &Value| [&alert["state"], &alert["severity"]].map(|word| word.as_str().unwrap_or_default().to_owned());
+    once(look, |alert| wanted.map_or(alert.is_null(), |wanted| stands(alert) == wanted)).await
 }
 
 #[tokio::test]
@@ -1093,23 +1042,12 @@ async fn an_old_campaign_outside_its_forecast_is_told_to_nobody_and_a_rule_that_
 async fn pages_show_the_alert_of_an_imu_with_the_gyro_and_the_dwell() {
     let server = Server::start().await;
     let first = campaign(1, 1, NOMINAL_C, 1.0);
-    let stored = server.post("/v1/campaigns", lab::JSON, document(&first).to_string()).await;
-    assert_eq!(stored.status, 201);
-    let mut body: Value =
-        serde_json::from_str(&wire::model::to_json(&model(&[&first]).into_model(&temperature_g()))).unwrap();
-    body["author"] = "M. Adopter".into();
-    body["reason"] = "it foretells".into();
-    assert_eq!(server.post("/v1/imus/IMU-07/model", lab::JSON, body.to_string()).await.status, 201);
-    assert_eq!(server.post("/v1/campaigns", lab::JSON, in_june(3, 0.02).to_string()).await.status, 201);
-    let patience = Instant::now() + Duration::from_secs(60);
-    let alert = loop {
-        let found = server.get("/v1/alerts?rule=forecast").await.json()["alerts"].clone();
-        if !found[0].is_null() {
-            break found[0].clone();
-        }
-        assert!(Instant::now() < patience, "{}", server.log());
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    };
+    server.post_json("/v1/campaigns", &document(&first)).await.created();
+    let body = adoption(&model(&[&first]).into_model(&temperature_g()));
+    server.post_json("/v1/imus/IMU-07/model", &body).await.created();
+    server.post_json("/v1/campaigns", &in_june(3, 0.02)).await.created();
+    let look = async || server.get("/v1/alerts?rule=forecast").await.json()["alerts"][0].clone();
+    let alert = once(look, |alert| !alert.is_null()).await;
     let (id, record) = (alert["id"].as_str().unwrap(), alert["record"].as_str().unwrap());
     let forecast = format!("/campaigns/{record}/diagnosis");
     for (page, shows) in [

@@ -5,7 +5,8 @@ use crate::cluster;
 
 use serde_json::{Value, json};
 
-use crate::lab::{Answer, Lab};
+use crate::lab::{Answer, Lab, at, effects};
+use crate::support::document;
 use gyrowatch::core::alert_decision::Late;
 use gyrowatch::pipeline::{Accepted, Submission};
 use gyrowatch::wire::campaign::Form;
@@ -13,15 +14,9 @@ use reqwest::Method;
 
 /// A practice campaign with `temperature_bias` in it.
 fn campaign() -> Value {
-    let key: Value = serde_json::from_str(include_str!("data/practice/key.json")).unwrap();
+    let key = document("practice/key.json");
     let name = key.as_object().unwrap().iter().find(|(_, entry)| entry["effects"] == json!(["temperature_bias"]));
-    let path = format!("{}/tests/data/practice/{}", env!("CARGO_MANIFEST_DIR"), name.unwrap().0);
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
-}
-
-fn at(mut campaign: Value, measured_at: &str) -> Value {
-    campaign["measured_at"] = measured_at.into();
-    campaign
+    document(&format!("practice/{}", name.unwrap().0))
 }
 
 fn adoption(effects: Value) -> Value {
@@ -41,10 +36,6 @@ async fn diagnosis(lab: &Lab, stored: &Value) -> Value {
     lab.diagnosis(stored["id"].as_str().unwrap()).await.ok()
 }
 
-fn named(diagnosis: &Value) -> Vec<&str> {
-    diagnosis["effects"].as_array().unwrap().iter().map(|e| e["effect"].as_str().unwrap()).collect()
-}
-
 #[tokio::test]
 async fn an_adopted_model_is_used_by_the_later_campaigns_and_undone_by_an_empty_one() {
     let mut lab = Lab::open().await;
@@ -52,7 +43,7 @@ async fn an_adopted_model_is_used_by_the_later_campaigns_and_undone_by_an_empty_
     let path = model_path(&sent);
     let first = lab.post("/v1/campaigns", &sent).await.created();
     let plain = diagnosis(&lab, &first).await;
-    assert_eq!(named(&plain), ["temperature_bias"]);
+    assert_eq!(effects(&plain), ["temperature_bias"]);
     assert_eq!(lab.get(&path).await.ok()["history"], json!([]));
     let trend = format!("/v1/gyros/{}/trend", sent["gyros"][0]["serial"].as_str().unwrap());
     let before = lab.get(&trend).await;
@@ -212,7 +203,7 @@ async fn a_stored_campaign_is_diagnosed_without_anybody_asking_and_ingest_does_n
             assert!(answer.header("retry-after").parse::<u32>().unwrap() > 0);
             answer = lab.get(&path).await;
         }
-        assert_eq!(named(&answer.ok()), ["temperature_bias"]);
+        assert_eq!(effects(&answer.ok()), ["temperature_bias"]);
     }
 }
 
@@ -286,7 +277,7 @@ async fn an_equation_without_a_value_in_a_campaign_is_said_and_the_rest_is_diagn
     lab.post("/v1/hypotheses", &hypothesis("pole", "k / (w_I - w_I)", "deg^2/h^2")).await.created();
     let stored = lab.post("/v1/campaigns", &campaign()).await.created();
     let found = diagnosis(&lab, &stored).await;
-    assert_eq!(named(&found), ["temperature_bias"]);
+    assert_eq!(effects(&found), ["temperature_bias"]);
     let said = found["not_identifiable"].as_array().unwrap().iter().find(|one| one["effect"] == "pole");
     assert!(said.is_some_and(|one| one["reason"].as_str().unwrap().contains("no finite value")), "{said:?}");
 }

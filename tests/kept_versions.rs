@@ -9,7 +9,8 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use crate::support::{SUMMARY, Server, data, data_path, gyrowatch};
+use crate::command::verified;
+use crate::support::{SUMMARY, Server, data, data_path, document, file_url, gyrowatch};
 use flate2::Compression;
 use flate2::read::ZlibDecoder;
 use flate2::write::ZlibEncoder;
@@ -44,7 +45,7 @@ async fn fill(server: &Server) {
 
     let campaign = server.post("/v1/campaigns", "application/json", data("practice/campaign-02.json")).await;
     assert_eq!(campaign.status, 201, "{}", campaign.text());
-    let sent: Value = serde_json::from_str(&data("practice/campaign-02.json")).unwrap();
+    let sent = document("practice/campaign-02.json");
     let adoption = json!({ "effects": [{ "effect": "temperature_bias", "gyros": ["G1", "G2", "G3"], "estimates": [] }],
         "author": "B. Li", "reason": "held-out dwells agree" });
     stored(&format!("/v1/imus/{}/model", sent["imu"].as_str().unwrap()), &adoption).await;
@@ -181,18 +182,17 @@ async fn says_the_same(version: &str, kind: &str, server: &mut Server, url: &str
     }
     assert_eq!(found, [""; 0], "{version}");
     let known = server.get("/v1/records").await.json()["records"].as_array().unwrap().len();
-    let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
+    let mut record = document("paper.json");
     record["calibrated_at"] = "2026-04-12T08:00:00Z".into();
     assert_eq!(server.post_json("/v1/records", &record).await.status, 201);
     assert_eq!(server.get("/v1/records").await.json()["records"].as_array().unwrap().len(), known + 1);
     assert!(server.terminate().0.success());
-    let verified = gyrowatch().arg("verify").env("GYROWATCH_DATABASE_URL", url).output().unwrap();
-    assert!(verified.status.success(), "{version}: {verified:?}");
+    verified(url);
 }
 
 #[tokio::test]
 async fn a_file_that_a_released_version_wrote_says_what_it_said() {
-    let url = |dir: &Path| format!("sqlite://{}", dir.join("gyrowatch.db").display());
+    let url = |dir: &Path| file_url(&dir.join("gyrowatch.db"));
     if is_keeping() {
         let mut server = Server::start_under(&[], tempfile::tempdir().unwrap(), &[]);
         fill(&server).await;

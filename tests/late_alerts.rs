@@ -1,10 +1,10 @@
 //! Whoever imports history is told once what still fires, and of what long ago began and ended, nothing.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use crate::lab::{Lab, NDJSON, day, record};
 use crate::receiver::Receiver;
-use crate::support::gyrowatch;
+use crate::support::{gyrowatch, once};
 use serde_json::{Value, json};
 
 /// The day of 2025 that the laboratory's clock shows: noon of 2026-11-21.
@@ -19,19 +19,9 @@ async fn lab() -> Lab {
     .await
 }
 
-async fn hook(lab: &Lab, target: &Receiver, more: Value) -> String {
-    let mut hook = json!({ "kind": "standard-webhooks", "url": target.url() });
-    hook.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
-    lab.post("/v1/hooks", &hook).await.created()["id"].as_str().unwrap().to_owned()
-}
-
 /// What a target has been told, once nothing is open for the hook.
 async fn told(lab: &Lab, hook: &str, target: &Receiver) -> Vec<Value> {
-    let patience = Instant::now() + Duration::from_secs(60);
-    while lab.get(&format!("/v1/hooks/{hook}")).await.ok()["queue"]["open"] != 0 {
-        assert!(Instant::now() < patience);
-        tokio::time::sleep(Duration::from_millis(10)).await;
-    }
+    lab.all_told(hook).await;
     target.told().iter().map(|told| told.json()).collect()
 }
 
@@ -52,18 +42,13 @@ fn histories() -> Vec<Value> {
     all
 }
 
-async fn firing(lab: &Lab, serial: &str) -> Vec<Value> {
-    let found = lab.get(&format!("/v1/alerts?state=firing&serial={serial}")).await.ok();
-    found["alerts"].as_array().unwrap().clone()
-}
-
 #[tokio::test]
 async fn an_import_tells_in_one_digest_what_fires_since_long_ago_and_what_is_recent_as_ever() {
     let (lab, target, single) = (lab().await, Receiver::start().await, Receiver::start().await);
-    let hooks = [hook(&lab, &target, json!({})).await, hook(&lab, &single, json!({ "batch": false })).await];
+    let hooks = [lab.tells(&target, json!({})).await, lab.tells(&single, json!({ "batch": false })).await];
     assert!(lab.imports(&histories()).await.iter().all(|line| line["status"] == 201));
-    let (of_a, of_d) = (firing(&lab, "A").await, firing(&lab, "D").await);
-    assert!(!of_a.is_empty() && !of_d.is_empty() && firing(&lab, "B").await.is_empty());
+    let (of_a, of_d) = (lab.alerts("state=firing&serial=A").await, lab.alerts("state=firing&serial=D").await);
+    assert!(!of_a.is_empty() && !of_d.is_empty() && lab.alerts("state=firing&serial=B").await.is_empty());
     for (hook, target, recent) in [(&hooks[0], &target, 1), (&hooks[1], &single, of_d.len())] {
         let told = told(&lab, hook, target).await;
         let (digests, others): (Vec<&Value>, Vec<&Value>) =
@@ -103,7 +88,7 @@ async fn an_import_tells_in_one_digest_what_fires_since_long_ago_and_what_is_rec
 async fn whoever_asks_for_it_hears_everything_or_nothing_of_an_import() {
     for (notify, old) in [("all", true), ("none", false)] {
         let (lab, target) = (lab().await, Receiver::start().await);
-        let hook = hook(&lab, &target, json!({ "batch": false })).await;
+        let hook = lab.tells(&target, json!({ "batch": false })).await;
         let text: String = histories().iter().map(|record| format!("{record}\n")).collect();
         lab.post_text(&format!("/v1/import?notify={notify}"), NDJSON, text).await.lines();
         let told = told(&lab, &hook, &target).await;
@@ -111,7 +96,7 @@ async fn whoever_asks_for_it_hears_everything_or_nothing_of_an_import() {
         let serials: Vec<&str> = told.iter().map(|body| body["data"]["serial"].as_str().unwrap()).collect();
         assert_eq!(serials.contains(&"A") && serials.contains(&"B"), old, "{notify}: {serials:?}");
         assert!(serials.contains(&"D"), "{notify}: what is recent");
-        assert!(!firing(&lab, "A").await.is_empty(), "it fires all the same");
+        assert!(!lab.alerts("state=firing&serial=A").await.is_empty(), "it fires all the same");
         let wrong = lab.post_text("/v1/import?notify=some", NDJSON, "").await;
         assert_eq!(wrong.status, 400);
         assert!(wrong.text.contains("all, digest, none"), "{}", wrong.text);
@@ -121,14 +106,14 @@ async fn whoever_asks_for_it_hears_everything_or_nothing_of_an_import() {
 #[tokio::test]
 async fn an_old_record_that_is_posted_by_itself_is_told_to_nobody_and_a_recent_one_is() {
     let (mut lab, target) = (lab().await, Receiver::start().await);
-    let hook = hook(&lab, &target, json!({})).await;
+    let hook = lab.tells(&target, json!({})).await;
     for (at, d_i) in [(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.05), (160, 1.05)] {
         lab.posts(&of("A", at, d_i)).await;
     }
     lab.restart().await;
     tokio::time::sleep(Duration::from_millis(100)).await;
     assert_eq!(told(&lab, &hook, &target).await, [] as [Value; 0], "nor does the clock tell it later");
-    assert!(!firing(&lab, "A").await.is_empty());
+    assert!(!lab.alerts("state=firing&serial=A").await.is_empty());
     lab.posts(&of("A", TODAY - 1, 1.05)).await;
     let told = told(&lab, &hook, &target).await;
     assert_eq!((told.len(), &told[0]["type"]), (1, &json!("alert.fired")));
@@ -138,7 +123,7 @@ async fn an_old_record_that_is_posted_by_itself_is_told_to_nobody_and_a_recent_o
 #[tokio::test]
 async fn an_import_of_many_requests_is_one_digest_and_one_that_is_broken_off_is_told_in_a_while() {
     let (mut lab, target) = (lab().await, Receiver::start().await);
-    let hook = hook(&lab, &target, json!({})).await;
+    let hook = lab.tells(&target, json!({})).await;
     let all = histories();
     for part in all.chunks(30) {
         let text: String = part.iter().map(|record| format!("{record}\n")).collect();
@@ -150,11 +135,8 @@ async fn an_import_of_many_requests_is_one_digest_and_one_that_is_broken_off_is_
     tokio::time::sleep(Duration::from_millis(200)).await;
     assert_eq!(digests(told(&lab, &hook, &target).await), 0, "more may follow");
     lab.clock_shows("2026-11-21T12:16:00Z");
-    let patience = Instant::now() + Duration::from_secs(60);
-    while digests(told(&lab, &hook, &target).await) == 0 {
-        assert!(Instant::now() < patience, "it is told though its end was never said");
-        tokio::time::sleep(Duration::from_millis(20)).await;
-    }
+    // It is told though its end was never said.
+    once(async || digests(told(&lab, &hook, &target).await), |digests| *digests > 0).await;
     // What comes after it is another import.
     lab.imports(&[of("E", 0, 1.0), of("E", 30, 1.0), of("E", 60, 1.0), of("E", 90, 1.05)]).await;
     let all = told(&lab, &hook, &target).await;
@@ -166,7 +148,7 @@ async fn an_import_of_many_requests_is_one_digest_and_one_that_is_broken_off_is_
 #[tokio::test(flavor = "multi_thread")]
 async fn the_command_line_sends_many_files_and_batches_and_hooks_hear_one_digest() {
     let (lab, target) = (lab().await, Receiver::start().await);
-    let hook = hook(&lab, &target, json!({})).await;
+    let hook = lab.tells(&target, json!({})).await;
     let dir = tempfile::tempdir().unwrap();
     // More lines than one request holds, then documents by themselves.
     let lines: String = (0..680)
@@ -186,7 +168,7 @@ async fn the_command_line_sends_many_files_and_batches_and_hooks_hear_one_digest
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
     let told = told(&lab, &hook, &target).await;
     assert_eq!(told.len(), 1, "{told:?}");
-    let fires = firing(&lab, "A").await.len() + firing(&lab, "C").await.len();
+    let fires = lab.alerts("state=firing&serial=A").await.len() + lab.alerts("state=firing&serial=C").await.len();
     assert_eq!((&told[0]["type"], &told[0]["data"]["total"]), (&json!("alerts.digest"), &json!(fires)));
     assert_eq!(told[0]["data"]["gyros"], 2);
     let wrong = tokio::task::block_in_place(|| import(&["--notify", "some"]));

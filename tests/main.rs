@@ -89,6 +89,7 @@ mod words;
 mod behind;
 mod chromium;
 mod cluster;
+mod command;
 mod database_proxy;
 mod lab;
 mod nginx;

@@ -1,16 +1,15 @@
 //! Two measured campaigns: what they tell, and what their order of orientations cannot.
 
-use crate::support::{data_path, gyrowatch};
+use crate::command;
+use crate::lab::effects;
+use crate::support::data_path;
 use serde_json::{Value, json};
 
 const XSENS: &str = "measured/xsens-mti.json";
 const MIMU: &str = "measured/mimu-imu1-run4.json";
 
 fn diagnose(file: &str, options: &[&str]) -> Value {
-    let output =
-        gyrowatch().arg("diagnose").arg(data_path(file)).args(["--format", "json"]).args(options).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
+    command::answer(&[&["diagnose", data_path(file).to_str().unwrap()], options].concat())
 }
 
 fn confounded<'a>(answer: &'a Value, effect: &str) -> Option<&'a Value> {
@@ -21,9 +20,7 @@ fn confounded<'a>(answer: &'a Value, effect: &str) -> Option<&'a Value> {
 #[test]
 fn xsens_with_bias_alone_names_g_linear_and_closes_most_of_the_gap() {
     let answer = diagnose(XSENS, &["--model", "bias"]);
-    let named: Vec<&str> =
-        answer["effects"].as_array().unwrap().iter().map(|e| e["effect"].as_str().unwrap()).collect();
-    assert_eq!(named, ["g_linear"]);
+    assert_eq!(effects(&answer), ["g_linear"]);
     assert_eq!(answer["effects"][0]["class"], json!(["g_linear"]));
     let closure = answer["effects"][0]["held_out"]["closure"].as_f64().unwrap();
     assert!(closure > 0.9, "an independent leave-one-dwell-out went from 0.056 to 0.013 deg/s, noise 0.009: {closure}");

@@ -1,9 +1,11 @@
 //! What is noted about a record beside what is known of its IMU and gyros: nothing where there is nothing, each kind
 //! where it was put in; and records whose time is in doubt, which count when somebody has confirmed it.
 
+use crate::behind;
 use crate::cluster;
 use crate::lab;
 
+use crate::command::verified;
 use crate::lab::{Lab, day, record, verdict};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -410,14 +412,7 @@ async fn verify(mut lab: Lab) {
     if cluster::is_wanted() {
         return;
     }
-    let url = lab.config.database.url.clone();
-    let output = std::process::Command::new(env!("CARGO_BIN_EXE_gyrowatch"))
-        .arg("verify")
-        .env("GYROWATCH_DATABASE_URL", url)
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
+    verified(&lab.config.database.url);
 }
 
 #[tokio::test]
@@ -558,9 +553,7 @@ async fn names_of_earlier_versions_are_found_and_go_on() {
     lab.stop().await;
     // As an earlier version took them: a decomposed serial, and one with a character of no width.
     {
-        use sqlx::ConnectOptions;
-        let options = sqlx::sqlite::SqliteConnectOptions::new().filename(lab.database());
-        let mut file = options.connect().await.unwrap();
+        let mut file = behind::open(&lab.database()).await;
         for (now, then) in [("\u{c5}-7", "A\u{30a}-7"), ("M3", "M3\u{200b}")] {
             sqlx::query("UPDATE gyro SET serial = $2 WHERE serial = $1")
                 .bind(now)

@@ -1,5 +1,6 @@
 //! Running the service: is it ready, what does it count, and what does it refuse to be started on.
 
+use crate::behind;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::Stdio;
@@ -7,17 +8,15 @@ use std::time::{Duration, Instant};
 
 use crate::prometheus::Prometheus;
 use crate::receiver::Receiver;
-use crate::support::{Server, data, gyrowatch, required};
+use crate::support::{Server, data, document, gyrowatch, metric, required, root};
 use serde_json::{Value, json};
-use sqlx::ConnectOptions;
 
 #[tokio::test]
 async fn it_is_not_ready_while_another_program_holds_the_database_and_says_so() {
     let server = Server::start_with(&[("GYROWATCH_DATABASE__BUSY_TIMEOUT_S", "0.1")]).await;
     assert_eq!(server.get("/readyz").await.status, 200);
 
-    let file = server.dir().join("gyrowatch.db");
-    let mut other = sqlx::sqlite::SqliteConnectOptions::new().filename(file).connect().await.unwrap();
+    let mut other = behind::open(&server.database()).await;
     sqlx::query("BEGIN IMMEDIATE").execute(&mut other).await.unwrap();
     let answer = server.get("/readyz").await;
     assert_eq!((answer.status, answer.content_type.as_str()), (503, "application/problem+json"));
@@ -65,12 +64,6 @@ async fn a_file_that_is_no_database_is_named_at_the_start() {
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(said.contains("torn.db") && said.contains("damaged"), "{said}");
-}
-
-/// The value of the series whose line begins with `series`.
-fn metric(text: &str, series: &str) -> f64 {
-    let line = text.lines().find(|line| line.starts_with(series)).unwrap_or_else(|| panic!("{series} in\n{text}"));
-    line.rsplit_once(' ').unwrap().1.parse().unwrap()
 }
 
 #[tokio::test]
@@ -128,7 +121,7 @@ async fn prometheus_finds_no_fault_with_the_metrics_nor_with_its_configuration()
     assert!(well && said.is_empty(), "{said}");
     let (well, said) = judged_by("promtool", &["check", "metrics"], "gyrowatch_x_total{ 1\n");
     assert!(!well && !said.is_empty(), "promtool takes anything");
-    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/prometheus/prometheus.yml");
+    let config = root().join("config/prometheus/prometheus.yml");
     let (well, said) = judged_by("promtool", &["check", "config", "--syntax-only", config.to_str().unwrap()], "");
     assert!(well, "{said}");
 }
@@ -265,12 +258,11 @@ async fn metrics_tell_how_the_fleet_stands_and_what_the_process_takes() {
 #[tokio::test]
 async fn metrics_tell_how_far_forecasts_come_true() {
     let server = Server::start().await;
-    let mut campaign: Value = serde_json::from_str(&data("practice/campaign-00.json")).unwrap();
+    let mut campaign = document("practice/campaign-00.json");
     for day in ["2026-03-01", "2026-03-22", "2026-04-12"] {
         campaign["measured_at"] = format!("{day}T08:00:00Z").into();
-        let stored = server.post_json("/v1/campaigns", &campaign).await;
-        assert_eq!(stored.status, 201, "{}", stored.text());
-        let diagnosis = format!("/v1/campaigns/{}/diagnosis", stored.json()["id"].as_str().unwrap());
+        let stored = server.post_json("/v1/campaigns", &campaign).await.created();
+        let diagnosis = format!("/v1/campaigns/{}/diagnosis", stored["id"].as_str().unwrap());
         while server.get(&diagnosis).await.status == 202 {}
     }
     let text = server.get("/metrics").await.text();
@@ -284,7 +276,7 @@ fn the_rules_of_prometheus_and_of_an_alertmanager_do_what_they_say() {
     if !required("promtool") || !required("amtool") {
         return;
     }
-    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/prometheus");
+    let config = root().join("config/prometheus");
     let file = |name: &str| config.join(name).to_str().unwrap().to_owned();
     let (well, said) = judged_by("promtool", &["test", "rules", &file("rules.test.yml")], "");
     assert!(well, "{said}");
@@ -317,15 +309,15 @@ fn labels(query: &str) -> impl Iterator<Item = &str> {
 async fn the_dashboard_asks_for_what_the_metrics_hold() {
     let server = Server::start().await;
     let target = Receiver::start().await;
-    let hook = server.post_json("/v1/hooks", &json!({ "kind": "standard-webhooks", "url": target.url() })).await;
-    assert_eq!(hook.status, 201, "{}", hook.text());
-    let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
+    let hook =
+        server.post_json("/v1/hooks", &json!({ "kind": "standard-webhooks", "url": target.url() })).await.created();
+    let mut record = document("paper.json");
     // So many that there is a baseline.
     for day in 1..=5 {
         record["calibrated_at"] = json!(format!("2026-03-0{day}T08:00:00Z"));
         assert_eq!(server.post_json("/v1/records", &record).await.status, 201);
     }
-    let test = format!("/v1/hooks/{}/test", hook.json()["id"].as_str().unwrap());
+    let test = format!("/v1/hooks/{}/test", hook["id"].as_str().unwrap());
     assert!(server.post_json(&test, &json!({})).await.status < 300);
     let campaign = server.post("/v1/campaigns", "application/json", data("practice/campaign-00.json")).await;
     assert_eq!(campaign.status, 201, "{}", campaign.text());
@@ -334,7 +326,7 @@ async fn the_dashboard_asks_for_what_the_metrics_hold() {
     let metrics = server.get("/metrics").await.text();
 
     let of_file = |name: &str| -> Value {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/grafana").join(name);
+        let file = root().join("config/grafana").join(name);
         serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap()
     };
     let dashboards = json!([of_file("dashboard.json"), of_file("gyros.json")]);
@@ -416,7 +408,7 @@ fn has_test(file: &Path, name: &str) -> bool {
 
 #[test]
 fn what_users_of_other_programs_expect_is_tested_where_the_document_says() {
-    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
+    let tests = root().join("tests");
     let page = std::fs::read_to_string(tests.with_file_name("docs").join("integrations.md")).unwrap();
     let rows: Vec<&str> =
         page.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| expected")).collect();
@@ -439,7 +431,7 @@ fn systemd_finds_no_fault_with_the_unit_and_calls_it_well_hardened() {
         return;
     }
     let dir = tempfile::tempdir().unwrap();
-    let unit = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("config/gyrowatch.service"));
+    let unit = std::fs::read_to_string(root().join("config/gyrowatch.service"));
     // The program is where this build has put it; all else as it ships.
     let unit = unit.unwrap().replace("/usr/local/bin/gyrowatch", env!("CARGO_BIN_EXE_gyrowatch"));
     let file = dir.path().join("gyrowatch.service");

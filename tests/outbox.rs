@@ -1,24 +1,22 @@
 //! What is queued arrives: every message, in order per alert, whatever becomes of the service or of other targets.
 
+use crate::behind;
 use crate::lab;
 use crate::receiver;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::{Child, Command, Stdio};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use crate::queue::Queue;
 use crate::receiver::{Receiver, Told};
-use crate::support::Server;
+use crate::support::{NEVER_LATE, Server, asked, free_port, once, root};
 use axum::http::StatusCode;
 use axum::response::IntoResponse;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
-use sqlx::ConnectOptions;
-use sqlx::sqlite::SqliteConnectOptions;
 
 /// For what takes a moment, on a machine that is twenty times as slow as usual.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -26,33 +24,11 @@ const PATIENCE: Duration = Duration::from_secs(120);
 const SHORT: (&str, &str) = ("GYROWATCH_HOOKS__RETRY_WAITS_S", "0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1");
 
 /// Stations measure in 2025.
-const NEVER_LATE: (&str, &str) = ("GYROWATCH_ALERTS__BACKFILL_DAYS", "100000");
-
-/// A number from the environment: long forms of tests are run by `scripts/soak`.
-fn asked(name: &str, otherwise: usize) -> usize {
-    std::env::var(name).map_or(otherwise, |text| text.parse().unwrap())
-}
-
-async fn sets_up(server: &Server, hook: Value) -> Value {
-    let answer = server.post_json("/v1/hooks", &hook).await;
-    assert_eq!(answer.status, 201, "{}", answer.text());
-    answer.json()
-}
 
 /// Waits until no delivery of the hooks is open.
 async fn all_told(server: &Server, hooks: &[Value]) {
-    let patience = Instant::now() + PATIENCE;
     for hook in hooks {
-        let path = format!("/v1/hooks/{}", hook["id"].as_str().unwrap());
-        loop {
-            let queue = server.get(&path).await.json()["queue"].clone();
-            if queue["open"] == 0 {
-                assert_eq!(queue["dead"], 0, "{hook}");
-                break;
-            }
-            assert!(Instant::now() < patience, "{queue} {}", server.log());
-            tokio::time::sleep(Duration::from_millis(20)).await;
-        }
+        assert_eq!(server.all_told(hook).await["dead"], 0, "{hook}");
     }
 }
 
@@ -80,7 +56,7 @@ async fn every_step_of_every_alert_comes_in_order_while_the_target_fails_now_and
     })
     .await;
     let mut server = Server::start_with(&[SHORT]).await;
-    let hooks = [sets_up(&server, json!({ "kind": "standard-webhooks", "url": target.url() })).await];
+    let hooks = [server.sets_up(json!({ "kind": "standard-webhooks", "url": target.url() })).await];
     server.terminate();
     queue.fill(server.dir(), &hooks).await;
     server.restart();
@@ -108,7 +84,7 @@ async fn nothing_is_lost_invented_or_overtaken_when_the_service_is_killed_while_
     let mut hooks = Vec::new();
     for kind in kinds {
         let url = format!("http://{}/{kind}", target.address);
-        hooks.push(sets_up(&server, json!({ "kind": kind, "url": url, "batch": false })).await);
+        hooks.push(server.sets_up(json!({ "kind": kind, "url": url, "batch": false })).await);
     }
     server.terminate();
     queue.fill(server.dir(), &hooks).await;
@@ -169,8 +145,7 @@ impl Station {
 
 /// What records have caused to be told, by alert, in the order in which it was stored.
 async fn steps_of_records(server: &Server, queue: Queue) -> BTreeMap<i64, Vec<String>> {
-    let options = SqliteConnectOptions::new().filename(server.dir().join("gyrowatch.db")).read_only(true);
-    let mut database = options.connect().await.unwrap();
+    let mut database = behind::read(&server.database()).await;
     let sql = "SELECT id, alert FROM alert_step WHERE told = 1 AND alert > $1 ORDER BY id";
     let rows: Vec<(i64, i64)> = sqlx::query_as(sql).bind(queue.alerts).fetch_all(&mut database).await.unwrap();
     let mut steps: BTreeMap<i64, Vec<String>> = BTreeMap::new();
@@ -207,12 +182,12 @@ async fn a_target_that_hangs_holds_up_no_other() {
     let target = Receiver::start().await;
     let mut server = Server::start().await;
     let hanging =
-        sets_up(&server, json!({ "kind": "cloudevents", "url": format!("http://{}/", receiver::hangs().await) }));
+        server.sets_up(json!({ "kind": "cloudevents", "url": format!("http://{}/", receiver::hangs().await) }));
     let hanging = hanging.await;
     let mut hooks = Vec::new();
     for i in 1..20 {
         let url = format!("http://{}/{i}", target.address);
-        hooks.push(sets_up(&server, json!({ "kind": "standard-webhooks", "url": url })).await);
+        hooks.push(server.sets_up(json!({ "kind": "standard-webhooks", "url": url })).await);
     }
     server.terminate();
     let all: Vec<Value> = hooks.iter().chain([&hanging]).cloned().collect();
@@ -240,23 +215,12 @@ async fn a_target_that_hangs_holds_up_no_other() {
     assert!(rate >= least, "{rate:.0}/s, at least {least}/s are asked for");
 }
 
-/// A target, and whether it is up.
-async fn target_that_is_up(at_first: bool) -> (Receiver, Arc<AtomicBool>) {
-    let up = Arc::new(AtomicBool::new(at_first));
-    let is_up = up.clone();
-    let target = Receiver::answering(move |_, _| match is_up.load(Ordering::SeqCst) {
-        true => ().into_response(),
-        false => StatusCode::BAD_GATEWAY.into_response(),
-    });
-    (target.await, up)
-}
-
 #[tokio::test]
 async fn a_target_that_comes_back_is_told_all_that_waits_at_once() {
     let queue = Queue { alerts: 40, steps: 2 };
     let mut server = Server::start_with(&[("GYROWATCH_HOOKS__RETRY_WAITS_S", "0.3,3600,3600")]).await;
-    let (target, up) = target_that_is_up(false).await;
-    let hooks = [sets_up(&server, json!({ "kind": "cloudevents", "url": target.url() })).await];
+    let (target, up) = Receiver::switched(false, StatusCode::BAD_GATEWAY).await;
+    let hooks = [server.sets_up(json!({ "kind": "cloudevents", "url": target.url() })).await];
     server.terminate();
     queue.fill(server.dir(), &hooks).await;
     server.restart();
@@ -278,9 +242,9 @@ async fn what_waits_for_an_alertmanager_is_told_when_what_fires_finds_it_back() 
         NEVER_LATE,
     ])
     .await;
-    let (target, up) = target_that_is_up(true).await;
+    let (target, up) = Receiver::switched(true, StatusCode::BAD_GATEWAY).await;
     let hook = json!({ "kind": "alertmanager", "url": target.url(), "filter": { "rules": ["step"] } });
-    let hooks = [sets_up(&server, hook).await];
+    let hooks = [server.sets_up(hook).await];
     for (at, d_i) in [(0, 1.0), (40, 1.0), (80, 1.03)] {
         let record = lab::record("IMU-1", &lab::day(at), &[("G1", "LFG-0101", d_i, 2.0)]);
         assert_eq!(server.post_json("/v1/records", &record).await.status, 201);
@@ -313,7 +277,7 @@ struct Alertmanager {
 
 /// As an installation has them.
 fn inhibit_rules() -> String {
-    let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("config/prometheus/alertmanager.yml");
+    let file = root().join("config/prometheus/alertmanager.yml");
     let text = std::fs::read_to_string(file).unwrap();
     text[text.find("inhibit_rules:").unwrap()..].to_owned()
 }
@@ -337,7 +301,7 @@ impl Alertmanager {
             inhibit_rules()
         );
         std::fs::write(dir.path().join("config.yml"), config).unwrap();
-        let port = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let port = free_port();
         let child = Command::new(program)
             .current_dir(dir.path())
             .args(["--config.file=config.yml", "--storage.path=data", "--cluster.listen-address="])
@@ -348,11 +312,7 @@ impl Alertmanager {
             .unwrap();
         let http = gyrowatch::system::http_client(Duration::from_secs(1), Duration::from_secs(5)).build().unwrap();
         let started = Self { child, url: format!("http://127.0.0.1:{port}"), http, _dir: dir };
-        let patience = Instant::now() + PATIENCE;
-        while started.http.get(format!("{}/-/ready", started.url)).send().await.is_err() {
-            assert!(Instant::now() < patience, "Alertmanager does not start");
-            tokio::time::sleep(Duration::from_millis(50)).await;
-        }
+        once(async || started.http.get(format!("{}/-/ready", started.url)).send().await, Result::is_ok).await.unwrap();
         Some(started)
     }
 
@@ -372,15 +332,7 @@ impl Alertmanager {
 
     /// Waits until what it shows is as `wanted`.
     async fn comes_to_show(&self, wanted: impl Fn(&[Value]) -> bool) -> Vec<Value> {
-        let patience = Instant::now() + PATIENCE;
-        loop {
-            let shown = self.shows().await;
-            if wanted(&shown) {
-                return shown;
-            }
-            assert!(Instant::now() < patience, "{shown:#?}");
-            tokio::time::sleep(Duration::from_millis(50)).await;
-        }
+        once(async || self.shows().await, |shown| wanted(shown)).await
     }
 }
 
@@ -402,7 +354,7 @@ async fn a_real_alertmanager_receives_shows_and_resolves_an_alert() {
         assert_eq!(server.post_json("/v1/records", &record).await.status, 201);
     };
     let hook = json!({ "kind": "alertmanager", "url": alertmanager.url, "filter": { "rules": ["step"] } });
-    sets_up(&server, hook).await;
+    server.sets_up(hook).await;
     for (at, d_i) in [(0, 1.0), (40, 1.0), (80, 1.03)] {
         station_posts(at, d_i).await;
     }

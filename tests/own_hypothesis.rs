@@ -1,61 +1,8 @@
 //! A hypothesis of one's own from the command line: asked for, adopted, simulated, checked blind, refused.
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
-use serde_json::Value;
-
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("gyrowatch-own-{name}-{}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn file(&self, name: &str, text: &str) -> String {
-        let path = self.0.join(name);
-        fs::write(&path, text).unwrap();
-        path.display().to_string()
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.join(name).display().to_string()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
-
-fn run(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gyrowatch")).args(arguments).current_dir(root()).output().unwrap()
-}
-
-fn done(arguments: &[&str]) -> Vec<u8> {
-    let output = run(arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    output.stdout
-}
-
-fn json(arguments: &[&str]) -> Value {
-    serde_json::from_slice(&done(&[arguments, &["--format", "json"]].concat())).unwrap()
-}
-
-fn refused(arguments: &[&str]) -> String {
-    let output = run(arguments);
-    assert_eq!(output.status.code(), Some(1), "{arguments:?}");
-    assert!(output.stdout.is_empty());
-    String::from_utf8(output.stderr).unwrap()
-}
+use crate::command::{Folder, answer, complaint, printed, read_json};
 
 const CREEP: &str = "docs/examples/creep.toml";
 
@@ -65,43 +12,43 @@ fn hypothesis(id: &str, equation: &str, unit: &str) -> String {
 
 #[test]
 fn what_the_catalogue_lacks_is_named_adopted_and_then_no_gap() {
-    let folder = Folder::new("named");
+    let folder = Folder::new();
     let (campaign, model) = (folder.path("creep.json"), folder.path("model.json"));
-    done(&["simulate", "--hypothesis", CREEP, "--detectability", "15", "--seed", "4", "--out", &campaign]);
-    let without = json(&["diagnose", &campaign]);
+    printed(&["simulate", "--hypothesis", CREEP, "--detectability", "15", "--seed", "4", "--out", &campaign]);
+    let without = answer(&["diagnose", &campaign]);
     assert_ne!(without["verdict"], "no_gap");
     assert!(without.get("hypotheses").is_none());
-    let with = json(&["diagnose", &campaign, "--hypothesis", CREEP, "--adopt", &model]);
+    let with = answer(&["diagnose", &campaign, "--hypothesis", CREEP, "--adopt", &model]);
     assert_eq!(with["verdict"], "explained", "{with}");
     assert_eq!(with["effects"][0]["effect"], "unbalance_creep");
     assert_eq!(with["effects"].as_array().unwrap().len(), 1);
     assert_eq!(with["hypotheses"][0]["equation"], "k * exp(-t/tau) * a_S");
     let tau = with["effects"][0]["estimates"].as_array().unwrap().iter().find(|e| e["name"] == "tau").unwrap();
     assert!((0.2..=4.0).contains(&tau["value"].as_f64().unwrap()) && tau["unit"] == "h");
-    let held = json(&["diagnose", &campaign, "--model", &model]);
+    let held = answer(&["diagnose", &campaign, "--model", &model]);
     assert_eq!(held["verdict"], "no_gap");
     // Another IMU that has it, made from the model file alone.
     let other = folder.path("other.json");
-    done(&["simulate", "--model", &model, "--seed", "9", "--out", &other]);
-    let again = json(&["diagnose", &other, "--hypothesis", CREEP]);
+    printed(&["simulate", "--model", &model, "--seed", "9", "--out", &other]);
+    let again = answer(&["diagnose", &other, "--hypothesis", CREEP]);
     assert_eq!(again["effects"][0]["effect"], "unbalance_creep");
     let imu = folder.path("imu.json");
-    done(&["model", "fit", &campaign, "--hypothesis", CREEP, "--effects", "unbalance_creep", "-o", &imu]);
+    printed(&["model", "fit", &campaign, "--hypothesis", CREEP, "--effects", "unbalance_creep", "-o", &imu]);
     let next = folder.path("next.json");
-    done(&["simulate", "--model", &imu, "--seed", "11", "--out", &next]);
-    let mut later: Value = serde_json::from_str(&fs::read_to_string(&next).unwrap()).unwrap();
+    printed(&["simulate", "--model", &imu, "--seed", "11", "--out", &next]);
+    let mut later = read_json(&next);
     later["measured_at"] = "2026-04-01T08:00:00Z".into();
     fs::write(&next, later.to_string()).unwrap();
-    let forecast = json(&["predict", &imu, &next]);
+    let forecast = answer(&["predict", &imu, &next]);
     assert_eq!(forecast["model"]["effects"][0], "unbalance_creep");
 }
 
 #[test]
 fn one_that_says_what_an_entry_says_shares_its_class() {
-    let folder = Folder::new("twin");
+    let folder = Folder::new();
     let twin = folder.file("twin.toml", &hypothesis("own_bias", "k * T", "deg/h/K"));
     let campaign = "tests/data/practice/campaign-02.json";
-    let answer = json(&["diagnose", campaign, "--hypothesis", &twin]);
+    let answer = answer(&["diagnose", campaign, "--hypothesis", &twin]);
     let effect = &answer["effects"][0];
     let mut class: Vec<&str> = effect["class"].as_array().unwrap().iter().map(|id| id.as_str().unwrap()).collect();
     class.sort_unstable();
@@ -110,10 +57,10 @@ fn one_that_says_what_an_entry_says_shares_its_class() {
 
 #[test]
 fn the_blind_check_says_what_size_a_design_would_find() {
-    let folder = Folder::new("blind");
+    let folder = Folder::new();
     let slope = folder.file("slope.toml", &hypothesis("own_slope", "k * a_S * t", "deg/(h^2 g0)"));
     let report =
-        json(&["blindcheck", "--hypothesis", &slope, "--count", "6", "--detectability", "2,25", "--seed", "3"]);
+        answer(&["blindcheck", "--hypothesis", &slope, "--count", "6", "--detectability", "2,25", "--seed", "3"]);
     assert_eq!(report["hypothesis"], "own_slope");
     let rows = report["hidden"].as_array().unwrap();
     assert_eq!(rows[1]["named"]["hits"], 6, "{report}");
@@ -129,7 +76,7 @@ fn the_blind_check_says_what_size_a_design_would_find() {
 
 #[test]
 fn what_makes_no_sense_is_refused_with_its_place_and_the_way_out() {
-    let folder = Folder::new("refused");
+    let folder = Folder::new();
     let campaign = "tests/data/practice/campaign-02.json";
     let endless = vec!["k * T"; 1_000_000].join(" + ");
     let deep = format!("k * {}T{}", "(".repeat(100), ")".repeat(100));
@@ -145,7 +92,7 @@ fn what_makes_no_sense_is_refused_with_its_place_and_the_way_out() {
         ("k * __import__(1)", "deg/h", "stands \"_\""),
     ] {
         let file = folder.file("wrong.toml", &hypothesis("wrong", equation, unit));
-        let error = refused(&["diagnose", campaign, "--hypothesis", &file]);
+        let error = complaint(&["diagnose", campaign, "--hypothesis", &file], 1);
         assert!(
             error.contains(said) && error.contains("wrong.toml"),
             "{}: {error}",
@@ -154,11 +101,11 @@ fn what_makes_no_sense_is_refused_with_its_place_and_the_way_out() {
     }
     // Twelve dwells stand with S horizontal: nothing can be divided by its specific force there.
     let file = folder.file("pole.toml", &hypothesis("pole", "k / (w_I - w_I)", "deg^2/h^2"));
-    let error = refused(&["diagnose", campaign, "--hypothesis", &file]);
+    let error = complaint(&["diagnose", campaign, "--hypothesis", &file], 1);
     assert!(error.contains("no finite value in dwell 0") && error.contains("divides by zero"), "{error}");
     let twice = folder.file("twice.toml", &hypothesis("one", "k * T", "deg/h/K"));
-    let error = refused(&["diagnose", campaign, "--hypothesis", &twice, "--hypothesis", &twice]);
+    let error = complaint(&["diagnose", campaign, "--hypothesis", &twice, "--hypothesis", &twice], 1);
     assert!(error.contains("one"), "{error}");
-    let error = refused(&["diagnose", "tests/data/paper.json", "--hypothesis", CREEP]);
+    let error = complaint(&["diagnose", "tests/data/paper.json", "--hypothesis", CREEP], 1);
     assert!(error.contains("a record has no dwells"), "{error}");
 }

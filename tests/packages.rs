@@ -2,14 +2,10 @@
 //! `scripts/bare_debian` are the long forms.
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
-use crate::support::{gyrowatch, required};
-
-fn root() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-}
+use crate::support::{gyrowatch, required, root};
 
 fn read(path: impl AsRef<Path>) -> String {
     let path = root().join(path);

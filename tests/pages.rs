@@ -3,10 +3,8 @@
 use crate::spoken;
 use crate::support;
 
-use std::time::{Duration, Instant};
-
 use crate::receiver::Receiver;
-use crate::support::{Answer, Server};
+use crate::support::{Answer, FORM, Server, document, once};
 use serde_json::{Value, json};
 
 /// A calibration of one gyro: D_I and D_S along its nominal triad, E of length one.
@@ -27,8 +25,7 @@ async fn a_small_fleet() -> Server {
         let jump = if day < 4 { 0.0 } else { 0.05 };
         let jumping = record("IMU-B", "ST-2", "JUMP/1", 7 * day, [3.0 + jump, 4.0]);
         for body in [steady, jumping] {
-            let answer = server.post_json("/v1/records", &body).await;
-            assert_eq!(answer.status, 201, "{}", answer.text());
+            server.post_json("/v1/records", &body).await.created();
         }
     }
     server
@@ -361,7 +358,7 @@ async fn a_campaign_its_imu_and_its_diagnosis_are_shown_from_what_was_sent() {
 #[tokio::test]
 async fn an_imu_shows_its_models_and_how_its_campaigns_came_out_as_foretold() {
     let server = Server::start().await;
-    let mut campaign: Value = serde_json::from_str(&support::data("practice/campaign-02.json")).unwrap();
+    let mut campaign = document("practice/campaign-02.json");
     // Two earlier campaigns tell of ageing; in the last one a gyro is another.
     for (day, added) in [("2026-05-01", 0.0), ("2026-05-08", 0.0), ("2026-05-15", 0.05)] {
         campaign["measured_at"] = format!("{day}T08:00:00Z").into();
@@ -431,9 +428,8 @@ async fn the_diagnoses_of_a_record_and_of_a_gyro_are_found_from_their_pages() {
             let g = &mut body["gyros"][0]["g_pulse_per_s_g0"][k];
             *g = json!(g.as_f64().unwrap() + d_o * o);
         }
-        let answer = server.post_json("/v1/records", &body).await;
-        assert_eq!(answer.status, 201, "{}", answer.text());
-        answer.json()["id"].as_str().unwrap().to_owned()
+        let answer = server.post_json("/v1/records", &body).await.created();
+        answer["id"].as_str().unwrap().to_owned()
     };
     // The first of its gyro says nothing by its rule, whatever its D_O is.
     let (first, straight) = (sends(0, 0.3).await, sends(7, 0.0).await);
@@ -477,8 +473,7 @@ async fn the_diagnoses_of_a_record_and_of_a_gyro_are_found_from_their_pages() {
 async fn a_gyro_that_was_replaced_is_in_its_imu_no_more() {
     let server = Server::start().await;
     let sends = async |imu: &str, serial: &str, day: u32| {
-        let answer = server.post_json("/v1/records", &record(imu, "ST-1", serial, day, [1.0, 2.0])).await;
-        assert_eq!(answer.status, 201, "{}", answer.text());
+        server.post_json("/v1/records", &record(imu, "ST-1", serial, day, [1.0, 2.0])).await.created();
     };
     sends("IMU-A", "FIRST", 0).await;
     sends("IMU-A", "SECOND", 7).await;
@@ -504,8 +499,7 @@ async fn a_gyro_that_was_replaced_stays_so_when_a_record_leaves_its_slot_out() {
         let mut body = record(imu, "ST-1", serial, day, [1.0, 2.0]);
         body["gyros"][0]["slot"] = slot.into();
         body["geometry"] = json!({slot: body["geometry"]["G1"]});
-        let answer = server.post_json("/v1/records", &body).await;
-        assert_eq!(answer.status, 201, "{}", answer.text());
+        server.post_json("/v1/records", &body).await.created();
     };
     sends("IMU-A", "G1", "FIRST", 0).await;
     sends("IMU-A", "G3", "ALONE", 3).await;
@@ -531,8 +525,7 @@ async fn an_imu_without_gyros_says_why_there_are_none() {
     let voided = page(&server, "/imus/IMU-A", &[]).await;
     assert!(voided.contains("no calibration that counts") && !voided.contains("in another IMU since"), "{voided}");
     for (imu, day) in [("IMU-A", 7), ("IMU-B", 14)] {
-        let answer = server.post_json("/v1/records", &record(imu, "ST-1", "GYRO", day, [1.0, 2.0])).await;
-        assert_eq!(answer.status, 201, "{}", answer.text());
+        server.post_json("/v1/records", &record(imu, "ST-1", "GYRO", day, [1.0, 2.0])).await.created();
     }
     let left = page(&server, "/imus/IMU-A", &[]).await;
     assert!(left.contains("in another IMU since") && !left.contains("no calibration that counts"), "{left}");
@@ -664,8 +657,7 @@ async fn a_preview_holds_no_more_documents_against_what_is_stored_than_it_shows(
 async fn a_station_is_shown_with_what_it_does_to_results() {
     let server = Server::start().await;
     for (day, station, d_i) in [(0, "ST-1", 1.0), (7, "ST-1", 1.002), (14, "ST-1", 1.0), (21, "ST-2", 1.5)] {
-        let answer = server.post_json("/v1/records", &record("IMU-A", station, "ROAMER", day, [d_i, 2.0])).await;
-        assert_eq!(answer.status, 201);
+        server.post_json("/v1/records", &record("IMU-A", station, "ROAMER", day, [d_i, 2.0])).await.created();
     }
     let shown = page(&server, "/stations", &[]).await;
     // ST-2 reads 1.5 of the one gyro that was at both, the mean of ST-1 being 1.0007: 4,993 % of the budget, so it is first.
@@ -711,8 +703,7 @@ async fn sends_form(server: &Server, path: &str, fields: &[(&str, &str)]) -> Ans
 
 async fn sends_form_from(server: &Server, origin: &str, path: &str, fields: &[(&str, &str)]) -> Answer {
     let body = url::form_urlencoded::Serializer::new(String::new()).extend_pairs(fields).finish();
-    let headers = [("content-type", "application/x-www-form-urlencoded"), ("origin", origin)];
-    server.call("POST", path, &headers, body).await
+    server.send_form(origin, path, body).await
 }
 
 fn goes_on_at(answer: &Answer) -> &str {
@@ -858,16 +849,10 @@ async fn gyros_that_one_record_has_shown_stand_under_their_imu() {
         assert_eq!(server.post_json("/v1/records", &body).await.status, 201);
     }
     // Among servers the clock alone looks at IMUs.
-    let mut firing = String::new();
-    for _ in 0..200 {
-        firing = page(&server, "/alerts", &[]).await;
-        if firing.contains("All 3 gyros of the IMU") && !firing.contains("/gyros/T-1") {
-            break;
-        }
-        tokio::time::sleep(std::time::Duration::from_millis(100)).await;
-    }
+    let together = |page: &String| page.contains("All 3 gyros of the IMU") && !page.contains("/gyros/T-1");
+    let firing = once(async || page(&server, "/alerts", &[]).await, together).await;
     let of_imu = part(&firing, "class=\"together\"", "</section>");
-    assert!(of_imu.contains("All 3 gyros of the IMU") && !firing.contains("/gyros/T-1"), "{firing}");
+    assert!(of_imu.contains("All 3 gyros of the IMU"), "{firing}");
     let inhibited = page(&server, "/alerts?state=inhibited", &[]).await;
     let together = &inhibited[place(&inhibited, "class=\"together\"")..];
     assert!(together.matches("<article").count() == 3 && together.contains("3 gyros by one record"), "{inhibited}");
@@ -890,14 +875,8 @@ async fn gyros_that_are_overdue_with_their_imu_are_one_job() {
         }
         assert_eq!(server.post_json("/v1/records", &body).await.status, 201);
     }
-    let mut alerts = String::new();
-    for _ in 0..200 {
-        alerts = page(&server, "/alerts", &[]).await;
-        if alerts.matches("<article").count() == 4 {
-            break;
-        }
-        tokio::time::sleep(std::time::Duration::from_millis(100)).await;
-    }
+    let look = async || page(&server, "/alerts", &[]).await;
+    let alerts = once(look, |page| page.matches("<article").count() == 4).await;
     let together = part(&alerts, "class=\"together\"", "</section>");
     assert!(together.matches("<article").count() == 3 && together.contains("3 gyros · overdue"), "{alerts}");
     // What fires is the time since each was calibrated, and no load.
@@ -1036,11 +1015,7 @@ async fn what_is_done_on_a_page_is_audited_under_the_name_that_signed_in() {
         let fields = [("by", "somebody"), ("reason", "to see"), ("confirm", "yes"), ("event", event)];
         let body = url::form_urlencoded::Serializer::new(String::new()).extend_pairs(fields).finish();
         let own = server.url("");
-        let headers = [
-            ("content-type", "application/x-www-form-urlencoded"),
-            ("origin", own.as_str()),
-            ("cookie", cookie.as_str()),
-        ];
+        let headers = [("content-type", FORM), ("origin", own.as_str()), ("cookie", cookie.as_str())];
         let done = server.call("POST", path, &headers, body).await;
         assert_eq!(done.status, 303, "{path}: {}", done.text());
         let trail = server.call("GET", "/v1/audit?limit=1", &[("authorization", &bearer)], "").await.json();
@@ -1090,17 +1065,10 @@ async fn a_hook_is_set_up_tried_switched_off_and_deleted_on_its_pages() {
     assert!(!page(&server, &path, &[]).await.contains("whsec_"), "the secret is shown once");
 
     assert_eq!(goes_on_at(&sends_form(&server, &format!("{path}/test"), &[]).await), path);
-    let told = |count: usize| {
-        let (target, path, server) = (&target, &path, &server);
-        async move {
-            let patience = Instant::now() + Duration::from_secs(120);
-            while target.told().len() < count
-                || page(server, &format!("{path}?state=delivered"), &[]).await.matches("hook.test").count() < 1
-            {
-                assert!(Instant::now() < patience, "{}", server.log());
-                tokio::time::sleep(Duration::from_millis(20)).await;
-            }
-        }
+    let told = async |count: usize| {
+        target.has_been_told(count).await;
+        let look = async || page(&server, &format!("{path}?state=delivered"), &[]).await;
+        once(look, |page| page.contains("hook.test")).await;
     };
     told(1).await;
     let shown = page(&server, &path, &[]).await;
@@ -1126,11 +1094,7 @@ async fn a_delivery_names_its_gyro_and_what_comes_of_it_appears_by_itself() {
     let hook = json!({"kind": "cloudevents", "name": "chat", "url": url});
     let hook = server.post_json("/v1/hooks", &hook).await.json()["id"].as_str().unwrap().to_owned();
     let path = format!("/hooks/{hook}");
-    let patience = Instant::now() + Duration::from_secs(60);
-    while !page(&server, &path, &[]).await.contains("JUMP/1") {
-        assert!(Instant::now() < patience, "{}", server.log());
-        tokio::time::sleep(Duration::from_millis(20)).await;
-    }
+    once(async || page(&server, &path, &[]).await, |page| page.contains("JUMP/1")).await;
     let pending = server.get(&path).await;
     assert_eq!(pending.headers["refresh"], "2");
     let shown = pending.text();
@@ -1186,9 +1150,8 @@ async fn a_report_has_its_plots_without_a_script() {
 async fn posts(server: &Server, imu: &str, month: u32, d: [f64; 2]) -> String {
     let mut body = record(imu, "ST-1", "TESTED", 0, d);
     body["calibrated_at"] = format!("2025-{month:02}-01T08:00:00Z").into();
-    let answer = server.post_json("/v1/records", &body).await;
-    assert_eq!(answer.status, 201, "{}", answer.text());
-    answer.json()["id"].as_str().unwrap().to_owned()
+    let answer = server.post_json("/v1/records", &body).await.created();
+    answer["id"].as_str().unwrap().to_owned()
 }
 
 #[tokio::test]
@@ -1326,7 +1289,7 @@ async fn gyros_and_campaigns_are_compared_from_the_page_of_their_imu() {
         let answer = server.post("/v1/campaigns", "application/json", body).await;
         assert_eq!(answer.status, 201, "{}", answer.text());
     }
-    let campaign: Value = serde_json::from_str(&support::data("practice/campaign-00.json")).unwrap();
+    let campaign = document("practice/campaign-00.json");
     let imu = page(&server, &format!("/imus/{}", campaign["imu"].as_str().unwrap()), &[]).await;
     let ticked: Vec<&str> =
         imu.split("name=\"campaign\" value=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).collect();
@@ -1419,8 +1382,7 @@ async fn a_gyro_out_of_use_is_not_overdue_and_says_so() {
     let server = Server::start_with(&[("GYROWATCH_JUDGING__INTERVAL_DAYS", "60")]).await;
     for (serial, imu) in [("RETIRED", "IMU-A"), ("STORED", "IMU-B"), ("LATE", "IMU-C")] {
         for day in 0..4 {
-            let answer = server.post_json("/v1/records", &record(imu, "ST-1", serial, day * 7, [1.0, 2.0])).await;
-            assert_eq!(answer.status, 201, "{}", answer.text());
+            server.post_json("/v1/records", &record(imu, "ST-1", serial, day * 7, [1.0, 2.0])).await.created();
         }
     }
     for (serial, event) in [("RETIRED", "retired"), ("STORED", "in_storage")] {
@@ -1443,14 +1405,13 @@ async fn a_gyro_out_of_use_is_not_overdue_and_says_so() {
     assert_eq!((&of("LATE")["status"], &of("LATE")["state"]), (&json!("overdue"), &json!("within")));
     assert_eq!((&of("STORED")["status"], &of("STORED")["out_of_use"]), (&json!("in_tolerance"), &json!("in_storage")));
     // The next record brings it back.
-    let answer = server.post_json("/v1/records", &record("IMU-B", "ST-1", "STORED", 60, [1.0, 2.0])).await;
-    assert_eq!(answer.status, 201, "{}", answer.text());
+    server.post_json("/v1/records", &record("IMU-B", "ST-1", "STORED", 60, [1.0, 2.0])).await.created();
     assert_eq!(server.get("/v1/gyros/STORED").await.json()["out_of_use"], Value::Null);
 }
 
 /// A campaign with one member replaced, or added.
 fn campaign_with(pointer: &str, value: Value) -> String {
-    let mut document: Value = serde_json::from_str(&support::data("practice/campaign-00.json")).unwrap();
+    let mut document = document("practice/campaign-00.json");
     let (parent, member) = pointer.rsplit_once('/').unwrap();
     match document.pointer_mut(parent).unwrap() {
         Value::Object(members) => _ = members.insert(member.into(), value),
@@ -1540,7 +1501,7 @@ async fn what_is_wrong_with_a_campaign_is_said_in_the_viewers_language() {
 
 /// A campaign with what stations get wrong in what they command.
 fn contrary_to_the_earth() -> Vec<String> {
-    let campaign: Value = serde_json::from_str(include_str!("data/practice/campaign-00.json")).unwrap();
+    let campaign = document("practice/campaign-00.json");
     let each = |change: &dyn Fn(&mut Value)| {
         let mut campaign = campaign.clone();
         campaign["dwells"].as_array_mut().unwrap().iter_mut().for_each(change);

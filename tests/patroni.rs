@@ -9,7 +9,8 @@ use std::process::{Child, ChildStdout, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use crate::support::{Server, gyrowatch, paper_record, required};
+use crate::command::verified;
+use crate::support::{Server, free_port, paper_record, required};
 use gyrowatch::system;
 use serde_json::{Value, json};
 use sqlx::{Connection, PgConnection};
@@ -60,10 +61,6 @@ struct Node {
     name: &'static str,
     postgres: u16,
     rest: u16,
-}
-
-fn free_port() -> u16 {
-    std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port()
 }
 
 impl Patroni {
@@ -263,9 +260,7 @@ async fn a_leader_that_dies_or_hands_over_under_load_loses_nothing() {
         let points = trend.json()["points"].as_array().unwrap().len();
         assert_eq!(points, sent.load(Ordering::SeqCst), "each of sender {sender} is there once");
     }
-    let verified =
-        gyrowatch().arg("verify").env("GYROWATCH_DATABASE_URL", patroni.url(leader, "gyros")).output().unwrap();
-    assert!(verified.status.success(), "{}", String::from_utf8_lossy(&verified.stderr));
+    verified(&patroni.url(leader, "gyros"));
     println!(
         "{rounds} failovers, {} acknowledged, 0 lost; {} answered 503; writing again within {longest:?}",
         all(),

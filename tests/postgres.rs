@@ -1,6 +1,7 @@
 //! Servers that share a PostgreSQL: what each stores the others judge by, what one leaves undone another takes over,
 //! and nothing is lost or done twice when a server or the database itself is killed.
 
+use crate::command;
 use crate::receiver;
 use crate::support;
 
@@ -14,8 +15,7 @@ use std::time::{Duration, Instant};
 use crate::cluster::{self, Cluster, count};
 use crate::lab::{day, record, verdict};
 use crate::receiver::Receiver;
-use crate::support::Server;
-use gyrowatch::system;
+use crate::support::{NEVER_LATE, Server, client, document, file_url};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
@@ -26,9 +26,7 @@ const LEASE: Duration = Duration::from_secs(3);
 /// A server on the database; others may be on it too.
 async fn server_on(url: &str) -> Server {
     let lease = LEASE.as_secs().to_string();
-    // Stations measure in 2025, and are not late.
-    let never_late = ("GYROWATCH_ALERTS__BACKFILL_DAYS", "100000");
-    Server::start_with(&[("GYROWATCH_DATABASE_URL", url), ("GYROWATCH_DATABASE__LEASE_S", &lease), never_late]).await
+    Server::start_with(&[("GYROWATCH_DATABASE_URL", url), ("GYROWATCH_DATABASE__LEASE_S", &lease), NEVER_LATE]).await
 }
 
 /// Returns once `is_so`.
@@ -49,7 +47,7 @@ struct Station {
 
 impl Station {
     fn of(servers: &[&Server]) -> Self {
-        let client = system::http_client(Duration::from_secs(20), Duration::from_secs(120)).build().unwrap();
+        let client = client();
         Self { servers: servers.iter().map(|server| server.url("/v1/records")).collect(), client }
     }
 
@@ -125,10 +123,10 @@ async fn what_one_server_stores_the_others_judge_by_and_show() {
     for at in 0..12 {
         let server = if at % 2 == 0 { &one } else { &other };
         let d_i = 1.0 + 0.02 * at as f64;
-        let answer = server.post_json("/v1/records", &record("IMU-1", &day(at), &[("G1", "LFG-1", d_i, 2.0)])).await;
-        assert_eq!(answer.status, 201, "{}", answer.text());
+        let answer =
+            server.post_json("/v1/records", &record("IMU-1", &day(at), &[("G1", "LFG-1", d_i, 2.0)])).await.created();
         if at > 0 {
-            let step = verdict(&answer.json(), "LFG-1", "D_I", "step").clone();
+            let step = verdict(&answer, "LFG-1", "D_I", "step").clone();
             assert_eq!(step["state"], "exceeded", "{step}");
             // From the median of the three before, of which the other server has stored two or one.
             let expected = if at == 1 { 0.02 } else { 0.04 };
@@ -179,9 +177,8 @@ async fn a_record_whose_names_are_new_is_shown_by_another_server_at_once() {
     let (one, other) = (server_on(&url).await, server_on(&url).await);
     for number in 0..12 {
         let sent = record(&format!("IMU-{number}"), &day(0), &[("G1", &format!("LFG-{number}"), 1.0, 2.0)]);
-        let stored = one.post_json("/v1/records", &sent).await;
-        assert_eq!(stored.status, 201, "{}", stored.text());
-        let shown = other.get(&format!("/v1/records/{}", stored.json()["id"].as_str().unwrap())).await;
+        let stored = one.post_json("/v1/records", &sent).await.created();
+        let shown = other.get(&format!("/v1/records/{}", stored["id"].as_str().unwrap())).await;
         assert_eq!(shown.status, 200, "{}", shown.text());
     }
 }
@@ -235,16 +232,15 @@ async fn a_token_made_at_one_server_opens_the_others_until_it_is_revoked_there()
     }
     let url = cluster::fresh_database().await;
     let (one, other) = (server_on(&url).await, server_on(&url).await);
-    let made = one.post_json("/v1/tokens", &json!({"name": "lead", "role": "admin"})).await;
-    assert_eq!(made.status, 201, "{}", made.text());
-    let bearer = format!("Bearer {}", made.json()["token"].as_str().unwrap());
+    let made = one.post_json("/v1/tokens", &json!({"name": "lead", "role": "admin"})).await.created();
+    let bearer = format!("Bearer {}", made["token"].as_str().unwrap());
     until("the other asks for a token", Duration::from_secs(3), async || other.get("/v1/gyros").await.status == 401)
         .await;
     let asks = async || other.call("GET", "/v1/gyros", &[("authorization", &bearer)], Vec::new()).await;
     let answer = asks().await;
     assert_eq!(answer.status, 200, "{}", answer.text());
 
-    let path = format!("/v1/tokens/{}", made.json()["id"].as_str().unwrap());
+    let path = format!("/v1/tokens/{}", made["id"].as_str().unwrap());
     let revoked = one.call("DELETE", &path, &[("authorization", &bearer)], Vec::new()).await;
     assert!((200..300).contains(&revoked.status), "{}", revoked.text());
     until("it opens nothing any more", Duration::from_secs(3), async || asks().await.status == 401).await;
@@ -402,8 +398,7 @@ async fn a_server_killed_under_load_loses_nothing_and_another_takes_its_work_ove
     let second = server_on(&url).await;
     let told = Receiver::start().await;
     let hook = json!({"name": "h", "kind": "standard-webhooks", "url": told.url(), "filter": {"rules": ["step"]}, "batch": false});
-    let made = second.post_json("/v1/hooks", &hook).await;
-    assert_eq!(made.status, 201, "{}", made.text());
+    second.post_json("/v1/hooks", &hook).await.created();
     let load = Load { stations: 8, records_each: 24 };
     let station = Station::of(&[&first, &second]);
     let (third, reached) = (load.records() / 3, Arc::new(tokio::sync::Notify::new()));
@@ -514,7 +509,7 @@ async fn a_database_that_crashes_under_load_loses_nothing_and_servers_go_on_with
 
 /// Campaigns as one import, of IMUs with these numbers.
 fn campaigns(numbers: Range<usize>) -> String {
-    let campaign: Value = serde_json::from_str(&support::data("practice/campaign-00.json")).unwrap();
+    let campaign = document("practice/campaign-00.json");
     let lines = numbers.map(|number| {
         let mut campaign = campaign.clone();
         campaign["imu"] = json!(format!("IMU-{number}"));
@@ -646,8 +641,7 @@ async fn what_is_said_to_the_database_is_encrypted_and_only_under_the_certificat
     let url = cluster.fresh_database().await;
     let trusting = |name: &str| format!("{url}?sslmode=verify-full&sslrootcert={}", support::data_path(name).display());
     let server = server_on(&trusting("tls/one.crt")).await;
-    let answer = server.post_json("/v1/records", &record("IMU-1", &day(0), &[("G1", "LFG-1", 1.0, 2.0)])).await;
-    assert_eq!(answer.status, 201, "{}", answer.text());
+    server.post_json("/v1/records", &record("IMU-1", &day(0), &[("G1", "LFG-1", 1.0, 2.0)])).await.created();
     let open = "SELECT count(*) FROM pg_stat_ssl JOIN pg_stat_activity USING (pid)
                 WHERE application_name = 'gyrowatch' AND ssl = ";
     let mut connection = PgConnection::connect(&url).await.unwrap();
@@ -671,7 +665,7 @@ async fn a_copy_that_is_killed_goes_on_and_is_the_same_in_the_end() {
     }
     let mut file = {
         let dir = tempfile::tempdir().unwrap();
-        let database = format!("sqlite://{}", dir.path().join("gyrowatch.db").display());
+        let database = file_url(&dir.path().join("gyrowatch.db"));
         Server::start_under(&[], dir, &[("GYROWATCH_DATABASE_URL", &database)])
     };
     let lines: Vec<String> = (0..3_000)
@@ -724,11 +718,8 @@ async fn a_copy_that_is_killed_goes_on_and_is_the_same_in_the_end() {
     let next = record("IMU-3", &day(500), &[("G1", "LFG-3", 1.0, 2.0)]);
     assert_eq!(server.post_json("/v1/records", &next).await.status, 201);
     drop(server);
-    let mut verify = support::gyrowatch();
-    let verified = verify.arg("verify").env("GYROWATCH_DATABASE_URL", &url).output().unwrap();
-    assert!(verified.status.success(), "{}", String::from_utf8_lossy(&verified.stderr));
-    let mut backup = support::gyrowatch();
-    let refused = backup.args(["backup", "x.db"]).env("GYROWATCH_DATABASE_URL", &url).output().unwrap();
+    command::verified(&url);
+    let refused = command::on(&url).args(["backup", "x.db"]).output().unwrap();
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(!refused.status.success() && said.contains("pg_dump"), "{said}");
 }

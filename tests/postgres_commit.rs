@@ -9,7 +9,7 @@ use std::time::Duration;
 use crate::cluster::{self, count};
 use crate::lab::{day, record};
 use crate::receiver::Receiver;
-use crate::support::Server;
+use crate::support::{NEVER_LATE, Server, once};
 use axum::http::StatusCode;
 use axum::response::IntoResponse;
 use serde_json::json;
@@ -111,12 +111,8 @@ async fn server_behind(url: &str) -> (Server, Between) {
     let there = url.strip_prefix("postgres://postgres@").unwrap().split_once('/').unwrap();
     let between = Between::start(there.0.parse().unwrap()).await;
     let through = format!("postgres://postgres@{}/{}", between.address, there.1);
-    let variables = [
-        ("GYROWATCH_DATABASE_URL", through.as_str()),
-        ("GYROWATCH_HOOKS__RETRY_WAITS_S", "0.1,0.1,0.1"),
-        // Stations measure in 2025, and are not late.
-        ("GYROWATCH_ALERTS__BACKFILL_DAYS", "100000"),
-    ];
+    let variables =
+        [("GYROWATCH_DATABASE_URL", through.as_str()), ("GYROWATCH_HOOKS__RETRY_WAITS_S", "0.1,0.1,0.1"), NEVER_LATE];
     (Server::start_with(&variables).await, between)
 }
 
@@ -203,11 +199,7 @@ async fn an_attempt_that_was_perhaps_written_down_is_not_counted_twice() {
     assert!(between.has_cut());
     between.closes_then(false);
     let open = "SELECT count(*) FROM delivery WHERE state = 'waiting'";
-    let end = std::time::Instant::now() + Duration::from_secs(120);
-    while count(&url, open).await > 0 {
-        assert!(std::time::Instant::now() < end, "deliveries are still waiting");
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
+    once(async || count(&url, open).await, |waiting| *waiting == 0).await;
     let twice = "SELECT count(*) FROM (SELECT 1 FROM delivery_attempt GROUP BY delivery, at HAVING count(*) > 1) AS t";
     assert_eq!(count(&url, twice).await, 0);
     let counted = count(&url, "SELECT CAST(sum(attempts) AS BIGINT) FROM delivery").await;

@@ -2,6 +2,7 @@
 //! found after a cut at a moment of that run, and what clients were told is looked for in it. `scripts/soak power`
 //! tries 1,000 moments.
 
+use crate::behind;
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -10,11 +11,10 @@ use std::time::{Duration, Instant};
 
 use crate::power::disk::{Disk, Flushing};
 use crate::power::{CALLS, Call, Moment, Recording};
-use crate::support::{Server, asked, gyrowatch, paper_record, required};
+use crate::support::{Server, asked, client, gyrowatch, paper_record, required};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
-use sqlx::ConnectOptions;
 
 /// Records of two IMUs, so that each gyro soon has enough of them to be folded into its place.
 fn record(number: usize) -> String {
@@ -53,8 +53,7 @@ async fn recorded_run(records: usize) -> Run {
         .map(|_| {
             let (url, next, sent) = (server.url("/v1/records"), next.clone(), sent.clone());
             tokio::spawn(async move {
-                let http =
-                    gyrowatch::system::http_client(Duration::from_secs(20), Duration::from_secs(120)).build().unwrap();
+                let http = client();
                 loop {
                     let number = next.fetch_add(1, Ordering::Relaxed);
                     if number >= 505 + records {
@@ -154,8 +153,7 @@ async fn audit(dir: &Path, told: &[&str], sent: &HashMap<String, String>) -> Aud
         audit.lost = told.len();
         return audit;
     }
-    let mut connection =
-        sqlx::sqlite::SqliteConnectOptions::new().filename(&file).read_only(true).connect().await.unwrap();
+    let mut connection = behind::read(&file).await;
     let stored: Vec<(i64, String)> =
         sqlx::query_as("SELECT id, body FROM record").fetch_all(&mut connection).await.unwrap();
     if !said.contains(&format!("{} records", stored.len()))

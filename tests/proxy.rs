@@ -3,8 +3,9 @@
 use std::collections::BTreeSet;
 use std::process::Command;
 
+use crate::command::beside;
 use crate::nginx::Nginx;
-use crate::support::{Server, data, data_path, gyrowatch, paper_record, required};
+use crate::support::{FORM, Server, data, data_path, paper_record, required};
 use serde_json::{Value, json};
 
 /// Who asks through nginx: curl, which speaks HTTP/2 and follows nothing.
@@ -71,9 +72,7 @@ impl Client {
 
 /// Made beside the service, as its documentation says.
 fn admin_token(server: &Server) -> String {
-    let url = format!("sqlite://{}", server.dir().join("gyrowatch.db").display());
-    let command = ["token", "create", "first", "--role", "admin"];
-    let output = gyrowatch().args(command).env("GYROWATCH_DATABASE_URL", url).output().unwrap();
+    let output = beside(server.dir()).args(["token", "create", "first", "--role", "admin"]).output().unwrap();
     assert!(output.status.success(), "{output:?}");
     String::from_utf8(output.stdout).unwrap().trim().to_owned()
 }
@@ -144,7 +143,7 @@ async fn clients_are_told_apart_by_the_word_of_a_proxy_that_is_trusted() {
     let form = format!("token={admin}&back=%2Fstations");
     let origin = format!("origin: https://{}", nginx.address());
     let browser = client.with("", &["-H", &origin, "-H", &from("192.0.2.9"), "-A", "Firefox"]);
-    let entered = browser.post("/sign-in", "application/x-www-form-urlencoded", &form);
+    let entered = browser.post("/sign-in", FORM, &form);
     assert_eq!((entered.status, entered.header("location")), (303, Some("/stations")), "{}", entered.body);
     assert!(
         entered.header("set-cookie").unwrap().ends_with("; Path=/; Max-Age=43200; HttpOnly; SameSite=Strict; Secure")
@@ -198,11 +197,11 @@ async fn over_http_2_with_and_without_the_clients_host_everything_arrives_whole(
         let origin = format!("origin: https://{}", nginx.address());
         let form = format!("token={admin}");
         let old = Client::of(client.base.clone()).with("", &["-H", &origin]);
-        let entered = old.post("/sign-in", "application/x-www-form-urlencoded", &form).status;
+        let entered = old.post("/sign-in", FORM, &form).status;
         assert_eq!(entered, if k == 0 { 303 } else { 403 }, "nginx must pass the name on that the browser uses");
         let same = ["-H", origin.as_str(), "-H", "sec-fetch-site: same-origin"];
         let new = Client::of(client.base.clone()).with("", &same);
-        assert_eq!(new.post("/sign-in", "application/x-www-form-urlencoded", &form).status, 303);
+        assert_eq!(new.post("/sign-in", FORM, &form).status, 303);
     }
 }
 
@@ -249,7 +248,7 @@ async fn under_a_prefix_every_page_and_every_answer_leads_under_it() {
         let to_sign_in = "/gyrowatch/sign-in?back=%2Fstations%3Fx%3D1";
         assert_eq!((sent_on.status, sent_on.header("location")), (303, Some(to_sign_in)));
         let form = format!("token={admin}&back=%2Fstations%3Fx%3D1");
-        let entered = root.post("/gyrowatch/sign-in", "application/x-www-form-urlencoded", &form);
+        let entered = root.post("/gyrowatch/sign-in", FORM, &form);
         assert_eq!((entered.status, entered.header("location")), (303, Some("/gyrowatch/stations?x=1")));
         let cookie = entered.header("set-cookie").unwrap();
         assert!(cookie.contains("; Path=/gyrowatch;") && cookie.ends_with("; Secure"), "{cookie}");
@@ -306,7 +305,7 @@ async fn under_a_prefix_every_page_and_every_answer_leads_under_it() {
         // Forms lead somewhere, and what they do leads back under the prefix.
         let own = ["-H", cookie.as_str(), "-H", "sec-fetch-site: same-origin"];
         for at in &forms {
-            let done = root.with("", &own).post(at, "application/x-www-form-urlencoded", "");
+            let done = root.with("", &own).post(at, FORM, "");
             // These only ask.
             let asks = ["/alerts", "/compare", "/fleet", "/find", "/reports", "/"].iter().any(|end| at.ends_with(end));
             assert!(!matches!(done.status, 404 | 405) || asks, "{at}: {}", done.status);

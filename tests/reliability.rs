@@ -1,6 +1,7 @@
 //! What must not happen whatever happens: short forms of the tests of docs/reliability.md. `scripts/soak` runs the
 //! long ones, which differ in their numbers alone.
 
+use crate::behind;
 use crate::support;
 
 use std::collections::BTreeSet;
@@ -10,17 +11,13 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use crate::support::{Server, asked, gyrowatch, paper_record, seed};
+use crate::command::beside;
+use crate::support::{Server, asked, client, paper_record, seed};
 use rand::seq::IndexedRandom;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
-use sqlx::ConnectOptions;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
-
-fn client() -> reqwest::Client {
-    gyrowatch::system::http_client(Duration::from_secs(20), Duration::from_secs(120)).build().unwrap()
-}
 
 fn record(number: usize) -> Value {
     paper_record(number % 40, number)
@@ -74,9 +71,7 @@ async fn what_was_acknowledged_survives_kill_9_under_load() {
         assert_eq!(server.get("/readyz").await.status, 200);
         slowest = slowest.max(began.elapsed());
     }
-    let file = server.dir().join("gyrowatch.db");
-    let mut connection =
-        sqlx::sqlite::SqliteConnectOptions::new().filename(file).read_only(true).connect().await.unwrap();
+    let mut connection = behind::read(&server.database()).await;
     let stored: Vec<i64> = sqlx::query_scalar("SELECT id FROM record").fetch_all(&mut connection).await.unwrap();
     let stored: BTreeSet<String> = stored.into_iter().map(|id| gyrowatch::core::id::Id(id).to_string()).collect();
     let of_imus: Vec<(String, i64)> =
@@ -114,10 +109,14 @@ fn numbers(value: &Value, found: &mut Vec<f64>) {
 
 /// What a service on `dir` answers to each path; none where it refuses to start, which it must say well.
 async fn answers(dir: &std::path::Path, paths: &[String]) -> Option<Vec<(u16, Vec<f64>)>> {
-    let mut command = gyrowatch();
-    command.arg("serve").current_dir(dir).env("GYROWATCH_LISTEN", "127.0.0.1:0");
-    command.env("GYROWATCH_DATABASE_URL", format!("sqlite://{}", dir.join("gyrowatch.db").display()));
-    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut command = beside(dir);
+    let mut child = command
+        .arg("serve")
+        .env("GYROWATCH_LISTEN", "127.0.0.1:0")
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
     let mut line = String::new();
     BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
     let Some((_, address)) = line.trim().split_once("://") else {
@@ -155,15 +154,14 @@ async fn a_damaged_file_never_gives_wrong_figures() {
     let mut server = Server::start().await;
     let mut paths = Vec::new();
     for number in 0..24 {
-        let answer = server.post_json("/v1/records", &record(number % 3 + 40 * (number / 3))).await;
-        assert_eq!(answer.status, 201, "{}", answer.text());
-        paths.push(format!("/v1/records/{}", answer.json()["id"].as_str().unwrap()));
+        let answer = server.post_json("/v1/records", &record(number % 3 + 40 * (number / 3))).await.created();
+        paths.push(format!("/v1/records/{}", answer["id"].as_str().unwrap()));
     }
     for gyro in ["G-0-0", "G-1-1", "G-2-2"] {
         paths.push(format!("/v1/gyros/{gyro}/trend?coefficient=D_I"));
     }
     assert!(server.terminate().0.success());
-    let whole = std::fs::read(server.dir().join("gyrowatch.db")).unwrap();
+    let whole = std::fs::read(server.database()).unwrap();
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("gyrowatch.db");
     let put = |content: &[u8]| {

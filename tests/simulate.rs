@@ -1,5 +1,6 @@
 //! What a simulated campaign is: physics checked by formulas of its own, chance checked by its statistics.
 
+use crate::command::{complaint, printed};
 use gyrowatch::core::campaign::{Campaign, Phase};
 use gyrowatch::core::mounting::Slot;
 use gyrowatch::simulate::cause::{CATALOGUE, COMMON};
@@ -370,57 +371,43 @@ fn every_preset_is_a_file_that_a_station_could_send() {
     }
 }
 
-fn gyrowatch(arguments: &[&str]) -> assert_cmd::assert::Assert {
-    assert_cmd::Command::cargo_bin("gyrowatch").unwrap().arg("simulate").args(arguments).assert()
-}
-
-fn printed(assert: &assert_cmd::assert::Assert) -> String {
-    String::from_utf8(assert.get_output().stdout.clone()).unwrap()
-}
-
-fn complaint(arguments: &[&str], status: i32) -> String {
-    let assert = gyrowatch(arguments).code(status);
-    assert!(assert.get_output().stdout.is_empty());
-    String::from_utf8(assert.get_output().stderr.clone()).unwrap()
-}
-
 #[test]
 fn the_command_prints_a_campaign_and_keeps_the_truth_apart() {
     let dir = tempfile::tempdir().unwrap();
     let truth = dir.path().join("truth.json");
-    let assert = gyrowatch(&["--seed", "3", "--truth", truth.to_str().unwrap()]).success();
-    let campaign = parse_json(printed(&assert).as_bytes()).unwrap();
+    let text = printed(&["simulate", "--seed", "3", "--truth", truth.to_str().unwrap()]);
+    let campaign = parse_json(text.as_bytes()).unwrap();
     assert_eq!(campaign.dwells.len(), 78);
     let key: Key = serde_json::from_str(&std::fs::read_to_string(truth).unwrap()).unwrap();
     assert_eq!(key["-"].seed, Some(3));
-    assert_eq!(printed(&gyrowatch(&["--seed", "3"]).success()), printed(&assert));
+    assert_eq!(printed(&["simulate", "--seed", "3"]), text);
 }
 
 #[test]
 fn a_printed_scenario_can_be_edited_and_run() {
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("mine.toml");
-    let scenario = printed(&gyrowatch(&["--preset", "36-position", "--print-scenario"]).success());
+    let scenario = printed(&["simulate", "--preset", "36-position", "--print-scenario"]);
     let effect = "[[effects]]\neffect = \"warmup\"\ngyros = [\"G2\"]\ndetectability = 12.0\n";
     std::fs::write(&file, scenario.replace("effects = []\n", "") + effect).unwrap();
     let out = dir.path().join("c.json");
     let truth = dir.path().join("t.json");
     let [file, out, truth] = [&file, &out, &truth].map(|path| path.to_str().unwrap().to_owned());
-    gyrowatch(&["--scenario", &file, "--out", &out, "--truth", &truth]).success();
+    printed(&["simulate", "--scenario", &file, "--out", &out, "--truth", &truth]);
     let key: Key = serde_json::from_str(&std::fs::read_to_string(truth).unwrap()).unwrap();
     assert_eq!(
         (key["c.json"].effects.as_slice(), key["c.json"].gyros.as_slice()),
         (&["warmup".into()][..], &["G2".into()][..])
     );
     std::fs::write(&file, "[programme]\nrepeat = 3\n").unwrap();
-    assert!(complaint(&["--scenario", &file], 1).contains("mine.toml"));
+    assert!(complaint(&["simulate", "--scenario", &file], 1).contains("mine.toml"));
 }
 
 #[test]
 fn many_campaigns_go_into_a_folder_with_one_key() {
     let dir = tempfile::tempdir().unwrap();
     let folder = dir.path().join("made");
-    gyrowatch(&["--count", "3", "--seed", "10", "--dir", folder.to_str().unwrap()]).success();
+    printed(&["simulate", "--count", "3", "--seed", "10", "--dir", folder.to_str().unwrap()]);
     let key: Key = serde_json::from_str(&std::fs::read_to_string(folder.join("key.json")).unwrap()).unwrap();
     assert_eq!(key.values().map(|entry| entry.seed.unwrap()).collect::<Vec<_>>(), [10, 11, 12]);
     for name in key.keys() {
@@ -430,7 +417,7 @@ fn many_campaigns_go_into_a_folder_with_one_key() {
 
 #[test]
 fn the_documented_table_of_the_papers_experiment_is_what_the_command_prints() {
-    let table = printed(&gyrowatch(&["--preset", "paper-experiment"]).success());
+    let table = printed(&["simulate", "--preset", "paper-experiment"]);
     let cells = |line: &str| {
         line.trim_matches('│').split('┆').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>().join(" | ")
     };
@@ -444,15 +431,15 @@ fn the_documented_table_of_the_papers_experiment_is_what_the_command_prints() {
 #[test]
 fn the_paper_s_experiment_is_seven_campaigns_or_one_table() {
     let dir = tempfile::tempdir().unwrap();
-    gyrowatch(&["--preset", "paper-experiment", "--dir", dir.path().to_str().unwrap()]).success();
+    printed(&["simulate", "--preset", "paper-experiment", "--dir", dir.path().to_str().unwrap()]);
     let names: Vec<_> = std::fs::read_dir(dir.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert_eq!(names.len(), 8, "{names:?}");
     let bench = parse_json(&std::fs::read(dir.path().join("0001-1-bench-G2.json")).unwrap()).unwrap();
     let system = parse_json(&std::fs::read(dir.path().join("0001-2-system.json")).unwrap()).unwrap();
     assert_eq!(bench.gyros[0].serial, system.gyros[1].serial);
-    let table = printed(&gyrowatch(&["--preset", "paper-experiment", "--count", "5"]).success());
+    let table = printed(&["simulate", "--preset", "paper-experiment", "--count", "5"]);
     assert!(table.contains("rigid      5 of 5"), "{table}");
-    let csv = printed(&gyrowatch(&["--preset", "paper-experiment", "--count", "2", "--csv"]).success());
+    let csv = printed(&["simulate", "--preset", "paper-experiment", "--count", "2", "--csv"]);
     let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
     assert_eq!((rows.len(), rows[0][4], rows[7][0], rows[8][..3].to_vec()), (13, "rigid", "2", vec!["2", "G1", "D_S"]));
 }
@@ -463,6 +450,6 @@ fn the_paper_s_experiment_is_seven_campaigns_or_one_table() {
 #[case(&["--scenario", "/nowhere.toml"], 1, "/nowhere.toml")]
 #[case(&["--seed", "one"], 2, "--seed")]
 fn wrong_use_is_named(#[case] arguments: &[&str], #[case] status: i32, #[case] names: &str) {
-    let text = complaint(arguments, status);
+    let text = complaint(&[&["simulate"], arguments].concat(), status);
     assert!(text.contains(names), "{text}");
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::support::{Server, data, gyrowatch};
+use crate::support::{Server, data, gyrowatch, once};
 
 struct Agent(Child);
 
@@ -31,11 +31,7 @@ impl Drop for Agent {
 }
 
 async fn appears(path: &Path) {
-    let started = Instant::now();
-    while !path.exists() {
-        assert!(started.elapsed() < Duration::from_secs(180), "{} did not appear", path.display());
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
+    once(async || (path, path.exists()), |(_, there)| *there).await;
 }
 
 #[tokio::test]

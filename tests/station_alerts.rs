@@ -3,11 +3,11 @@
 use crate::cluster;
 use crate::lab;
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use crate::lab::{Lab, day, record};
+use crate::lab::{Lab, day, record, scatter};
 use crate::receiver::{Receiver, Told};
-use crate::support::Server;
+use crate::support::{Server, once};
 use gyrowatch::system::Clock;
 use gyrowatch::wire::time;
 use reqwest::Method;
@@ -18,18 +18,12 @@ const SLOTS: [&str; 3] = ["G1", "G2", "G3"];
 const SHIFT: f64 = 0.015;
 const OWN: f64 = 0.03;
 
-/// Scatter of calibration: a fixed sequence.
-fn scatter(k: i64) -> f64 {
-    let noise = [0.3, -1.1, 0.8, 0.1, -0.6, 1.2, -0.2, -0.9, 0.5, 0.7, -1.0, 0.4, -0.3, 1.0, -0.8, 0.2, 0.6];
-    noise[(k * 5 % 17) as usize] * 3e-4
-}
-
 /// IMU `imu` on a day of 2025 at a station: its three gyros with D_I higher by `d_i` of each.
 fn calibrated(imu: i64, at: i64, station: &str, d_i: impl Fn(i64) -> f64) -> Value {
     let serials: Vec<String> = (0..3).map(|slot| serial(3 * imu + slot)).collect();
-    let value = |slot: usize| 3.0 + scatter(7 * imu + at + slot as i64) + d_i(slot as i64);
+    let value = |slot: usize| 3.0 + scatter(7 * imu + at + slot as i64, 3e-4) + d_i(slot as i64);
     let gyros: Vec<lab::Made<'_>> = (0..3)
-        .map(|slot| (SLOTS[slot], &*serials[slot], value(slot), 4.0 + scatter(imu + 3 * at + slot as i64)))
+        .map(|slot| (SLOTS[slot], &*serials[slot], value(slot), 4.0 + scatter(imu + 3 * at + slot as i64, 3e-4)))
         .collect();
     let mut sent = record(&format!("IMU-{imu}"), &day(at), &gyros);
     sent["station"] = station.into();
@@ -65,9 +59,7 @@ async fn lab_whose_clock_looks_every(seconds: f64) -> Lab {
     })
     .await;
     lab.clock_shows(&day(28));
-    for answer in lab.imports(&quiet()).await {
-        assert_eq!(answer["status"], 201, "{answer}");
-    }
+    sent(&lab, &quiet()).await;
     lab
 }
 
@@ -78,20 +70,12 @@ async fn sent(lab: &Lab, records: &[Value]) {
 }
 
 async fn alerts(lab: &Lab) -> Vec<Value> {
-    lab.get("/v1/alerts?limit=1000").await.ok()["alerts"].as_array().unwrap().clone()
+    lab.alerts("limit=1000").await
 }
 
 /// Waits until the alerts are as wanted.
 async fn become_so(lab: &Lab, wanted: impl Fn(&[Value]) -> bool) -> Vec<Value> {
-    let patience = Instant::now() + Duration::from_secs(60);
-    loop {
-        let alerts = alerts(lab).await;
-        if wanted(&alerts) {
-            return alerts;
-        }
-        assert!(Instant::now() < patience, "{alerts:#?}");
-        tokio::time::sleep(Duration::from_millis(30)).await;
-    }
+    once(async || alerts(lab).await, |alerts| wanted(alerts)).await
 }
 
 fn of_station(alerts: &[Value]) -> Option<&Value> {
@@ -108,8 +92,7 @@ fn of_gyros<'a>(alerts: &'a [Value], state: &'a str) -> impl Iterator<Item = &'a
 }
 
 async fn hook(lab: &Lab, target: &Receiver, filter: Value) {
-    let hook = json!({"kind": "standard-webhooks", "url": target.url(), "batch": false, "filter": filter});
-    lab.post("/v1/hooks", &hook).await.created();
+    lab.tells(target, json!({"batch": false, "filter": filter})).await;
 }
 
 fn name(data: &Value) -> String {
@@ -125,15 +108,7 @@ fn heard(told: &[Told]) -> Vec<(String, String)> {
 /// Waits until somebody is told that the alert of `name` fires; answers all that was told until then.
 async fn has_heard(target: &Receiver, name: &str) -> Vec<(String, String)> {
     let fired = ("alert.fired".to_owned(), name.to_owned());
-    let patience = Instant::now() + Duration::from_secs(60);
-    loop {
-        let told = heard(&target.told());
-        if told.contains(&fired) {
-            return told;
-        }
-        assert!(Instant::now() < patience, "{told:?}");
-        tokio::time::sleep(Duration::from_millis(30)).await;
-    }
+    once(async || heard(&target.told()), |told| told.contains(&fired)).await
 }
 
 #[tokio::test]
@@ -213,15 +188,8 @@ async fn pages_show_the_station_and_what_its_alert_explains() {
         lines += &format!("{record}\n");
     }
     assert_eq!(server.post("/v1/import", lab::NDJSON, lines).await.status, 200);
-    let patience = Instant::now() + Duration::from_secs(60);
-    let station = loop {
-        let found = server.get("/v1/alerts?rule=station_shift").await.json()["alerts"].clone();
-        if let Some(station) = found.get(0) {
-            break station.clone();
-        }
-        assert!(Instant::now() < patience, "{}", server.log());
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    };
+    let look = async || server.get("/v1/alerts?rule=station_shift").await.json()["alerts"][0].clone();
+    let station = once(look, |station| !station.is_null()).await;
     let id = station["id"].as_str().unwrap();
     for (page, shows) in [
         ("/alerts".to_owned(), ["href=\"/stations/ST-2\"", "shift of a station"]),

@@ -5,11 +5,11 @@ use crate::support;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::support::Server;
+use crate::support::{Server, root};
 use serde_json::Value;
 
 fn example(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/stations").join(name)
+    root().join("examples/stations").join(name)
 }
 
 fn template(of: &str, format: &str, to: &Path) {

@@ -7,16 +7,6 @@ use reqwest::Method;
 use serde_json::{Value, json};
 
 use crate::lab::{Answer, Lab, assert_close, bench, day, record, verdict};
-use sqlx::{Connection, PgConnection, SqliteConnection};
-
-/// D_I of a gyro `A` on given days, posted in the order given.
-async fn lab_with(history: &[(i64, f64)]) -> Lab {
-    let lab = Lab::open().await;
-    for (at, d_i) in history {
-        lab.posts(&record("IMU-1", &day(*at), &[("G1", "A", *d_i, 2.0)])).await;
-    }
-    lab
-}
 
 fn states(points: &[Value]) -> Vec<&str> {
     points.iter().map(|point| point["state"].as_str().unwrap()).collect()
@@ -28,7 +18,7 @@ fn statuses(points: &[Value]) -> Vec<&str> {
 
 #[tokio::test]
 async fn a_trend_holds_every_point_with_where_it_comes_from() {
-    let lab = lab_with(&[(0, 1.0), (40, 1.001)]).await;
+    let lab = Lab::holding(&[(0, 1.0), (40, 1.001)]).await;
     let trend = lab.get("/v1/gyros/A/trend?coefficient=D_I").await.ok();
     assert_eq!((&trend["serial"], &trend["coefficient"]), (&json!("A"), &json!("D_I")));
     assert_eq!((&trend["unit"], &trend["next"]), (&json!("deg/(h*g0)"), &Value::Null));
@@ -50,7 +40,7 @@ async fn a_trend_holds_every_point_with_where_it_comes_from() {
 
 #[tokio::test]
 async fn a_step_is_flagged_with_its_size_and_reason() {
-    let lab = lab_with(&[(0, 1.0), (40, 1.001), (80, 1.002)]).await;
+    let lab = Lab::holding(&[(0, 1.0), (40, 1.001), (80, 1.002)]).await;
     let answer = lab.posts(&record("IMU-1", &day(120), &[("G1", "A", 1.0142, 2.0)])).await;
     let step = verdict(&answer, "A", "D_I", "step");
     assert_eq!((&step["state"], &step["limit"]), (&json!("exceeded"), &json!(0.01)));
@@ -74,7 +64,7 @@ async fn a_step_is_flagged_with_its_size_and_reason() {
 
 #[tokio::test]
 async fn a_record_that_arrives_late_takes_its_place_and_what_it_changes_is_judged_again() {
-    let lab = lab_with(&[(0, 1.0), (40, 1.0), (80, 1.008), (160, 1.0155), (200, 1.0155)]).await;
+    let lab = Lab::holding(&[(0, 1.0), (40, 1.0), (80, 1.008), (160, 1.0155), (200, 1.0155)]).await;
     let before = lab.sees_trend("A", "").await;
     assert_eq!(states(&before)[3..], ["exceeded", "exceeded"]);
     let stepped = before[3]["record"].as_str().unwrap();
@@ -95,7 +85,7 @@ async fn a_record_that_arrives_late_takes_its_place_and_what_it_changes_is_judge
 
 #[tokio::test]
 async fn a_late_record_within_the_baseline_moves_it_for_all() {
-    let lab = lab_with(&[(0, 1.0), (40, 1.002), (80, 1.004), (120, 1.0105)]).await;
+    let lab = Lab::holding(&[(0, 1.0), (40, 1.002), (80, 1.004), (120, 1.0105)]).await;
     assert_eq!(states(&lab.sees_trend("A", "").await)[3], "within");
     lab.posts(&record("IMU-1", &day(20), &[("G1", "A", 0.999, 2.0)])).await;
     let last = lab.sees_trend("A", "last=1").await;
@@ -104,7 +94,7 @@ async fn a_late_record_within_the_baseline_moves_it_for_all() {
 
 #[tokio::test]
 async fn a_gyro_that_moves_keeps_its_history() {
-    let lab = lab_with(&[(0, 1.0), (40, 1.001)]).await;
+    let lab = Lab::holding(&[(0, 1.0), (40, 1.001)]).await;
     lab.posts(&record("IMU-2", &day(80), &[("G3", "A", 1.002, 2.0), ("G1", "B", 7.0, 8.0)])).await;
     let points = lab.sees_trend("A", "").await;
     let seats: Vec<(&Value, &Value)> = points.iter().map(|p| (&p["imu"], &p["slot"])).collect();
@@ -121,7 +111,8 @@ async fn a_gyro_that_moves_keeps_its_history() {
 
 #[tokio::test]
 async fn a_new_baseline_starts_the_comparison_anew() {
-    let lab = lab_with(&[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.03), (160, 1.03), (200, 1.03), (240, 1.031)]).await;
+    let lab =
+        Lab::holding(&[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.03), (160, 1.03), (200, 1.03), (240, 1.031)]).await;
     assert_eq!(states(&lab.sees_trend("A", "").await)[6], "exceeded");
     let mark = json!({"reason": "re-installed after repair", "at": day(100), "author": "Li"});
     let set = lab.post("/v1/gyros/A/baseline", &mark).await.created();
@@ -159,7 +150,7 @@ async fn the_judged_method_and_the_budget_are_configuration() {
 #[tokio::test]
 async fn pages_follow_one_another_without_gap_or_overlap() {
     let history: Vec<(i64, f64)> = (0..23).map(|k| (k * 10, 1.0 + k as f64 * 1e-4)).collect();
-    let lab = lab_with(&history).await;
+    let lab = Lab::holding(&history).await;
     let all = lab.sees_trend("A", "").await;
     let mut paged = Vec::new();
     let mut path = "/v1/gyros/A/trend?coefficient=D_I&limit=5".to_owned();
@@ -188,7 +179,7 @@ async fn pages_follow_one_another_without_gap_or_overlap() {
 
 #[tokio::test]
 async fn bad_queries_are_refused_in_words() {
-    let lab = lab_with(&[(0, 1.0)]).await;
+    let lab = Lab::holding(&[(0, 1.0)]).await;
     for (query, words) in [
         ("coefficient=D_X", "D_X"),
         ("from=yesterday", "from"),
@@ -213,7 +204,7 @@ async fn bad_queries_are_refused_in_words() {
 
 #[tokio::test]
 async fn a_spreadsheet_gets_every_point_as_csv() {
-    let lab = lab_with(&[(0, 1.0), (40, 1.0 / 3.0)]).await;
+    let lab = Lab::holding(&[(0, 1.0), (40, 1.0 / 3.0)]).await;
     let by_format = lab.get("/v1/gyros/A/trend?format=csv").await;
     let by_accept = Answer::of(lab.request(Method::GET, "/v1/gyros/A/trend").header("accept", "text/csv")).await;
     assert_eq!(by_format.text, by_accept.text);
@@ -236,7 +227,7 @@ async fn a_spreadsheet_gets_every_point_as_csv() {
 #[tokio::test]
 async fn a_status_tells_what_a_state_leaves_open() {
     let violated: Vec<(i64, f64)> = (0..5).map(|k| (40 * k, if k < 3 { 1.0 } else { 1.02 })).collect();
-    let lab = lab_with(&violated).await;
+    let lab = Lab::holding(&violated).await;
     let points = lab.sees_trend("A", "").await;
     assert_eq!(states(&points)[3..], ["exceeded", "exceeded"]);
     let expected = ["not_enough_data", "in_tolerance", "in_tolerance", "unconfirmed", "confirmed"];
@@ -260,7 +251,7 @@ async fn a_status_tells_what_a_state_leaves_open() {
 
 #[tokio::test]
 async fn gyros_are_listed_by_status() {
-    let lab = lab_with(&[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02), (160, 1.02)]).await;
+    let lab = Lab::holding(&[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02), (160, 1.02)]).await;
     for serial in ["C", "D", "E"] {
         lab.posts(&record(&format!("IMU-{serial}"), &day(1), &[("G1", serial, 1.0, 2.0)])).await;
     }
@@ -293,7 +284,7 @@ async fn gyros_are_listed_by_status() {
 
 #[tokio::test]
 async fn gyros_are_listed_by_serial_whatever_came_first() {
-    let lab = lab_with(&[(0, 1.0)]).await;
+    let lab = Lab::holding(&[(0, 1.0)]).await;
     for serial in ["Z", "M", "B"] {
         lab.posts(&record(&format!("IMU-{serial}"), &day(1), &[("G1", serial, 1.0, 2.0)])).await;
     }
@@ -309,7 +300,7 @@ async fn gyros_are_listed_by_serial_whatever_came_first() {
 
 #[tokio::test]
 async fn a_trend_that_has_not_changed_is_not_sent_again() {
-    let lab = lab_with(&[(0, 1.0), (40, 1.0)]).await;
+    let lab = Lab::holding(&[(0, 1.0), (40, 1.0)]).await;
     let path = "/v1/gyros/A/trend";
     let tag = lab.get(path).await.header("etag").to_owned();
     let ask = |tag: String| Answer::of(lab.request(Method::GET, path).header("if-none-match", tag));
@@ -323,7 +314,7 @@ async fn a_trend_that_has_not_changed_is_not_sent_again() {
 #[tokio::test]
 async fn years_are_seen_by_day_week_and_month() {
     let history = [(0, 1.0), (3, 1.004), (5, 0.998), (31, 1.006), (32, 1.002)];
-    let lab = lab_with(&history).await;
+    let lab = Lab::holding(&history).await;
     assert!(day(0).starts_with("2025-01-01"), "a Wednesday");
     let months = lab.get("/v1/gyros/A/trend?every=month").await.ok();
     assert_eq!(
@@ -348,7 +339,7 @@ async fn years_are_seen_by_day_week_and_month() {
 #[tokio::test]
 async fn pages_of_periods_hold_every_measurement_once() {
     let history: Vec<(i64, f64)> = (0..120).map(|k| (k * 2, 1.0 + (k as f64) * 1e-5)).collect();
-    let lab = lab_with(&history).await;
+    let lab = Lab::holding(&history).await;
     for every in ["day", "week", "month"] {
         let whole = lab.get(&format!("/v1/gyros/A/trend?every={every}")).await.ok();
         let (mut pages, mut cursor) = (Vec::new(), String::new());
@@ -371,7 +362,7 @@ async fn pages_of_periods_hold_every_measurement_once() {
 
 #[tokio::test]
 async fn periods_come_as_csv_and_a_wrong_period_is_named() {
-    let lab = lab_with(&[(0, 1.0), (40, 1.001)]).await;
+    let lab = Lab::holding(&[(0, 1.0), (40, 1.001)]).await;
     let text = lab.get("/v1/gyros/A/trend?every=month&format=csv").await.text;
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines[0], "serial,coefficient,unit,method,every,begins,count,min,max,mean,last");
@@ -385,7 +376,7 @@ async fn periods_come_as_csv_and_a_wrong_period_is_named() {
 
 #[tokio::test]
 async fn a_trend_as_columns_says_what_its_points_say() {
-    let lab = lab_with(&[(0, 1.0), (40, 1.001), (80, 1.05), (120, 1.002)]).await;
+    let lab = Lab::holding(&[(0, 1.0), (40, 1.001), (80, 1.05), (120, 1.002)]).await;
     let points = lab.sees_trend("A", "").await;
     let all = lab.get("/v1/gyros/A/trend?columns=all").await.ok();
     assert!(all.get("points").is_none() && all["next"].is_null(), "{all}");
@@ -410,7 +401,7 @@ async fn a_trend_as_columns_says_what_its_points_say() {
 
 #[tokio::test]
 async fn a_trend_says_what_its_points_are_held_against() {
-    let lab = lab_with(&[(0, 1.0), (40, 1.003), (80, 1.0), (120, 1.05)]).await;
+    let lab = Lab::holding(&[(0, 1.0), (40, 1.003), (80, 1.0), (120, 1.05)]).await;
     assert!(lab.sees_trend("A", "").await.iter().all(|point| point.get("level").is_none()));
     let held = |point: &Value, baseline: f64| {
         for (name, expected) in [("baseline", baseline), ("lower", baseline - 0.01), ("upper", baseline + 0.01)] {
@@ -461,13 +452,7 @@ async fn plain_history(lab: &Lab) -> Vec<Plain> {
     let sql =
         "SELECT serial, substr(CAST(time AS TEXT), 1, 10), method, d_i, d_i_sd, d_s, d_s_sd, d_o, d_o_sd, state_d_i
                FROM gyro_history ORDER BY serial, method, time";
-    let rows: Vec<Columns> = if cluster::is_wanted() {
-        let mut connection = PgConnection::connect(&lab.config.database.url).await.unwrap();
-        sqlx::query_as(sql).fetch_all(&mut connection).await.unwrap()
-    } else {
-        let mut connection = SqliteConnection::connect(&lab.config.database.url).await.unwrap();
-        sqlx::query_as(sql).fetch_all(&mut connection).await.unwrap()
-    };
+    let rows: Vec<Columns> = lab.rows(sql).await;
     let row = |(serial, day, method, d_i, d_i_sd, d_s, d_s_sd, d_o, d_o_sd, state): Columns| -> Plain {
         (serial, day, method, [d_i, d_i_sd, d_s, d_s_sd, d_o, d_o_sd], state)
     };

@@ -1,14 +1,15 @@
 //! Databases of every earlier version, with data in them, are brought up to date at the start, and say what they said
 //! before.
 
+use crate::behind;
 use crate::cluster;
 use crate::lab;
 use crate::receiver;
 
 use std::path::Path;
-use std::time::Duration;
 
-use crate::support::{SUMMARY, Server, data, gyrowatch};
+use crate::command::{beside, ended, verified};
+use crate::support::{NEVER_LATE, SUMMARY, Server, data, document, file_url, gyrowatch, id, root};
 use serde_json::{Value, json};
 use sqlx::migrate::Migrator;
 use sqlx::{AssertSqlSafe, ConnectOptions, Connection, PgConnection, SqliteConnection};
@@ -22,11 +23,10 @@ async fn filled(settings: &[(&str, &str)]) -> (Server, Vec<(String, Value)>) {
     let server = Server::start_with(settings).await;
     let mut paths = Vec::new();
     for at in ["2026-03-01T08:00:00Z", "2026-03-22T08:00:00Z", "2026-03-08T08:00:00Z"] {
-        let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
+        let mut record = document("paper.json");
         record["calibrated_at"] = at.into();
-        let stored = server.post_json("/v1/records", &record).await;
-        assert_eq!(stored.status, 201);
-        paths.push(format!("/v1/records/{}", stored.json()["id"].as_str().unwrap()));
+        let stored = server.post_json("/v1/records", &record).await.created();
+        paths.push(format!("/v1/records/{}", stored["id"].as_str().unwrap()));
     }
     let event = json!({ "event": "repair", "reason": "new motor", "at": "2026-03-20T00:00:00Z" });
     assert_eq!(server.post_json("/v1/gyros/LFG-0101/events", &event).await.status, 201);
@@ -57,7 +57,7 @@ async fn filled(settings: &[(&str, &str)]) -> (Server, Vec<(String, Value)>) {
 async fn goes_on(upgraded: &Server, version: i64) {
     let known = upgraded.post("/v1/records", "application/json", data("paper.json")).await;
     assert!(matches!(known.status, 200 | 201), "version {version}: {}", known.text());
-    let mut new: Value = serde_json::from_str(&data("paper.json")).unwrap();
+    let mut new = document("paper.json");
     new["calibrated_at"] = "2026-04-12T08:00:00Z".into();
     assert_eq!(upgraded.post_json("/v1/records", &new).await.status, 201, "version {version}");
 }
@@ -75,7 +75,7 @@ fn inflated(packed: &[u8]) -> String {
 
 /// Makes `file` a database as `version` left it, with what that version could hold of the database `from`.
 async fn write_as_of(version: i64, file: &Path, from: &Path) {
-    let migrations = Path::new(env!("CARGO_MANIFEST_DIR")).join("migrations/sqlite");
+    let migrations = root().join("migrations/sqlite");
     let all = Migrator::new(migrations).await.unwrap();
     let early = all.iter().filter(|migration| migration.version <= version).cloned().collect();
     let options = sqlx::sqlite::SqliteConnectOptions::new().filename(file).create_if_missing(true).foreign_keys(false);
@@ -147,7 +147,7 @@ fn forget_since(answer: &mut Value) {
 async fn a_database_of_every_earlier_version_is_brought_up_to_date_with_all_that_is_in_it() {
     let (mut server, answers) = filled(&[]).await;
     assert!(server.terminate().0.success());
-    let newest = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("migrations/sqlite")).unwrap().count();
+    let newest = std::fs::read_dir(root().join("migrations/sqlite")).unwrap().count();
     assert!(newest >= 9);
     // Of diagnoses that an earlier version made and kept, the migration keeps the gist.
     let summary = &answers.iter().find(|(path, _)| path == SUMMARY).unwrap().1;
@@ -155,7 +155,7 @@ async fn a_database_of_every_earlier_version_is_brought_up_to_date_with_all_that
     for version in 1..=newest as i64 {
         let dir = tempfile::tempdir().unwrap();
         let file = dir.path().join("gyrowatch.db");
-        write_as_of(version, &file, &server.dir().join("gyrowatch.db")).await;
+        write_as_of(version, &file, &server.database()).await;
         let checked = gyrowatch().args(["restore", "--check"]).arg(&file).output().unwrap();
         assert!(checked.status.success(), "version {version}: {checked:?}");
         let mut upgraded = Server::start_under(&[], dir, &[]);
@@ -186,10 +186,7 @@ async fn a_database_of_every_earlier_version_is_brought_up_to_date_with_all_that
         }
         goes_on(&upgraded, version).await;
         assert!(upgraded.terminate().0.success());
-        let url = format!("sqlite://{}", upgraded.dir().join("gyrowatch.db").display());
-        let verified = gyrowatch().arg("verify").env("GYROWATCH_DATABASE_URL", url).output().unwrap();
-        assert!(verified.status.success(), "version {version}: {verified:?}");
-        let said = String::from_utf8_lossy(&verified.stdout).into_owned();
+        let said = verified(&file_url(&upgraded.database()));
         assert!(said.contains("gyros compared in lists"), "version {version}: {said}");
     }
 }
@@ -237,7 +234,7 @@ async fn a_database_of_a_server_of_every_earlier_version_is_brought_up_to_date_w
     let url = cluster::fresh_database().await;
     let (mut server, answers) = filled(&[("GYROWATCH_DATABASE_URL", &url)]).await;
     assert!(server.terminate().0.success());
-    let migrations = Path::new(env!("CARGO_MANIFEST_DIR")).join("migrations/postgres");
+    let migrations = root().join("migrations/postgres");
     let all = Migrator::new(migrations).await.unwrap();
     let mut from = PgConnection::connect(&url).await.unwrap();
     for version in all.iter().map(|migration| migration.version) {
@@ -265,9 +262,7 @@ async fn a_database_of_a_server_of_every_earlier_version_is_brought_up_to_date_w
             assert_eq!(after, before, "version {version}: {path}");
         }
         goes_on(&upgraded, version).await;
-        let verified = gyrowatch().arg("verify").env("GYROWATCH_DATABASE_URL", &url).output().unwrap();
-        assert!(verified.status.success(), "version {version}: {verified:?}");
-        let said = String::from_utf8_lossy(&verified.stdout).into_owned();
+        let said = verified(&url);
         assert!(said.contains("gyros compared in lists"), "version {version}: {said}");
     }
 }
@@ -275,7 +270,7 @@ async fn a_database_of_a_server_of_every_earlier_version_is_brought_up_to_date_w
 /// Until version 11 nobody kept what a hook had heard, nor since when a gyro does what it does.
 #[tokio::test]
 async fn alerts_and_hooks_of_an_earlier_version_go_on_as_they_were_told() {
-    let never_late = [("GYROWATCH_ALERTS__BACKFILL_DAYS", "100000")];
+    let never_late = [NEVER_LATE];
     let target = receiver::Receiver::start().await;
     let mut server = Server::start_with(&never_late).await;
     let mut hooks = Vec::new();
@@ -283,7 +278,7 @@ async fn alerts_and_hooks_of_an_earlier_version_go_on_as_they_were_told() {
         let url = format!("http://{}/{path}", target.address);
         let filter = if path == "deaf" { json!({ "gyros": ["B"] }) } else { json!({ "rules": ["baseline"] }) };
         let hook = json!({ "kind": "standard-webhooks", "url": url, "filter": filter, "batch": false });
-        hooks.push(server.post_json("/v1/hooks", &hook).await.json());
+        hooks.push(server.sets_up(hook).await);
     }
     let post = async |server: &Server, at: i64, d_i: f64| {
         let record = lab::record("IMU-1", &lab::day(at), &[("G1", "A", d_i, 2.0)]);
@@ -293,13 +288,11 @@ async fn alerts_and_hooks_of_an_earlier_version_go_on_as_they_were_told() {
         post(&server, at, d_i).await;
     }
     target.has_been_told(1).await;
-    let path = format!("/v1/hooks/{}", hooks[0]["id"].as_str().unwrap());
-    while server.get(&path).await.json()["queue"]["open"] != 0 {
-        tokio::time::sleep(Duration::from_millis(10)).await;
-    }
+    server.all_told(&hooks[0]).await;
+    let path = format!("/v1/hooks/{}", id(&hooks[0]));
     assert!(server.terminate().0.success());
     let dir = tempfile::tempdir().unwrap();
-    write_as_of(11, &dir.path().join("gyrowatch.db"), &server.dir().join("gyrowatch.db")).await;
+    write_as_of(11, &dir.path().join("gyrowatch.db"), &server.database()).await;
     let upgraded = Server::start_under(&[], dir, &never_late);
     let alerts = upgraded.get("/v1/alerts?rule=baseline").await.json()["alerts"].clone();
     assert_eq!(alerts[0]["since"], alerts[0]["fired_at"], "the best that is known");
@@ -321,15 +314,14 @@ async fn alerts_and_hooks_of_an_earlier_version_go_on_as_they_were_told() {
 #[tokio::test]
 async fn prose_that_an_earlier_version_stored_is_shown_as_it_is() {
     const PROSE: &str = "D_I lies +0.05000 from its baseline 1.00000; the limit is 0.01000.";
-    let never_late = [("GYROWATCH_ALERTS__BACKFILL_DAYS", "100000")];
+    let never_late = [NEVER_LATE];
     let mut server = Server::start_with(&never_late).await;
     for (at, d_i) in [(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.05)] {
         let record = lab::record("IMU-1", &lab::day(at), &[("G1", "A", d_i, 2.0)]);
         assert_eq!(server.post_json("/v1/records", &record).await.status, 201);
     }
     assert!(server.terminate().0.success());
-    let options = sqlx::sqlite::SqliteConnectOptions::new().filename(server.dir().join("gyrowatch.db"));
-    let mut connection = options.connect().await.unwrap();
+    let mut connection = behind::open(&server.database()).await;
     for sql in [
         "UPDATE alert SET finding = json_set(finding, '$.reason', $1)",
         "UPDATE alert_step SET body = json_set(body, '$.reason', $1)",
@@ -358,18 +350,16 @@ async fn prose_that_an_earlier_version_stored_is_shown_as_it_is() {
 async fn a_database_of_a_later_version_is_refused_and_left_alone() {
     let (mut server, _) = filled(&[]).await;
     assert!(server.terminate().0.success());
-    let file = server.dir().join("gyrowatch.db");
-    let mut connection = sqlx::sqlite::SqliteConnectOptions::new().filename(&file).connect().await.unwrap();
+    let file = server.database();
+    let mut connection = behind::open(&file).await;
     let later = "INSERT INTO _sqlx_migrations (version, description, success, checksum, execution_time)
                  VALUES (9999, 'later', true, x'00', 1)";
     sqlx::query(later).execute(&mut connection).await.unwrap();
     connection.close().await.unwrap();
     let before = std::fs::read(&file).unwrap();
-    let mut command = gyrowatch();
-    command.arg("serve").current_dir(server.dir()).env("GYROWATCH_LISTEN", "127.0.0.1:0");
-    let output = command.env("GYROWATCH_DATABASE_URL", format!("sqlite://{}", file.display())).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(1), "{said}");
+    let mut command = beside(server.dir());
+    let (status, _, said) = ended(command.arg("serve").env("GYROWATCH_LISTEN", "127.0.0.1:0"));
+    assert_eq!(status, 1, "{said}");
     assert!(said.contains("gyrowatch.db") && said.contains("9999"), "{said}");
     assert!(std::fs::read(&file).unwrap() == before, "it was written to");
 }

@@ -1,13 +1,15 @@
 //! `gyrowatch verify`: what is stored is what follows from what was sent, and what is not is named.
 
-use crate::support::{Server, data, gyrowatch};
+use crate::behind;
+use crate::command::{all_of, beside, on_database};
+use crate::support::{Server, data, document, gyrowatch};
 use serde_json::Value;
-use sqlx::{ConnectOptions, Row, SqliteConnection};
+use sqlx::Row;
 
 /// A stopped service with records, one of which came late, a campaign, bench results and an event.
 async fn a_database() -> Server {
     let mut server = Server::start().await;
-    let record: Value = serde_json::from_str(&data("paper.json")).unwrap();
+    let record = document("paper.json");
     for at in ["2026-03-01T08:00:00Z", "2026-03-22T08:00:00Z", "2026-03-08T08:00:00Z"] {
         let mut record = record.clone();
         record["calibrated_at"] = at.into();
@@ -21,40 +23,22 @@ async fn a_database() -> Server {
     server
 }
 
-fn verify(server: &Server, settings: &[(&str, &str)]) -> (Option<i32>, String) {
-    asked(server, "verify", settings)
-}
-
-/// What a command says of the database.
-fn asked(server: &Server, what: &str, settings: &[(&str, &str)]) -> (Option<i32>, String) {
-    let url = format!("sqlite://{}", server.dir().join("gyrowatch.db").display());
-    let mut command = gyrowatch();
-    command.arg(what).current_dir(server.dir()).env("GYROWATCH_DATABASE_URL", url).envs(settings.iter().copied());
-    let output = command.output().unwrap();
-    let said = String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap();
-    (output.status.code(), said)
-}
-
-async fn open(server: &Server) -> SqliteConnection {
-    let file = server.dir().join("gyrowatch.db");
-    sqlx::sqlite::SqliteConnectOptions::new().filename(file).connect().await.unwrap()
-}
-
 async fn run(server: &Server, sql: &'static str) {
-    let changed = sqlx::query(sql).execute(&mut open(server).await).await.unwrap();
+    let changed = sqlx::query(sql).execute(&mut behind::open(&server.database()).await).await.unwrap();
     assert!(changed.rows_affected() > 0, "{sql}");
 }
 
 #[tokio::test]
 async fn what_is_stored_follows_from_what_was_sent() {
     let mut server = a_database().await;
-    let (code, said) = verify(&server, &[]);
+    let (code, said) = on_database(&["verify"], server.dir());
     assert_eq!(code, Some(0), "{said}");
     assert!(said.contains("4 records, 12 separations") && !said.contains("other limits"), "{said}");
-    let (code, said) = verify(&server, &[("GYROWATCH_JUDGING__BUDGET", "0.02")]);
-    assert!(code == Some(0) && said.contains("other limits"), "{said}");
+    let other = beside(server.dir()).arg("verify").env("GYROWATCH_JUDGING__BUDGET", "0.02").output().unwrap();
+    assert!(other.status.success(), "{other:?}");
+    assert!(all_of(other).contains("other limits"));
     server.restart();
-    assert_eq!(verify(&server, &[]).0, Some(0), "while it is served too");
+    assert_eq!(on_database(&["verify"], server.dir()).0, Some(0), "while it is served too");
 }
 
 /// The noise constants come from the histories of all gyros, and are put into words that the configuration takes.
@@ -68,7 +52,7 @@ async fn the_fleets_noise_is_fitted_to_what_is_stored() {
             // About normal with a scatter of 0.0006; every record a week of its own.
             let scatter =
                 (0..4).map(|part| uniform(1000 * gyro + 4 * k + part + 1)).sum::<f64>() * 3.0_f64.sqrt() * 6e-4;
-            let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
+            let mut record = document("paper.json");
             record["imu"] = format!("IMU-{gyro}").into();
             record["calibrated_at"] = format!("20{:02}-{:02}-15T08:00:00Z", 20 + k / 12, 1 + k % 12).into();
             record["gyros"] = serde_json::json!([record["gyros"][0]]);
@@ -82,7 +66,7 @@ async fn the_fleets_noise_is_fitted_to_what_is_stored() {
     }
     assert_eq!(server.post("/v1/import", "application/x-ndjson", lines).await.status, 200);
     assert!(server.terminate().0.success());
-    let (code, said) = asked(&server, "fleet-noise", &[]);
+    let (code, said) = on_database(&["fleet-noise"], server.dir());
     assert_eq!(code, Some(0), "{said}");
     assert!(said.contains("weekly means of 12 coefficients"), "{said}");
     let line = said.lines().find(|line| line.starts_with("noise = {")).expect("the line for the configuration");
@@ -91,13 +75,13 @@ async fn the_fleets_noise_is_fitted_to_what_is_stored() {
     let shown = gyrowatch().args(["config", "--config"]).arg(&file).output().unwrap();
     assert!(shown.status.success(), "{}", String::from_utf8_lossy(&shown.stderr));
     let short = a_database().await;
-    let (code, said) = asked(&short, "fleet-noise", &[]);
+    let (code, said) = on_database(&["fleet-noise"], short.dir());
     assert!(code == Some(0) && said.contains("too short for a fit: the defaults stay"), "{said}");
 }
 
 /// Flips one bit of a stored value.
 async fn flip(server: &Server, table: &str, column: &str, bit: usize) -> String {
-    let mut connection = open(server).await;
+    let mut connection = behind::open(&server.database()).await;
     let found = format!("SELECT rowid, {column} AS value FROM {table} ORDER BY rowid LIMIT 1");
     let row = sqlx::query(sqlx::AssertSqlSafe(found)).fetch_one(&mut connection).await.unwrap();
     let (id, mut value): (i64, Vec<u8>) = (row.get(0), row.get("value"));
@@ -111,20 +95,20 @@ async fn flip(server: &Server, table: &str, column: &str, bit: usize) -> String 
 #[tokio::test]
 async fn a_flipped_bit_is_found_and_its_record_named() {
     let server = a_database().await;
-    let whole = std::fs::read(server.dir().join("gyrowatch.db")).unwrap();
+    let whole = std::fs::read(server.database()).unwrap();
     for bit in [0, 7, 65, 130, 259, 388, 517, 646, 1000] {
         for (table, column) in [("history_log", "rows"), ("record", "verdicts"), ("record", "body_sha256")] {
             let id = flip(&server, table, column, bit).await;
-            let (code, said) = verify(&server, &[]);
+            let (code, said) = on_database(&["verify"], server.dir());
             assert_eq!(code, Some(1), "{table}.{column}, bit {bit}: {said}");
             assert!(said.contains(&id) || said.contains("gyro"), "{table}.{column}, bit {bit}: {said}");
             for beside in ["gyrowatch.db-wal", "gyrowatch.db-shm"] {
                 let _may_not_be_there = std::fs::remove_file(server.dir().join(beside));
             }
-            std::fs::write(server.dir().join("gyrowatch.db"), &whole).unwrap();
+            std::fs::write(server.database(), &whole).unwrap();
         }
     }
-    assert_eq!(verify(&server, &[]).0, Some(0));
+    assert_eq!(on_database(&["verify"], server.dir()).0, Some(0));
 }
 
 #[tokio::test]
@@ -135,16 +119,16 @@ async fn a_campaign_that_the_model_in_force_does_not_state_is_named() {
                      '{\"version\": 1, \"terms\": [\"bias\", \"g_linear\", \"scale\"], \"effects\": []}'
                  FROM record WHERE kind = 1";
     run(&server, adopt).await;
-    let (code, said) = verify(&server, &[]);
+    let (code, said) = on_database(&["verify"], server.dir());
     assert!(code == Some(1) && said.contains("not stated by the model in force"), "{said}");
 }
 
 #[tokio::test]
 async fn a_change_that_fits_its_checksums_is_found_by_computing_again() {
     let server = a_database().await;
-    let whole = std::fs::read(server.dir().join("gyrowatch.db")).unwrap();
+    let whole = std::fs::read(server.database()).unwrap();
     // Another input under a hash that fits it: the figures no longer follow from it.
-    let mut connection = open(&server).await;
+    let mut connection = behind::open(&server.database()).await;
     let (id, body): (i64, String) = sqlx::query_as("SELECT id, body FROM record WHERE kind = 0 ORDER BY id LIMIT 1")
         .fetch_one(&mut connection)
         .await
@@ -161,7 +145,7 @@ async fn a_change_that_fits_its_checksums_is_found_by_computing_again() {
         .await
         .unwrap();
     drop(connection);
-    let (code, said) = verify(&server, &[]);
+    let (code, said) = on_database(&["verify"], server.dir());
     let id = gyrowatch::core::id::Id(id).to_string();
     assert!(code == Some(1) && said.contains(&id) && said.contains("computed again"), "{said}");
 
@@ -181,12 +165,12 @@ async fn a_change_that_fits_its_checksums_is_found_by_computing_again() {
         ),
         ("UPDATE event SET kind = 'note'", "verdict"),
     ] {
-        std::fs::write(server.dir().join("gyrowatch.db"), &whole).unwrap();
+        std::fs::write(server.database(), &whole).unwrap();
         for beside in ["gyrowatch.db-wal", "gyrowatch.db-shm"] {
             let _may_not_be_there = std::fs::remove_file(server.dir().join(beside));
         }
         run(&server, sql).await;
-        let (code, said) = verify(&server, &[]);
+        let (code, said) = on_database(&["verify"], server.dir());
         assert!(code == Some(1) && said.contains(named), "{sql}: {said}");
     }
 }

@@ -2,6 +2,8 @@
 //!
 //! The messages are read with Fluent's own parser; the code's uses of `message!` from the sources.
 
+use crate::support::root;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,10 +20,6 @@ use fluent_syntax::ast::{CallArguments, Entry, Expression, InlineExpression, Pat
 struct Said {
     text: String,
     parameters: BTreeSet<String>,
-}
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
 fn files_below(dir: &Path, extension: &str) -> Vec<PathBuf> {

@@ -5,6 +5,7 @@
 
 mod house;
 
+use crate::support::root;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -25,10 +26,6 @@ const CORE_CRATES: [&str; 9] = [
 ];
 const IMPURE_STD: [&str; 7] = ["fs", "io", "net", "env", "process", "thread", "time"];
 const MOST_FILES_OF_A_TYPE: usize = 2;
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
 
 /// Every file below `dir`, sorted, without what git ignores.
 fn files_below(dir: &Path) -> Vec<PathBuf> {

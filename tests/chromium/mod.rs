@@ -1,5 +1,6 @@
 //! A real headless Chromium, driven over the WebDriver protocol (w3.org/TR/webdriver2) through its chromedriver.
 
+use crate::support::{client, root};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
@@ -44,7 +45,7 @@ pub fn is_installed() -> bool {
 /// axe-core's source, where `npm ci --prefix tests/chromium` has put it. Where it is required, its absence is a
 /// failure.
 pub fn axe() -> Option<String> {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/chromium/node_modules/axe-core/axe.min.js");
+    let file = root().join("tests/chromium/node_modules/axe-core/axe.min.js");
     let source = std::fs::read_to_string(file).ok();
     if source.is_none() {
         let required = std::env::var("GYROWATCH_TEST_AXE").is_ok_and(|value| value == "required");
@@ -68,7 +69,7 @@ impl Browser {
             .expect("chromedriver names its port");
         // Whatever else it says has to go somewhere.
         std::thread::spawn(move || lines.for_each(drop));
-        let http = system::http_client(Duration::from_secs(20), Duration::from_secs(240)).build().unwrap();
+        let http = client();
         let arguments = [
             "--headless=new",
             "--no-sandbox",

@@ -1,9 +1,9 @@
 //! PostgreSQL for tests: a server of their own on a free port of this machine, which ends with the process that
 //! started it, however that ends, and takes its files along.
 
+use crate::support::{free_port, is_root};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
-use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::OnceLock;
@@ -272,12 +272,8 @@ impl Drop for Cluster {
 
 /// A directory that is not there yet, and a free port.
 fn place() -> (PathBuf, u16) {
-    let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let port = free_port();
     (std::env::temp_dir().join(format!("gyrowatch-postgres-{}-{port}", std::process::id())), port)
-}
-
-fn is_root() -> bool {
-    Command::new("id").arg("-u").output().is_ok_and(|id| id.stdout.trim_ascii() == b"0")
 }
 
 /// PostgreSQL refuses to run as root.

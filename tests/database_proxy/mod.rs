@@ -50,6 +50,12 @@ impl Proxy {
         Self { address, state }
     }
 
+    /// Before the database of that address.
+    pub async fn before(url: &str) -> Self {
+        let (_, host) = url.split_once('@').unwrap();
+        Self::to(host.split_once('/').unwrap().0.parse().unwrap()).await
+    }
+
     /// The same database through this.
     pub fn url(&self, url: &str) -> String {
         let (user, path) = (url.split_once('@').unwrap().0, url.rsplit_once('/').unwrap().1);

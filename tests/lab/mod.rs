@@ -1,11 +1,12 @@
 //! A laboratory for scenarios: the service on a port of its own with a database of its own, stations that post, and
 //! engineers who look. Everything goes over real HTTP.
 
-use crate::cluster;
+use crate::receiver::Receiver;
+use crate::support::{client, document, file_url, id, once};
+use crate::{behind, cluster};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Duration;
 
 use gyrowatch::config::Config;
 use gyrowatch::core::mounting::{Geometry, Slot};
@@ -19,8 +20,9 @@ use gyrowatch::wire::time;
 use reqwest::header::{CONTENT_TYPE, HeaderMap};
 use reqwest::{Client, Method, RequestBuilder};
 use serde_json::{Value, json};
-use sqlx::sqlite::SqliteConnectOptions;
-use sqlx::{AssertSqlSafe, ConnectOptions, Connection, PgConnection};
+use sqlx::postgres::PgRow;
+use sqlx::sqlite::SqliteRow;
+use sqlx::{AssertSqlSafe, Connection, FromRow, PgConnection, Postgres, Sqlite};
 use tempfile::TempDir;
 use tokio::net::TcpListener;
 use tokio::sync::oneshot;
@@ -53,6 +55,13 @@ impl Lab {
         Self::with(|_| {}).await
     }
 
+    /// With the history of a gyro `A`.
+    pub async fn holding(history: &[(i64, f64)]) -> Self {
+        let lab = Self::open().await;
+        lab.posts_history("IMU-1", "A", history).await;
+        lab
+    }
+
     /// With a configuration of its own, in which nothing is found late. The clock stands at noon of 2026-11-21 until
     /// it is moved.
     pub async fn with(change: impl FnOnce(&mut Config)) -> Self {
@@ -63,14 +72,14 @@ impl Lab {
         config.server.listen = "127.0.0.1:0".parse().expect("an address");
         // Stations of the laboratory measure in 2025, and are not late.
         config.alerts.backfill_days = 1e5;
-        config.database.url = format!("sqlite://{}", dir.path().join("gyrowatch.db").display());
+        config.database.url = file_url(&dir.path().join("gyrowatch.db"));
         if cluster::is_wanted() {
             config.database.url = cluster::fresh_database().await;
             config.database.lease_s = cluster::LEASE_S;
         }
         change(&mut config);
         let noon = time::parse("2026-11-21T12:00:00Z").expect("a time");
-        let client = system::http_client(Duration::from_secs(20), Duration::from_secs(240)).build().expect("a client");
+        let client = client();
         let mut lab = Self { dir, config, clock: Clock::manual(noon), client, running: None };
         lab.start().await;
         lab
@@ -123,13 +132,41 @@ impl Lab {
 
     /// Changes what is stored behind the service's back; how many rows.
     pub async fn change(&self, sql: &str) -> u64 {
+        self.change_to(sql, &[]).await
+    }
+
+    /// The same with what `$1` and so on stand for.
+    pub async fn change_to(&self, sql: &str, texts: &[&str]) -> u64 {
         let sql = AssertSqlSafe(sql.to_owned());
-        if self.config.database.url.starts_with("sqlite") {
-            let mut connection = SqliteConnectOptions::new().filename(self.database()).connect().await.unwrap();
-            return sqlx::query(sql).execute(&mut connection).await.unwrap().rows_affected();
+        let texts = texts.iter().map(|text| (*text).to_owned());
+        if self.is_on_file() {
+            let mut connection = behind::open(&self.database()).await;
+            let query = texts.fold(sqlx::query::<Sqlite>(sql), |query, text| query.bind(text));
+            let done = query.execute(&mut connection).await.unwrap();
+            connection.close().await.unwrap();
+            return done.rows_affected();
         }
         let mut connection = PgConnection::connect(&self.config.database.url).await.unwrap();
-        sqlx::query(sql).execute(&mut connection).await.unwrap().rows_affected()
+        let query = texts.fold(sqlx::query::<Postgres>(sql), |query, text| query.bind(text));
+        query.execute(&mut connection).await.unwrap().rows_affected()
+    }
+
+    /// What a question to the database itself finds.
+    pub async fn rows<R>(&self, sql: &str) -> Vec<R>
+    where
+        R: Send + Unpin + for<'r> FromRow<'r, SqliteRow> + for<'r> FromRow<'r, PgRow>,
+    {
+        let sql = AssertSqlSafe(sql.to_owned());
+        if self.is_on_file() {
+            let mut connection = behind::open(&self.database()).await;
+            return sqlx::query_as::<Sqlite, R>(sql).fetch_all(&mut connection).await.unwrap();
+        }
+        let mut connection = PgConnection::connect(&self.config.database.url).await.unwrap();
+        sqlx::query_as::<Postgres, R>(sql).fetch_all(&mut connection).await.unwrap()
+    }
+
+    fn is_on_file(&self) -> bool {
+        self.config.database.url.starts_with("sqlite")
     }
 
     pub fn database(&self) -> PathBuf {
@@ -170,6 +207,13 @@ impl Lab {
         self.post("/v1/records", record).await.created()
     }
 
+    /// D_I of a gyro on given days, posted in the order given.
+    pub async fn posts_history(&self, imu: &str, serial: &str, history: &[(i64, f64)]) {
+        for (at, d_i) in history {
+            self.posts(&record(imu, &day(*at), &[("G1", serial, *d_i, 2.0)])).await;
+        }
+    }
+
     /// Imports documents, one a line; the answers line by line.
     pub async fn imports(&self, documents: &[Value]) -> Vec<Value> {
         let text: String = documents.iter().map(|document| format!("{document}\n")).collect();
@@ -190,6 +234,28 @@ impl Lab {
                 return answer;
             }
         }
+    }
+
+    /// Sets up a hook that tells the target, with what else is asked of it; its identifier.
+    pub async fn tells(&self, target: &Receiver, more: Value) -> String {
+        let mut hook = json!({"kind": "standard-webhooks", "url": target.url()});
+        hook.as_object_mut().expect("an object").extend(more.as_object().expect("an object").clone());
+        id(&self.post("/v1/hooks", &hook).await.created()).to_owned()
+    }
+
+    /// Waits until nothing is open for a hook.
+    pub async fn all_told(&self, hook: &str) {
+        let path = format!("/v1/hooks/{hook}");
+        once(async || self.get(&path).await.ok()["queue"].clone(), |queue| queue["open"] == 0).await;
+    }
+
+    /// The alerts that a query finds.
+    pub async fn alerts(&self, query: &str) -> Vec<Value> {
+        self.get(&format!("/v1/alerts?{query}")).await.ok()["alerts"].as_array().expect("alerts").clone()
+    }
+
+    pub async fn patch(&self, path: &str, body: &Value) -> Answer {
+        Answer::of(self.request(Method::PATCH, path).header(CONTENT_TYPE, JSON).body(body.to_string())).await
     }
 
     /// Moves the clock to an RFC 3339 time.
@@ -254,7 +320,7 @@ impl Answer {
 
 /// Tables 3-4 of the paper as a record.
 pub fn tables_3_and_4() -> Value {
-    serde_json::from_str(include_str!("../data/paper.json")).expect("the paper's record is JSON")
+    document("paper.json")
 }
 
 /// A gyro that a made-up record holds: slot, serial, D_I, D_S (deg/(h g0)).
@@ -279,6 +345,24 @@ fn made((slot, serial, d_i, d_s): Made<'_>) -> Value {
 pub fn bench(serial: &str, at: &str, d_i: f64, d_s: f64) -> Value {
     json!({"serial": serial, "station": "BENCH-1", "measured_at": at, "method": "torque_feedback",
         "d_i_deg_per_h_g0": d_i, "d_s_deg_per_h_g0": d_s})
+}
+
+/// What a diagnosis names.
+pub fn effects(diagnosis: &Value) -> Vec<&str> {
+    let effects = diagnosis["effects"].as_array().expect("effects").iter();
+    effects.map(|effect| effect["effect"].as_str().expect("a name")).collect()
+}
+
+/// The same campaign at another time.
+pub fn at(mut campaign: Value, measured_at: &str) -> Value {
+    campaign["measured_at"] = measured_at.into();
+    campaign
+}
+
+/// Scatter of calibration, deg/(h g0): a fixed sequence of standard deviation about `sigma` that no cause follows.
+pub fn scatter(k: i64, sigma: f64) -> f64 {
+    let noise = [0.3, -1.1, 0.8, 0.1, -0.6, 1.2, -0.2, -0.9, 0.5, 0.7, -1.0, 0.4, -0.3, 1.0, -0.8, 0.2, 0.6];
+    noise[(k * 5 % 17) as usize] * sigma
 }
 
 /// Noon of the `day`-th day of 2025, counting from 0.

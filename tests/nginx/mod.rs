@@ -1,10 +1,10 @@
 //! A real nginx in front of the service, on a free port, in a directory of its own.
 
-use std::net::{TcpListener, TcpStream};
+use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::support::data_path;
+use crate::support::{data_path, free_port, is_root};
 
 pub struct Nginx {
     child: Child,
@@ -16,7 +16,7 @@ impl Nginx {
     /// With `server`, lines of a server's block; `encrypted` over TLS and HTTP/2.
     pub fn start(server: &str, encrypted: bool) -> Self {
         let dir = tempfile::tempdir().unwrap();
-        let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let port = free_port();
         let (certificate, key) = (data_path("tls/one.crt"), data_path("tls/one.key"));
         let tls = format!("ssl_certificate {};\nssl_certificate_key {};", certificate.display(), key.display());
         let (options, tls) = if encrypted { (" ssl http2", tls.as_str()) } else { ("", "") };
@@ -59,8 +59,4 @@ impl Drop for Nginx {
             eprintln!("--- log of nginx\n{}", self.log());
         }
     }
-}
-
-fn is_root() -> bool {
-    std::fs::metadata("/proc/self").is_ok_and(|own| std::os::unix::fs::MetadataExt::uid(&own) == 0)
 }

@@ -1,6 +1,5 @@
 //! A real Prometheus, for tests.
 
-use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
@@ -8,7 +7,7 @@ use gyrowatch::system;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::support::Server;
+use crate::support::{Server, root};
 
 /// Prometheus with the rules that ship, looking every second; it ends with the test.
 pub struct Prometheus {
@@ -20,7 +19,7 @@ pub struct Prometheus {
 impl Prometheus {
     pub fn watching(server: &Server) -> Self {
         let dir = tempfile::tempdir().unwrap();
-        let rules = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/prometheus/rules.yml");
+        let rules = root().join("config/prometheus/rules.yml");
         let config = format!(
             "global: {{ scrape_interval: 1s, evaluation_interval: 1s }}\nrule_files: [{}]\nscrape_configs:\n  \
              - job_name: gyrowatch\n    static_configs: [{{ targets: [\"{}\"] }}]\n",

@@ -1,12 +1,12 @@
 //! Fills the outbox of a stopped service with the steps of alerts, from below: what is told and in which order is then
 //! known in advance.
 
+use crate::behind;
 use std::path::Path;
 
 use gyrowatch::system::Clock;
 use serde_json::{Value, json};
-use sqlx::sqlite::SqliteConnectOptions;
-use sqlx::{ConnectOptions, Connection, SqliteConnection};
+use sqlx::{Connection, SqliteConnection};
 
 /// So many alerts, each with so many steps, all of them to be told to every hook.
 #[derive(Clone, Copy)]
@@ -22,7 +22,7 @@ impl Queue {
     }
 
     pub async fn fill(self, dir: &Path, hooks: &[Value]) {
-        let mut database = open(dir).await;
+        let mut database = behind::open(&dir.join("gyrowatch.db")).await;
         let mut batch = database.begin().await.unwrap();
         let now = Clock::System.now().0;
         let mut delivery = 1;
@@ -49,10 +49,6 @@ impl Queue {
         let place = ((id.0 - 1) / self.steps, (id.0 - 1) % self.steps);
         (place.0 < self.alerts).then_some(place)
     }
-}
-
-async fn open(dir: &Path) -> SqliteConnection {
-    SqliteConnectOptions::new().filename(dir.join("gyrowatch.db")).connect().await.unwrap()
 }
 
 fn finding() -> Value {

@@ -1,13 +1,14 @@
 //! Targets of hooks on this machine: one that records what it is told, and some that misbehave.
 
 use std::net::{Ipv4Addr, SocketAddr};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use axum::Router;
 use axum::body::Bytes;
 use axum::extract::State;
-use axum::http::{HeaderMap, Uri};
+use axum::http::{HeaderMap, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 use serde_json::Value;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
@@ -59,6 +60,17 @@ impl Receiver {
         let router = Router::new().fallback(record).with_state(receiver.clone());
         tokio::spawn(async move { axum::serve(listener, router).await });
         receiver
+    }
+
+    /// One that refuses everything while the switch is off, and the switch.
+    pub async fn switched(on: bool, refusal: StatusCode) -> (Self, Arc<AtomicBool>) {
+        let switch = Arc::new(AtomicBool::new(on));
+        let is_on = switch.clone();
+        let target = Self::answering(move |_, _| match is_on.load(Ordering::SeqCst) {
+            true => ().into_response(),
+            false => refusal.into_response(),
+        });
+        (target.await, switch)
     }
 
     pub fn url(&self) -> String {

@@ -61,9 +61,12 @@ pub async fn english_left(server: &Server, document: &str) -> Vec<String> {
 /// A fault as it is read, without the pointer before it.
 fn said(item: &str) -> String {
     let text = item.rsplit("</code>").next().unwrap();
-    [("&quot;", "\""), ("&lt;", "<"), ("&gt;", ">"), ("&amp;", "&")]
-        .iter()
-        .fold(text.to_owned(), |text, (from, to)| text.replace(from, to))
+    unescaped(text)
+}
+
+/// Text of a page as a browser shows it.
+pub fn unescaped(text: &str) -> String {
+    text.replace("&quot;", "\"").replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
 }
 
 /// Small words that are no name: neither quoted, nor with a digit or an underscore in them.

@@ -1,6 +1,6 @@
 //! The real service in a process of its own, on a free port, with a database in a fresh directory.
 
-use crate::cluster;
+use crate::{behind, cluster};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -10,12 +10,18 @@ use std::time::{Duration, Instant};
 use gyrowatch::system;
 use reqwest::header::{HeaderMap, HeaderName, HeaderValue};
 use serde_json::Value;
-use sqlx::{ConnectOptions, Connection, Row};
+use sqlx::{Connection, Row};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 
 /// What the diagnoses of stored campaigns have come to.
 pub const SUMMARY: &str = "/v1/diagnoses/summary";
+
+/// For stations that measure in 2025: nothing is late.
+pub const NEVER_LATE: (&str, &str) = ("GYROWATCH_ALERTS__BACKFILL_DAYS", "100000");
+
+/// What a browser's form is sent as.
+pub const FORM: &str = "application/x-www-form-urlencoded";
 
 /// A file of `tests/data`.
 pub fn data(name: &str) -> String {
@@ -23,12 +29,51 @@ pub fn data(name: &str) -> String {
 }
 
 pub fn data_path(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
+    root().join("tests/data").join(name)
+}
+
+/// A file of `tests/data` that is JSON.
+pub fn document(name: &str) -> Value {
+    serde_json::from_str(&data(name)).unwrap()
+}
+
+/// The directory of the project.
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The address of a database in a file.
+pub fn file_url(file: &Path) -> String {
+    format!("sqlite://{}", file.display())
+}
+
+/// The value of the series of `/metrics` whose line begins so.
+pub fn metric(text: &str, series: &str) -> f64 {
+    let line = text.lines().find(|line| line.starts_with(series)).unwrap_or_else(|| panic!("{series} in\n{text}"));
+    line.rsplit_once(' ').unwrap().1.parse().unwrap()
+}
+
+/// A port that was free a moment ago.
+pub fn free_port() -> u16 {
+    std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port()
+}
+
+/// What `look` sees once it is as `wanted`: it looks again and again, for as long as a busy machine may need.
+pub async fn once<T: std::fmt::Debug>(look: impl AsyncFn() -> T, wanted: impl Fn(&T) -> bool) -> T {
+    let patience = Instant::now() + Duration::from_secs(240);
+    loop {
+        let seen = look().await;
+        if wanted(&seen) {
+            return seen;
+        }
+        assert!(Instant::now() < patience, "{seen:#?}");
+        tokio::time::sleep(Duration::from_millis(20)).await;
+    }
 }
 
 /// The paper's record as one of IMU number `imu` and its three gyros, the `minute`-th minute after a fixed instant.
 pub fn paper_record(imu: usize, minute: usize) -> Value {
-    let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
+    let mut record = document("paper.json");
     record["imu"] = format!("IMU-{imu}").into();
     for (i, gyro) in record["gyros"].as_array_mut().unwrap().iter_mut().enumerate() {
         gyro["serial"] = format!("G-{imu}-{i}").into();
@@ -84,12 +129,15 @@ pub fn required(program: &str) -> bool {
     there
 }
 
+pub fn is_root() -> bool {
+    std::fs::metadata("/proc/self").is_ok_and(|own| std::os::unix::fs::MetadataExt::uid(&own) == 0)
+}
+
 /// Words that make a file system of `size` in memory at the directory that follows, which only the service sees, and
 /// then run it.
 pub fn on_a_small_disk(options: &str) -> Vec<String> {
     let script = format!("mount -t tmpfs -o {options} none \"$0\" && cd \"$0\" && exec \"$@\"");
-    let as_root = std::fs::metadata("/proc/self").is_ok_and(|own| std::os::unix::fs::MetadataExt::uid(&own) == 0);
-    let namespaces = if as_root { "-m" } else { "-rm" };
+    let namespaces = if is_root() { "-m" } else { "-rm" };
     ["unshare", namespaces, "sh", "-c", &script].map(str::to_owned).into()
 }
 
@@ -115,6 +163,12 @@ pub fn fill(file: &Path) {
     }
 }
 
+/// Of what was stored or set up.
+#[track_caller]
+pub fn id(answer: &Value) -> &str {
+    answer["id"].as_str().unwrap_or_else(|| panic!("no identifier: {answer}"))
+}
+
 #[derive(Debug)]
 pub struct Answer {
     pub status: u16,
@@ -130,6 +184,12 @@ impl Answer {
 
     pub fn json(&self) -> Value {
         serde_json::from_slice(&self.body).unwrap_or_else(|e| panic!("{e}: {}", String::from_utf8_lossy(&self.body)))
+    }
+
+    #[track_caller]
+    pub fn created(&self) -> Value {
+        assert_eq!(self.status, 201, "{}", self.text());
+        self.json()
     }
 }
 
@@ -190,6 +250,11 @@ impl Server {
         self.dir.path()
     }
 
+    /// Its database, where that is a file.
+    pub fn database(&self) -> PathBuf {
+        self.dir.path().join("gyrowatch.db")
+    }
+
     /// What the service has logged so far.
     pub fn log(&self) -> String {
         std::fs::read_to_string(self.dir.path().join("log")).unwrap()
@@ -222,17 +287,12 @@ impl Server {
 
     /// An answer; of [`SUMMARY`] what rests on diagnoses, once all are made.
     pub async fn settled(&self, path: &str) -> Value {
-        let patience = Instant::now() + Duration::from_secs(180);
-        loop {
+        let look = async || {
             let answer = self.get(path).await;
             assert_eq!(answer.status, 200, "{path}: {}", answer.text());
-            let answer = answer.json();
-            if path != SUMMARY || answer["campaigns"]["waiting"] == 0 {
-                return answer;
-            }
-            assert!(Instant::now() < patience, "{answer}");
-            tokio::time::sleep(Duration::from_millis(50)).await;
-        }
+            answer.json()
+        };
+        once(look, |answer| path != SUMMARY || answer["campaigns"]["waiting"] == 0).await
     }
 
     pub async fn post(&self, path: &str, content_type: &str, body: impl Into<reqwest::Body>) -> Answer {
@@ -243,9 +303,35 @@ impl Server {
         self.post(path, "application/json", body.to_string()).await
     }
 
+    /// The answer once the service has taken it; the same again is no harm.
+    pub async fn takes(&self, path: &str, body: &Value) -> Value {
+        let answer = once(async || self.post_json(path, body).await, |answer| answer.status != 503).await;
+        assert!(matches!(answer.status, 200 | 201), "{}: {}", answer.status, answer.text());
+        answer.json()
+    }
+
+    /// Sends a form from a page of `origin`.
+    pub async fn send_form(&self, origin: &str, path: &str, form: impl Into<reqwest::Body>) -> Answer {
+        self.call("POST", path, &[("content-type", FORM), ("origin", origin)], form).await
+    }
+
+    /// Sets up a hook.
+    pub async fn sets_up(&self, hook: Value) -> Value {
+        let answer = self.post_json("/v1/hooks", &hook).await;
+        let hook = answer.created();
+        assert_eq!(answer.headers["location"], format!("/v1/hooks/{}", id(&hook)));
+        hook
+    }
+
+    /// Waits until nothing is open for a hook; its queue then.
+    pub async fn all_told(&self, hook: &Value) -> Value {
+        let path = format!("/v1/hooks/{}", id(hook));
+        once(async || self.get(&path).await.json()["queue"].clone(), |queue| queue["open"] == 0).await
+    }
+
     /// Six records of the paper's IMU, the last two off by enough for an alert, and a bench result.
     pub async fn stores_half_a_year(&self) {
-        let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
+        let mut record = document("paper.json");
         for month in 1..=6 {
             record["calibrated_at"] = format!("2026-0{month}-01T08:00:00Z").into();
             record["gyros"][0]["g_pulse_per_s_g0"][0] = (2.4210 + if month > 4 { 0.05 } else { 0.0 }).into();
@@ -287,9 +373,7 @@ impl Server {
         if let Some((_, url)) = self.settings.iter().find(|(name, _)| name == "GYROWATCH_DATABASE_URL") {
             return holdings_on_server(url).await;
         }
-        let path = self.dir.path().join("gyrowatch.db");
-        let options = sqlx::sqlite::SqliteConnectOptions::new().filename(path).read_only(true);
-        let mut connection = options.connect().await.unwrap();
+        let mut connection = behind::read(&self.database()).await;
         let tables = "SELECT name FROM sqlite_master WHERE type = 'table' AND name NOT LIKE 'sqlite_%' ORDER BY name";
         let mut holdings = Vec::new();
         for row in sqlx::query(tables).fetch_all(&mut connection).await.unwrap() {
@@ -326,7 +410,8 @@ impl Drop for Server {
     }
 }
 
-fn client() -> reqwest::Client {
+/// A client that is patient with a busy machine.
+pub fn client() -> reqwest::Client {
     system::http_client(Duration::from_secs(20), Duration::from_secs(240)).build().unwrap()
 }
 
@@ -347,7 +432,7 @@ fn spawn(under: &[&str], dir: &Path, listen: &str, settings: &[(String, String)]
         .arg("serve")
         .current_dir(dir)
         .env("GYROWATCH_LISTEN", listen)
-        .env("GYROWATCH_DATABASE_URL", format!("sqlite://{}", dir.join("gyrowatch.db").display()))
+        .env("GYROWATCH_DATABASE_URL", file_url(&dir.join("gyrowatch.db")))
         .envs([("GYROWATCH_ACCESS__OPEN".to_owned(), "true".to_owned())].iter().chain(settings).filter(given).map(pair))
         .stdout(Stdio::piped())
         .stderr(log)

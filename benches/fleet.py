@@ -24,7 +24,9 @@ PAGES = ("/", "/fleet", "/fleet?page=1", "/fleet?page=1200", "/fleet?q=LFG-0005"
          "/v1/gyros?limit=100", "/v1/gyros?station=ST-3&station_when=ever&limit=100", "/v1/gyros?rule=baseline&limit=100",
          "/v1/gyros?status=overdue&limit=100", "/v1/gyros?status=confirmed&limit=100", "/imus/IMU-00100", "/alerts")
 SETTINGS = {"GYROWATCH_LISTEN": "127.0.0.1:0", "GYROWATCH_JUDGING__INTERVAL_DAYS": "45",
-            "GYROWATCH_ALERTS__BACKFILL_DAYS": "100000"}
+            "GYROWATCH_ALERTS__BACKFILL_DAYS": "100000",
+            # As the unit file and the image have it.
+            "MALLOC_ARENA_MAX": "2"}
 
 
 class Service:

@@ -23,8 +23,6 @@ const PATIENCE: Duration = Duration::from_secs(120);
 
 const SHORT: (&str, &str) = ("GYROWATCH_HOOKS__RETRY_WAITS_S", "0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1");
 
-/// Stations measure in 2025.
-
 /// Waits until no delivery of the hooks is open.
 async fn all_told(server: &Server, hooks: &[Value]) {
     for hook in hooks {

@@ -510,13 +510,15 @@ fn no_file_names_a_path_of_somebodys_machine() {
 }
 
 #[test]
-fn every_subcommand_file_is_wired_in() {
-    for folder in ["src/cli", "src/cli/service"].map(|folder| root().join(folder)) {
-        let frame = fs::read_to_string(folder.join("mod.rs")).unwrap();
-        for path in files_below(&folder) {
-            let name = path.strip_prefix(&folder).unwrap().with_extension("").display().to_string();
-            let part_of_another = name.contains('/') || name == "mod";
-            assert!(part_of_another || frame.contains(&format!("mod {name};")), "{} is not compiled", path.display());
+fn every_file_of_commands_and_of_tests_is_wired_in() {
+    for (folder, frame) in [("src/cli", "mod.rs"), ("src/cli/service", "mod.rs"), ("tests", "main.rs")] {
+        let folder = root().join(folder);
+        let frame = folder.join(frame);
+        let names = fs::read_to_string(&frame).unwrap();
+        let files = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path());
+        for path in files.filter(|path| path.extension().is_some_and(|e| e == "rs") && *path != frame) {
+            let name = path.file_stem().unwrap().display().to_string();
+            assert!(name == "mod" || names.contains(&format!("mod {name};")), "{} is not compiled", path.display());
         }
     }
 }

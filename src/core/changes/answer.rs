@@ -116,8 +116,6 @@ impl Tie {
 
     /// What it is tied to, as a code with parameters.
     pub fn message(&self) -> Message {
-        use crate::core::message::{figure, text};
-        use crate::message;
         match self {
             Self::Slope => message!("change_slope"),
             Self::SlopeUntil(repair) => message!("change_slope_until", day = text(repair.date())),
@@ -248,8 +246,6 @@ pub enum WhyRejected {
 impl WhyRejected {
     /// The reason as a code with parameters.
     pub fn message(&self) -> Message {
-        use crate::core::message::{figure, signed};
-        use crate::message;
         match *self {
             Self::NotSeparable => message!("change_not_separable"),
             Self::NotSignificant { p } => message!("change_not_significant", p = figure(p, 2)),

@@ -186,3 +186,6 @@ impl Campaign {
         })
     }
 }
+
+#[cfg(test)]
+pub(crate) mod made_for_tests;

@@ -52,6 +52,11 @@ impl StationForm {
         matches!(self, Self::Step(_) | Self::Between(..))
     }
 
+    /// Unit of its size.
+    pub(super) fn unit(self) -> &'static str {
+        if self == Self::Drift { "deg/(h*g0)/year" } else { "deg/(h*g0)" }
+    }
+
     /// What it adds at the station, at an instant that is so many years from the first.
     pub(super) fn at(self, at: UtcMicros, years: f64) -> f64 {
         match self {

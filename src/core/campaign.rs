@@ -153,6 +153,12 @@ impl Campaign {
         Cow::Owned(campaign)
     }
 
+    /// Outputs of gyro `j` by dwell, less what its E makes of the rates where that is held, pulse/s.
+    pub fn free_outputs(&self, j: usize) -> impl ExactSizeIterator<Item = f64> {
+        let e = self.gyros[j].known_e;
+        self.dwells.iter().map(move |d| d.output_pulse_s[j] - e.map_or(0.0, |e| e.dot(&d.rate_arcsec_s)))
+    }
+
     /// The terms to fit: those asked for, else model (6).
     pub fn terms(&self) -> Terms {
         self.model.unwrap_or_default()
@@ -180,3 +186,6 @@ impl Campaign {
         })
     }
 }
+
+#[cfg(test)]
+pub(crate) mod made_for_tests;

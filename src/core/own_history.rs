@@ -2,6 +2,8 @@
 //!
 //! D_I and D_S belong to the gyro wherever it is mounted, and so does |E|; the direction of E belongs to its seat.
 
+use std::collections::BTreeSet;
+
 use super::history_note::{HistoryNote, Quantity};
 use crate::core::numerics::median::median_of;
 
@@ -146,9 +148,7 @@ fn exchanged(gyros: &[Looked<'_>]) -> Option<Vec<(String, String)>> {
     };
     let found: Vec<(String, String)> =
         strange.iter().map(|gyro| Some((gyro.serial.to_owned(), fits(gyro)?.to_owned()))).collect::<Option<_>>()?;
-    let mut taken: Vec<&str> = found.iter().map(|(_, of)| of.as_str()).collect();
-    taken.sort_unstable();
-    taken.dedup();
+    let taken: BTreeSet<&str> = found.iter().map(|(_, of)| of.as_str()).collect();
     (taken.len() == found.len()).then_some(found)
 }
 

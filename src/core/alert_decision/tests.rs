@@ -1,5 +1,5 @@
 use super::*;
-use crate::core::judge::{Coefficient, Finding, LimitKey, Rule};
+use crate::core::judge::{Coefficient, Finding, Limit, LimitKey, Rule};
 
 const POLICY: Policy = Policy { repeat_days: 7.0, resolve_below: 0.8, resolve_after: 2, backfill_days: 30.0 };
 
@@ -8,19 +8,9 @@ fn day(n: f64) -> UtcMicros {
 }
 
 fn verdict(rule: Rule, state: State, value: f64, confirmed: bool) -> Verdict {
-    Verdict {
-        coefficient: Coefficient::DI,
-        rule,
-        state,
-        value: Some(value),
-        limit: 0.01,
-        limit_from: LimitKey::BUDGET,
-        sd: None,
-        probability: None,
-        between: None,
-        confirmed,
-        finding: Finding::Baseline { level: 3.0, since: None, now: 3.0 + value },
-    }
+    let limit = Limit { value: 0.01, from: LimitKey::BUDGET };
+    let finding = Finding::Baseline { level: 3.0, since: None, now: 3.0 + value };
+    Verdict { state, value: Some(value), confirmed, ..Verdict::undecided(Coefficient::DI, rule, limit, finding) }
 }
 
 fn exceeded() -> Verdict {

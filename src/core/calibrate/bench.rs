@@ -171,11 +171,9 @@ impl BenchProblem<'_> {
 
     fn determines_scale(&self, scale: &BenchScale) -> bool {
         let (design, _) = self.design(scale, &self.axes(self.triad.input()));
-        let (columns, q) = (scale.fitted.len(), design.ncols());
         let rows = design.nrows();
         let factor = Factor::new(design, &self.sd);
-        rows > factor.rank()
-            && (0..columns).all(|i| factor.determines(&DVector::from_fn(q, |j, _| f64::from(u8::from(i == j)))))
+        rows > factor.rank() && (0..scale.fitted.len()).all(|i| factor.determines_parameter(i))
     }
 
     /// Standard deviation of the first column's parameter for the weights as given.
@@ -250,12 +248,11 @@ impl BenchProblem<'_> {
         let axes = self.axes(if along.dot(&self.triad.input()) < 0.0 { -along } else { along });
         let (design, form) = self.design(scale, &axes);
         let first = scale.fitted.len();
-        let q = design.ncols();
         let factor = Factor::new(design, &self.sd);
         let undetermined: Vec<&'static str> = ["D_F", "D_I", "D_S"]
             .into_iter()
             .enumerate()
-            .filter(|(i, _)| !factor.determines(&DVector::from_fn(q, |j, _| f64::from(u8::from(j == first + i)))))
+            .filter(|(i, _)| !factor.determines_parameter(first + i))
             .map(|(_, name)| name)
             .collect();
         if !undetermined.is_empty() {

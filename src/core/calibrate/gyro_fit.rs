@@ -105,10 +105,7 @@ pub(super) fn fit_gyro(
     let known_e = c.gyros[j].known_e;
     let fitted =
         if known_e.is_some() && terms != Terms::of(&[Term::Scale]) { terms.without(Term::Scale) } else { terms };
-    let mut y = DVector::from_iterator(
-        c.dwells.len(),
-        c.dwells.iter().map(|d| d.output_pulse_s[j] - known_e.map_or(0.0, |e| e.dot(&d.rate_arcsec_s))),
-    );
+    let mut y = DVector::from_iterator(c.dwells.len(), c.free_outputs(j));
     let sd = weights_sd(c, j);
     let plain = shared.index(&c.dwells, fitted, &sd);
     let known: Vec<&KnownCoefficient> = known.iter().filter(|known| known.slot == c.gyros[j].slot).collect();

@@ -2,11 +2,11 @@ use nalgebra::Vector3;
 
 use super::calibration::GAUGE;
 use super::*;
-use crate::core::campaign::{CampaignGyro, StationUncertainty, TestKind};
+use crate::core::campaign::CampaignGyro;
+use crate::core::campaign::made_for_tests::{self, name};
 use crate::core::model::Term;
-use crate::core::mounting::{Geometry, Slot};
-use crate::core::record::{Name, Plausibility};
-use crate::core::time::UtcMicros;
+use crate::core::mounting::Slot;
+use crate::core::record::Plausibility;
 use crate::words::Language;
 
 /// Commanded specific force, rate, output, standard error.
@@ -15,34 +15,11 @@ type Row = ([f64; 3], [f64; 3], f64, Option<f64>);
 fn campaign(rows: &[Row], known_e: Option<[f64; 3]>) -> Campaign {
     let dwell = |(k, (a, w, y, sem)): (usize, &Row)| Dwell {
         phase: if Vector3::from(*w).norm() > 20.0 { Phase::Rate } else { Phase::Static },
-        start_s: 240.0 * k as f64,
-        duration_s: 180.0,
-        attitude: None,
-        specific_force_g0: Vector3::from(*a),
-        rate_arcsec_s: Vector3::from(*w),
-        temperature_c: None,
-        output_pulse_s: vec![*y],
         output_sem_pulse_s: sem.map(|s| vec![s]),
+        ..made_for_tests::dwell(k, Vector3::from(*a), Vector3::from(*w), vec![*y])
     };
-    Campaign {
-        imu: Name::parse("IMU").expect("a name"),
-        station: Name::parse("ST").expect("a name"),
-        measured_at: UtcMicros(0),
-        geometry: Geometry::Orthogonal,
-        site: None,
-        gyros: vec![CampaignGyro {
-            slot: Slot::G1,
-            serial: Name::parse("A").expect("a name"),
-            known_e: known_e.map(Vector3::from),
-        }],
-        dwells: rows.iter().enumerate().map(dwell).collect(),
-        test: TestKind::Imu,
-        station_uncertainty: StationUncertainty::default(),
-        model: None,
-        temperature_c: None,
-        operator: None,
-        note: None,
-    }
+    let gyro = CampaignGyro { slot: Slot::G1, serial: name("A"), known_e: known_e.map(Vector3::from) };
+    made_for_tests::campaign(vec![gyro], rows.iter().enumerate().map(dwell).collect())
 }
 
 const FACES: [[f64; 3]; 6] =

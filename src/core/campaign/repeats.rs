@@ -84,21 +84,11 @@ impl PureError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::campaign::Phase;
+    use crate::core::campaign::{Phase, made_for_tests};
     use nalgebra::Vector3;
 
     fn dwell(phase: Phase, force: Vector3<f64>, rate: Vector3<f64>) -> Dwell {
-        Dwell {
-            phase,
-            start_s: 0.0,
-            duration_s: 180.0,
-            attitude: None,
-            specific_force_g0: force,
-            rate_arcsec_s: rate,
-            temperature_c: None,
-            output_pulse_s: vec![0.0],
-            output_sem_pulse_s: None,
-        }
+        Dwell { phase, ..made_for_tests::dwell(0, force, rate, vec![0.0]) }
     }
 
     #[test]

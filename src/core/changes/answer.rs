@@ -52,6 +52,11 @@ impl StationForm {
         matches!(self, Self::Step(_) | Self::Between(..))
     }
 
+    /// Unit of its size.
+    pub(super) fn unit(self) -> &'static str {
+        if self == Self::Drift { "deg/(h*g0)/year" } else { "deg/(h*g0)" }
+    }
+
     /// What it adds at the station, at an instant that is so many years from the first.
     pub(super) fn at(self, at: UtcMicros, years: f64) -> f64 {
         match self {
@@ -116,8 +121,6 @@ impl Tie {
 
     /// What it is tied to, as a code with parameters.
     pub fn message(&self) -> Message {
-        use crate::core::message::{figure, text};
-        use crate::message;
         match self {
             Self::Slope => message!("change_slope"),
             Self::SlopeUntil(repair) => message!("change_slope_until", day = text(repair.date())),
@@ -248,8 +251,6 @@ pub enum WhyRejected {
 impl WhyRejected {
     /// The reason as a code with parameters.
     pub fn message(&self) -> Message {
-        use crate::core::message::{figure, signed};
-        use crate::message;
         match *self {
             Self::NotSeparable => message!("change_not_separable"),
             Self::NotSignificant { p } => message!("change_not_significant", p = figure(p, 2)),

@@ -153,11 +153,10 @@ fn stations(series: &RecordSeries, reference: usize, course: &StationCourse) -> 
 
 fn of_station(series: &RecordSeries, reference: usize, station: usize, form: StationForm) -> Option<CandidateCause> {
     let part = CoursePart { station, form };
-    let unit = if form == StationForm::Drift { "deg/(h*g0)/year" } else { "deg/(h*g0)" };
     let column = series.column(|row| part.at(row.station, row.at, row.years));
     let tried = if form.is_searched() { series.len() } else { 1 };
     let tie = tie(series, reference, &part);
-    Some(CandidateCause { part: Some(part), tried, ..candidate(ChangeCause::Station, tie, unit, column) })
+    Some(CandidateCause { part: Some(part), tried, ..candidate(ChangeCause::Station, tie, form.unit(), column) })
 }
 
 pub(super) fn tie(series: &RecordSeries, reference: usize, part: &CoursePart) -> Tie {

@@ -268,20 +268,13 @@ fn own_estimate(
     part: &CoursePart,
     taken: &[(CoursePart, station::SharedCourse)],
 ) -> Option<(f64, f64)> {
-    let [mut w, mut wc, mut wcc, mut wy, mut wcy] = [0.0; 5];
-    for row in &series.rows {
-        let c = part.at(row.station, row.at, row.years);
-        let known: f64 = taken.iter().map(|(p, common)| common.value * p.at(row.station, row.at, row.years)).sum();
-        let (weight, y) = (1.0 / row.variance, row.y - known);
-        w += weight;
-        wc += weight * c;
-        wcc += weight * c * c;
-        wy += weight * y;
-        wcy += weight * c * y;
-    }
-    let information = wcc - wc * wc / w;
+    let rows = series.rows.iter().map(|row| {
+        let of = |part: &CoursePart| part.at(row.station, row.at, row.years);
+        let known: f64 = taken.iter().map(|(part, common)| common.value * of(part)).sum();
+        (1.0 / row.variance, of(part), row.y - known)
+    });
     let sd = series.unit * series.scatter.of_stated;
-    (information > 1e-9 * wcc).then(|| ((wcy - wc * wy / w) / information, sd / information.sqrt()))
+    station::beside_level(rows).map(|(value, information)| (value, sd / information.sqrt()))
 }
 
 #[cfg(test)]

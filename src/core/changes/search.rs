@@ -510,7 +510,6 @@ impl CauseSearch<'_> {
             if common.value.abs() * information.sqrt() < SEEN {
                 continue;
             }
-            let unit = if part.form == StationForm::Drift { "deg/(h*g0)/year" } else { "deg/(h*g0)" };
             let tie: Tie = candidates::tie(self.series, self.reference, part);
             let may_age = part.form == StationForm::Drift && !self.is_parted_from_ageing(part.station, common);
             out.push(NamedCause {
@@ -521,7 +520,7 @@ impl CauseSearch<'_> {
                     vec![ChangeCause::Station]
                 },
                 tie,
-                estimate: CauseEstimate { name: "k", value: common.value, sd: common.sd, unit },
+                estimate: CauseEstimate { name: "k", value: common.value, sd: common.sd, unit: part.form.unit() },
                 held_out: closure::held_out_known(y, variance, columns, &column, common.value),
                 p_value_adjusted: 2.0 * normal_cdf(-common.significance()),
             });

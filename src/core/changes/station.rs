@@ -7,7 +7,7 @@
 //! together. So no gyro that ages or steps by itself makes its station do so. Parts are taken one by one, the most
 //! significant first, and estimated again beside one another.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::answer::{GyroHistory, StationForm, YEAR_DAYS};
 use super::series::{RecordScatter, RecordSeries, scatter_of};
@@ -237,10 +237,7 @@ impl StationCourse {
 
     /// How many IMUs have been at a station.
     pub fn imus_at(&self, station: usize) -> usize {
-        let mut imus: Vec<usize> = self.at(station).map(|peer| peer.imu).collect();
-        imus.sort_unstable();
-        imus.dedup();
-        imus.len()
+        self.at(station).map(|peer| peer.imu).collect::<BTreeSet<usize>>().len()
     }
 
     /// Means of the records of every gyro at every station.
@@ -641,23 +638,31 @@ fn about_their_mean(mut rows: Vec<PeerRecord>) -> Vec<PeerRecord> {
 
 /// One peer's estimate beside its own level, and 1/variance.
 fn own(part: &CoursePart, rows: &[PeerRecord]) -> Option<(f64, f64)> {
-    let [mut w, mut wc, mut wcc, mut wy, mut wcy] = [0.0; 5];
     let (mut with, mut without) = (0, 0);
     let is_searched = part.form.is_searched();
-    for row in rows {
+    let found = beside_level(rows.iter().map(|row| {
         let c = part.at(row.station, row.at, row.years);
         with += usize::from(c != 0.0);
         // A step shows at the station itself; against others it is an offset.
         without += usize::from(c == 0.0 && (!is_searched || row.station == part.station));
-        w += row.weight;
-        wc += row.weight * c;
-        wcc += row.weight * c * c;
-        wy += row.weight * row.y;
-        wcy += row.weight * c * row.y;
-    }
+        (row.weight, c, row.y)
+    }));
     let few = if matches!(part.form, StationForm::Drift) { with < 3 } else { with < 1 || without < 1 };
+    found.filter(|_| !few)
+}
+
+/// b of y = level + b c by weighted least squares, and 1/variance, from (weight, c, y); none where c is all but constant.
+pub(super) fn beside_level(rows: impl Iterator<Item = (f64, f64, f64)>) -> Option<(f64, f64)> {
+    let [mut w, mut wc, mut wcc, mut wy, mut wcy] = [0.0; 5];
+    for (weight, c, y) in rows {
+        w += weight;
+        wc += weight * c;
+        wcc += weight * c * c;
+        wy += weight * y;
+        wcy += weight * c * y;
+    }
     let information = wcc - wc * wc / w;
-    (!few && information > 1e-9 * wcc).then(|| ((wcy - wc * wy / w) / information, information))
+    (information > 1e-9 * wcc).then(|| ((wcy - wc * wy / w) / information, information))
 }
 
 /// The slope of rows of one station, a year, and one over its variance: beside the level, and beside steps that are

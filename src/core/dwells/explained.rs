@@ -412,10 +412,10 @@ impl Weighted {
         // E that is held is taken off.
         let fitted: Vec<usize> = (0..COLUMNS).filter(|c| held.is_none() || !(E..E + 3).contains(c)).collect();
         let row = |k: usize| terms(dwells[k].specific_force_g0, dwells[k].rate_arcsec_s);
-        let taken = |k: usize| held.map_or(0.0, |e| e.dot(&dwells[k].rate_arcsec_s));
+        let output = campaign.free_outputs(j).enumerate().map(|(k, output)| may(k) * output);
         Some(Self {
             design: DMatrix::from_fn(dwells.len(), fitted.len(), |k, c| may(k) * row(k)[fitted[c]]),
-            output: DMatrix::from_fn(dwells.len(), 1, |k, _| may(k) * (dwells[k].output_pulse_s[j] - taken(k))),
+            output: DMatrix::from_iterator(dwells.len(), 1, output),
         })
     }
 }

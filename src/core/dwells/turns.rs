@@ -91,12 +91,12 @@ pub fn angles(series: &Series, rates: &[Vector3<f64>], turn: Interval) -> Vec<f6
 ///
 /// Of less than one turn the harmonics are not parted from the mean, so what is taken out has the mean zero.
 pub fn take_out(series: &mut Series, channels: &[usize], turn: Interval, mut angles: Vec<f64>) -> f64 {
-    let width = width(turn, (angles[angles.len() - 1] - angles[0]).abs());
+    let width = width(turn, turned(&angles));
     let fits = fitted(series, channels, turn, &mut angles, width);
     if fits.iter().any(|fit| fit.rest > UNEXPLAINED) {
         return 0.0;
     }
-    let turns = (angles[angles.len() - 1] - angles[0]).abs() / std::f64::consts::TAU;
+    let turns = turned(&angles) / std::f64::consts::TAU;
     for (&channel, fit) in channels.iter().zip(&fits) {
         let swing: Vec<f64> = angles.iter().map(|&angle| fit.swing(angle)).collect();
         let level = if turns < WHOLE { swing.iter().sum::<f64>() / swing.len() as f64 } else { 0.0 };
@@ -138,6 +138,11 @@ pub fn room(series: &Series, outputs: &[usize], slowest: f64) -> Vec<f64> {
 /// What the Earth's rate may change outputs of such a level by, in a turn at `rate`.
 fn earths_swing(rate: f64, level: f64) -> f64 {
     2.0 * EARTH_RATE_DEG_H / rate * level
+}
+
+/// The angle that the table goes through, rad.
+fn turned(angles: &[f64]) -> f64 {
+    (angles[angles.len() - 1] - angles[0]).abs()
 }
 
 /// Blocks in a part of a turn by the angle `turned`, rad.
@@ -202,7 +207,7 @@ fn fitted(series: &Series, channels: &[usize], turn: Interval, angles: &mut [f64
                 down += weight * slope * slope;
             }
         }
-        let turns = (angles[angles.len() - 1] - angles[0]).abs() / std::f64::consts::TAU;
+        let turns = turned(angles) / std::f64::consts::TAU;
         let off = up / down;
         if turns < WHOLE || !off.is_finite() || (scaled * (1.0 + off) - 1.0).abs() > SCALE {
             break;
@@ -216,7 +221,7 @@ fn fitted(series: &Series, channels: &[usize], turn: Interval, angles: &mut [f64
 
 /// The harmonics of one channel, fitted to its means over `width` blocks each.
 fn harmonics(track: &Track, turn: Interval, angles: &[f64], width: usize) -> Fit {
-    let turns = (angles[angles.len() - 1] - angles[0]).abs() / std::f64::consts::TAU;
+    let turns = turned(angles) / std::f64::consts::TAU;
     let unknowns = if turns >= TWO { 6 } else { 4 };
     let parts = parts(track, turn, angles, width);
     let count = parts.len();
@@ -257,7 +262,7 @@ fn harmonics(track: &Track, turn: Interval, angles: &[f64], width: usize) -> Fit
 
 /// Means over `width` blocks each of a channel and of what is fitted to it.
 fn parts(track: &Track, turn: Interval, angles: &[f64], width: usize) -> Vec<Part> {
-    let turns = (angles[angles.len() - 1] - angles[0]).abs() / std::f64::consts::TAU;
+    let turns = turned(angles) / std::f64::consts::TAU;
     let row = |k: usize| {
         let (sine, cosine) = angles[k].sin_cos();
         // Of a small part of a turn cos and sin are all but 1 and theta, which is time.

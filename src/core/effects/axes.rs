@@ -54,10 +54,7 @@ fn rough_fit(campaign: &Campaign, j: usize) -> (f64, Vector3<f64>, Vector3<f64>)
     for (c, norm) in norms.iter().enumerate() {
         design.column_mut(c).scale_mut(1.0 / norm);
     }
-    let output = nalgebra::DVector::from_iterator(
-        n,
-        campaign.dwells.iter().map(|d| d.output_pulse_s[j] - known.map_or(0.0, |e| e.dot(&d.rate_arcsec_s))),
-    );
+    let output = nalgebra::DVector::from_iterator(n, campaign.free_outputs(j));
     let Ok(fit) = design.svd(true, true).solve(&output, 1e-7) else {
         return (0.0, Vector3::zeros(), Vector3::zeros());
     };

@@ -4,7 +4,7 @@ use nalgebra::DVector;
 
 use super::fit::{CampaignSample, identify_at};
 use super::identified::Identified;
-use super::programme::{Knowledge, StackedDesign, effect_of};
+use super::programme::{Knowledge, StackedDesign};
 use crate::core::augmented::{AugmentedModel, KnownEffect, Options};
 use crate::core::calibrate::noise::t_variance;
 use crate::core::campaign::Campaign;
@@ -71,8 +71,8 @@ pub fn changed(model: &Identified, campaign: &Campaign) -> Option<Changed> {
     let sample = CampaignSample { campaign, source: None, occasions: Vec::new() };
     let now = identify_at(&[sample], &as_model, model.reference_c).ok()?;
     let mut groups: Vec<(usize, Option<Slot>)> = Vec::new();
-    for (place, coefficient) in now.coefficients.iter().enumerate() {
-        if let Some((effect, _)) = effect_of(&now, place)
+    for coefficient in &now.coefficients {
+        if let Some((effect, _)) = coefficient.of.effect()
             && !groups.contains(&(effect, coefficient.slot))
         {
             groups.push((effect, coefficient.slot));

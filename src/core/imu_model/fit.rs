@@ -117,7 +117,7 @@ pub fn identify_at(
     let mut samples: Vec<CampaignSample> =
         samples.iter().zip(ordered.iter().map(Cow::as_ref)).map(with_gyros).collect();
     samples.sort_by_key(|sample| sample.campaign.measured_at);
-    check(&samples)?;
+    of_one_imu(&samples.iter().map(|sample| sample.campaign).collect::<Vec<_>>())?;
     let newest = samples.last().ok_or(NotIdentified::NoCampaign)?.campaign;
     let adopted = || model.effects.iter().map(|known| &known.adopted);
     let of_model_6 = adopted().filter_map(|a| a.effect.term());
@@ -136,10 +136,6 @@ pub fn identify_at(
             None => return Ok(problem.solved(&effects)),
         }
     }
-}
-
-fn check(samples: &[CampaignSample]) -> Result<(), NotIdentified> {
-    of_one_imu(&samples.iter().map(|sample| sample.campaign).collect::<Vec<_>>())
 }
 
 /// Whether campaigns, in the order of time, are of one IMU with the same gyros.
@@ -275,13 +271,9 @@ impl<'a> ModelProblem<'a> {
 
     /// An effect that the campaigns do not tell from the rest.
     fn undetermined(&self) -> Option<usize> {
-        let of = |place: usize| match self.coefficients[place].of {
-            Of::Effect(effect, _) => Some(effect),
-            Of::Term(..) => None,
-        };
         let width = self.factor.covariance().nrows();
         (0..self.coefficients.len()).find_map(|place| {
-            let effect = of(place)?;
+            let (effect, _) = self.coefficients[place].of.effect()?;
             let direction = self.expand.row(place).transpose().resize_vertically(width, 0.0);
             (!self.factor.determines(&direction)).then_some(effect)
         })
@@ -383,10 +375,9 @@ fn stacked(
 ) -> (Factor, DVector<f64>) {
     let q = expand.ncols();
     let varying: Vec<usize> = (0..coefficients.len()).filter(|c| coefficients[*c].between > 0.0).collect();
-    let own = |part: &CampaignPart| -> Vec<ModelCoefficient> {
-        let gyros = &part.sample.campaign.gyros;
-        let axes = &part.setting.gyros;
-        coefficients_of_occasions(gyros, &part.sample.occasions, axes)
+    let own = |part: &CampaignPart| {
+        let (gyros, occasions) = (&part.sample.campaign.gyros, &part.sample.occasions);
+        self::coefficients(gyros, Terms::of(&[]), occasions, &part.setting.gyros, &[0.0; 3])
     };
     let owns: Vec<Vec<ModelCoefficient>> = parts.iter().map(own).collect();
     let width = q + owns.iter().map(|own| own.len() + varying.len()).sum::<usize>();
@@ -405,9 +396,8 @@ fn stacked(
             design.view_mut((row, column + v), (height, 1)).copy_from(&of_all.column(*place));
         }
         for (j, of_gyro) in part.sd.iter().enumerate() {
-            let e = part.sample.campaign.gyros[j].known_e;
-            for (k, dwell) in part.sample.campaign.dwells.iter().enumerate() {
-                side[row + j * n + k] = dwell.output_pulse_s[j] - e.map_or(0.0, |e| e.dot(&dwell.rate_arcsec_s));
+            for (k, output) in part.sample.campaign.free_outputs(j).enumerate() {
+                side[row + j * n + k] = output;
             }
             sd.extend(of_gyro);
         }
@@ -420,14 +410,6 @@ fn stacked(
         column += varying.len();
     }
     (Factor::new(design, &sd), side)
-}
-
-fn coefficients_of_occasions(
-    gyros: &[CampaignGyro],
-    occasions: &[Adopted],
-    axes: &[GyroAxes],
-) -> Vec<ModelCoefficient> {
-    coefficients(gyros, Terms::of(&[]), occasions, axes, &[0.0; 3])
 }
 
 /// tau of each family, over |E|, from all gyros and components together.
@@ -518,7 +500,7 @@ impl Identified {
             let places = place.map(|place| self.of_effect(place)).unwrap_or_default().into_iter();
             let estimate = |place: usize| {
                 let own = self.coefficients[place];
-                let Of::Effect(_, number) = own.of else { return None };
+                let (_, number) = own.of.effect()?;
                 let coefficient = names[number];
                 let (name, unit) = (coefficient.name, coefficient.unit);
                 Some(Estimate { slot: own.slot, name, value: own.value, sd: self.sd(place), unit })

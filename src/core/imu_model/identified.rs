@@ -74,6 +74,16 @@ pub enum Of {
     Effect(usize, usize),
 }
 
+impl Of {
+    /// The effect and the number of its coefficient, where it is one's.
+    pub fn effect(self) -> Option<(usize, usize)> {
+        match self {
+            Self::Effect(effect, number) => Some((effect, number)),
+            Self::Term(..) => None,
+        }
+    }
+}
+
 /// A coefficient of the model. Its variance stands in the joint covariance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModelCoefficient {
@@ -132,7 +142,7 @@ impl Identified {
 
     /// Places of the coefficients of an effect.
     pub fn of_effect(&self, effect: usize) -> Vec<usize> {
-        let is = |c: &ModelCoefficient| matches!(c.of, Of::Effect(e, _) if e == effect);
+        let is = |c: &ModelCoefficient| c.of.effect().is_some_and(|(own, _)| own == effect);
         self.coefficients.iter().enumerate().filter(|(_, c)| is(c)).map(|(place, _)| place).collect()
     }
 

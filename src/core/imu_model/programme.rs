@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::columns::columns;
-use super::identified::{Identified, ModelGyro, Of};
+use super::identified::{Identified, ModelGyro};
 use crate::core::calibrate::noise::t_variance;
 use crate::core::campaign::{Campaign, Temperatures, TestKind};
 use crate::core::effects::{Parameter, Refusal, Scope, Setting};
@@ -302,13 +302,5 @@ impl Knowledge {
         self.covariance.row_mut(place).fill(0.0);
         self.covariance.column_mut(place).fill(0.0);
         self.covariance[(place, place)] = variance;
-    }
-}
-
-/// The place of an effect's coefficient in words: its effect and number.
-pub(super) fn effect_of(model: &Identified, place: usize) -> Option<(usize, usize)> {
-    match model.coefficients[place].of {
-        Of::Effect(effect, number) => Some((effect, number)),
-        Of::Term(..) => None,
     }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::SQRT_2;
 
 use super::extremes::Extremes;
 use super::sample::Measured;
-use super::verdict::State;
+use super::verdict::{State, Verdict};
 use crate::core::numerics::normal::{normal_cdf, range_cdf};
 
 /// A state, and the probability that the true value lies beyond the limit, where uncertainty is known.
@@ -12,6 +12,14 @@ use crate::core::numerics::normal::{normal_cdf, range_cdf};
 pub(crate) struct Conformity {
     pub state: State,
     pub probability: Option<f64>,
+}
+
+impl Conformity {
+    /// The verdict that is `undecided` without it, on `value`.
+    pub fn of(self, value: Measured, undecided: Verdict) -> Verdict {
+        let Self { state, probability } = self;
+        Verdict { state, value: Some(value.value), sd: value.sd, probability, ..undecided }
+    }
 }
 
 /// Judges |difference| against `limit`.

@@ -35,24 +35,14 @@ impl Load {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::judge::{Coefficient, LimitKey, Rule, State};
+    use crate::core::judge::{Coefficient, Limit, LimitKey, Rule, State};
 
     #[test]
     fn a_load_has_the_sign_of_the_deviation_and_the_budget_as_its_unit() {
         let finding = Finding::Baseline { level: -2.0628, since: None, now: -2.0377 };
-        let verdict = Verdict {
-            coefficient: Coefficient::DI,
-            rule: Rule::Baseline,
-            state: State::Exceeded,
-            value: Some(0.0251),
-            limit: 0.01,
-            limit_from: LimitKey::BUDGET,
-            sd: Some(0.0007),
-            probability: Some(1.0),
-            between: None,
-            confirmed: true,
-            finding,
-        };
+        let limit = Limit { value: 0.01, from: LimitKey::BUDGET };
+        let undecided = Verdict::undecided(Coefficient::DI, Rule::Baseline, limit, finding);
+        let verdict = Verdict { state: State::Exceeded, value: Some(0.0251), sd: Some(0.0007), ..undecided };
         let load = Load::of(&verdict).unwrap();
         assert!(
             (load.share().value - 2.51).abs() < 1e-9 && (load.share().sd.unwrap() - 0.07).abs() < 1e-12,

@@ -1,7 +1,8 @@
 //! How a gyro lies to its budget and where it goes, as far as the verdicts on its newest record say.
 
 use super::coefficient::Coefficient;
-use super::rule::{Finding, Rule};
+use super::load::Load;
+use super::rule::Finding;
 use super::sample::Measured;
 use super::verdict::Verdict;
 use crate::core::time::UtcMicros;
@@ -35,27 +36,18 @@ impl Outlook {
     pub fn of(verdicts: &[Verdict]) -> Self {
         let mut outlook = Self::default();
         for verdict in verdicts.iter().filter(|verdict| verdict.limit > 0.0) {
-            let budgets = |figure: Measured| Measured {
-                value: figure.value / verdict.limit,
-                sd: figure.sd.map(|sd| sd / verdict.limit),
-            };
             let Some(column) = verdict.coefficient.column() else { continue };
-            match (verdict.rule, verdict.finding) {
-                (Rule::Baseline, Finding::Baseline { level, now, .. })
-                | (Rule::Closure, Finding::Closure { level, now, .. }) => {
-                    outlook.load[column] =
-                        verdict.value.map(|_| budgets(Measured { value: now - level, sd: verdict.sd }));
+            if let Some(load) = Load::of(verdict) {
+                outlook.load[column] = Some(load.share());
+            }
+            if let Finding::Trend { per_year, reach: [from, at, until], provisional, .. } = verdict.finding {
+                if let Some(slope) = outlook.per_year.get_mut(column) {
+                    *slope = Some(per_year.in_units_of(verdict.limit));
                 }
-                (Rule::Trend, Finding::Trend { per_year, reach: [from, at, until], provisional, .. }) => {
-                    if let Some(slope) = outlook.per_year.get_mut(column) {
-                        *slope = Some(budgets(per_year));
-                    }
-                    let coefficient = verdict.coefficient;
-                    let reach = at.map(|at| Reach { coefficient, at, between: [from, until], provisional });
-                    let earlier = |new: &Reach| outlook.reach.is_none_or(|known| new.at < known.at);
-                    outlook.reach = reach.filter(earlier).or(outlook.reach);
-                }
-                _ => {}
+                let coefficient = verdict.coefficient;
+                let reach = at.map(|at| Reach { coefficient, at, between: [from, until], provisional });
+                let earlier = |new: &Reach| outlook.reach.is_none_or(|known| new.at < known.at);
+                outlook.reach = reach.filter(earlier).or(outlook.reach);
             }
         }
         outlook
@@ -70,22 +62,12 @@ impl Outlook {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::judge::{LimitKey, State};
+    use crate::core::judge::{Limit, LimitKey, Rule, State};
 
     fn verdict(coefficient: Coefficient, rule: Rule, finding: Finding) -> Verdict {
-        Verdict {
-            coefficient,
-            rule,
-            state: State::Within,
-            value: Some(0.025),
-            limit: 0.01,
-            limit_from: LimitKey::BUDGET,
-            sd: Some(0.0007),
-            probability: None,
-            between: None,
-            confirmed: false,
-            finding,
-        }
+        let limit = Limit { value: 0.01, from: LimitKey::BUDGET };
+        let undecided = Verdict::undecided(coefficient, rule, limit, finding);
+        Verdict { state: State::Within, value: Some(0.025), sd: Some(0.0007), ..undecided }
     }
 
     fn trend(per_year: f64, reach: [Option<i64>; 3]) -> Finding {

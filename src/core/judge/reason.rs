@@ -335,25 +335,15 @@ impl Verdict {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Coefficient, LimitKey};
+    use super::super::{Coefficient, Limit, LimitKey};
     use super::*;
     use crate::core::message::Parameter;
     use crate::core::time::UtcMicros;
 
     fn exceeded(rule: Rule, value: f64, finding: Finding) -> Verdict {
-        Verdict {
-            coefficient: Coefficient::DI,
-            rule,
-            state: State::Exceeded,
-            value: Some(value),
-            limit: 0.01,
-            limit_from: LimitKey::BUDGET,
-            sd: None,
-            probability: None,
-            between: None,
-            confirmed: false,
-            finding,
-        }
+        let limit = Limit { value: 0.01, from: LimitKey::BUDGET };
+        let undecided = Verdict::undecided(Coefficient::DI, rule, limit, finding);
+        Verdict { state: State::Exceeded, value: Some(value), ..undecided }
     }
 
     fn parameter(messages: &[Message], code: &str, name: &str) -> Parameter {

@@ -23,6 +23,11 @@ impl Measured {
         Self { value, sd: None }
     }
 
+    /// Its magnitude.
+    pub(crate) fn size(self) -> Self {
+        Self { value: self.value.abs(), ..self }
+    }
+
     /// In units of `of`, which is more than zero.
     pub fn in_units_of(self, of: f64) -> Self {
         Self { value: self.value / of, sd: self.sd.map(|sd| sd / of) }

@@ -18,6 +18,10 @@ fn samples(sd: Option<f64>, points: &[(f64, f64)]) -> Vec<Sample> {
     points.iter().map(|&(at, d_i)| Sample { at: day(at), seat: Seat::default(), station: 0, d: d(d_i) }).collect()
 }
 
+fn ten_days_apart(values: &[f64]) -> Vec<(f64, f64)> {
+    values.iter().enumerate().map(|(i, value)| (10.0 * i as f64, *value)).collect()
+}
+
 fn all_verdicts(samples: &[Sample], marks: &[Mark], k: usize, limits: &Limits) -> Vec<Verdict> {
     let (series, mut verdicts) = (Series::new(samples.to_vec(), marks.to_vec()), Vec::new());
     judge(&History::whole(&series, k), k, limits, &mut verdicts);
@@ -292,8 +296,7 @@ fn the_baseline_is_the_median_of_the_first_three_since_the_last_mark() {
 #[test]
 fn a_baseline_is_confirmed_by_the_record_before_on_the_same_side_which_is_none_of_its_own() {
     let of = |values: &[f64]| {
-        let points: Vec<(f64, f64)> = values.iter().enumerate().map(|(i, value)| (10.0 * i as f64, *value)).collect();
-        let v = latest(&points, Rule::Baseline);
+        let v = latest(&ten_days_apart(values), Rule::Baseline);
         (v.state, v.confirmed)
     };
     assert_eq!(of(&[3.0, 3.0, 3.0, 3.012, 3.013]), (State::Exceeded, true));
@@ -334,8 +337,7 @@ fn a_repair_parts_the_records_before_from_those_after() {
 #[test]
 fn a_second_campaign_on_the_same_side_confirms_a_step() {
     let of = |values: &[f64]| {
-        let points: Vec<(f64, f64)> = values.iter().enumerate().map(|(i, value)| (10.0 * i as f64, *value)).collect();
-        let v = latest(&points, Rule::Step);
+        let v = latest(&ten_days_apart(values), Rule::Step);
         (v.state, v.confirmed)
     };
     assert_eq!(of(&[3.0, 3.0, 3.0, 3.02, 3.021]), (State::Exceeded, true));
@@ -363,8 +365,7 @@ fn a_late_record_calls_for_the_records_after_it_to_be_judged_again() {
 fn a_test_is_judged_by_the_last_record_before_and_the_first_after() {
     let test = Mark { until: Some(day(32.0)), ..Mark::of(day(22.0), Event::EnvironmentalTest) };
     let of = |values: &[f64]| {
-        let points: Vec<(f64, f64)> = values.iter().enumerate().map(|(i, value)| (10.0 * i as f64, *value)).collect();
-        let points = samples(Some(2e-4), &points);
+        let points = samples(Some(2e-4), &ten_days_apart(values));
         let all = all_verdicts(&points, &[test], points.len() - 1, &Limits::default());
         all.into_iter().find(|v| v.rule == Rule::BeforeAfter && v.coefficient == Coefficient::DI)
     };

@@ -128,7 +128,7 @@ impl Verdict {
     }
 
     /// With nothing to compare.
-    pub(super) fn undecided(coefficient: Coefficient, rule: Rule, limit: Limit, finding: Finding) -> Self {
+    pub(crate) fn undecided(coefficient: Coefficient, rule: Rule, limit: Limit, finding: Finding) -> Self {
         Self {
             coefficient,
             rule,

@@ -147,6 +147,13 @@ impl Factor {
         (self.scaled_null.transpose() * &scaled).norm() <= RANK_TOLERANCE * scaled.norm()
     }
 
+    /// Whether parameter `place` of the p is the same for all equally good ones.
+    pub fn determines_parameter(&self, place: usize) -> bool {
+        let mut unit = DVector::zeros(self.column_scale.len());
+        unit[place] = 1.0;
+        self.determines(&unit)
+    }
+
     /// Fits the measurements y (n).
     ///
     /// # Panics

@@ -1,10 +1,9 @@
 //! Outputs made from eq. (5) by hand: y = K I.w + K (D_F + D_I a_I + D_S a_S + D_II a_I^2 + D_SS a_S^2 + D_O a_O).
 
 use super::*;
-use crate::core::campaign::{CampaignGyro, Dwell, Phase, StationUncertainty};
-use crate::core::mounting::{Geometry, Slot};
-use crate::core::record::Name;
-use crate::core::time::UtcMicros;
+use crate::core::campaign::made_for_tests::{self, name};
+use crate::core::campaign::{CampaignGyro, Dwell};
+use crate::core::mounting::Slot;
 
 /// D_F, D_I, D_S, D_II, D_SS, D_O.
 type Drift = [f64; 6];
@@ -28,33 +27,12 @@ fn bench(
     known_e: Option<[f64; 3]>,
 ) -> Campaign {
     let dwell = |(k, ((a, w), y)): (usize, (&Position, &f64))| Dwell {
-        phase: Phase::Static,
-        start_s: 240.0 * k as f64,
-        duration_s: 180.0,
-        attitude: None,
-        specific_force_g0: Vector3::from(*a),
-        rate_arcsec_s: Vector3::from(*w),
-        temperature_c: None,
-        output_pulse_s: vec![*y],
         output_sem_pulse_s: sem.map(|sem| vec![sem]),
+        ..made_for_tests::dwell(k, Vector3::from(*a), Vector3::from(*w), vec![*y])
     };
-    let name = |text| Name::parse(text).expect("a name");
-    let known_e = known_e.map(Vector3::from);
-    Campaign {
-        imu: name("FIXTURE"),
-        station: name("BENCH"),
-        measured_at: UtcMicros(0),
-        geometry: Geometry::Orthogonal,
-        site: None,
-        gyros: vec![CampaignGyro { slot: Slot::G1, serial: name("A"), known_e }],
-        dwells: positions.iter().zip(outputs).enumerate().map(dwell).collect(),
-        test,
-        station_uncertainty: StationUncertainty::default(),
-        model: None,
-        temperature_c: None,
-        operator: None,
-        note: None,
-    }
+    let gyro = CampaignGyro { slot: Slot::G1, serial: name("A"), known_e: known_e.map(Vector3::from) };
+    let dwells = positions.iter().zip(outputs).enumerate().map(dwell).collect();
+    Campaign { test, ..made_for_tests::campaign(vec![gyro], dwells) }
 }
 
 /// A tumble about the output axis: a_I^2 + a_S^2 = 1 everywhere; the Earth's rate turns with it at another phase.

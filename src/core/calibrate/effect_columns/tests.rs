@@ -5,13 +5,12 @@ use nalgebra::{Rotation3, Vector3};
 use super::*;
 use crate::core::augmented::Options;
 use crate::core::calibrate::{Calibration, EffectParameter, calibrate_at_station, calibrate_augmented};
-use crate::core::campaign::{CampaignGyro, Dwell, Phase, StationUncertainty, TestKind};
+use crate::core::campaign::made_for_tests::{self, name};
+use crate::core::campaign::{CampaignGyro, Dwell};
 use crate::core::effects::{Lack, OwnHypothesis, Refusal, Shape, Written, own};
 use crate::core::frames::Rotation;
 use crate::core::model::{Term, Terms};
-use crate::core::mounting::{Geometry, Slot};
-use crate::core::record::Name;
-use crate::core::time::UtcMicros;
+use crate::core::mounting::Slot;
 
 const RAMP: f64 = 0.5;
 const BY_TEMPERATURE: [f64; 2] = [0.04, -0.07];
@@ -34,35 +33,15 @@ fn campaign() -> Campaign {
             SCALES[j] * ((attitude * north_off)[j] + drift)
         };
         Dwell {
-            phase: Phase::Static,
-            start_s: 240.0 * turn,
-            duration_s: 180.0,
             attitude: Some(Rotation::stated_as(attitude)),
-            specific_force_g0: force,
-            rate_arcsec_s: attitude * earth,
             temperature_c: Some(temperature(k)),
-            output_pulse_s: vec![output(0), output(1)],
             output_sem_pulse_s: Some(vec![1e-3; 2]),
+            ..made_for_tests::dwell(k, force, attitude * earth, vec![output(0), output(1)])
         }
     };
-    let name = |text| Name::parse(text).expect("a name");
     let gyro = |slot, e| CampaignGyro { slot, serial: name("A"), known_e: Some(e) };
     let gyros = vec![gyro(Slot::G1, Vector3::x() * SCALES[0]), gyro(Slot::G2, Vector3::y() * SCALES[1])];
-    Campaign {
-        imu: name("IMU"),
-        station: name("ST"),
-        measured_at: UtcMicros(0),
-        geometry: Geometry::Orthogonal,
-        site: None,
-        gyros,
-        dwells: (0..30).map(dwell).collect(),
-        test: TestKind::Imu,
-        station_uncertainty: StationUncertainty::default(),
-        model: None,
-        temperature_c: None,
-        operator: None,
-        note: None,
-    }
+    made_for_tests::campaign(gyros, (0..30).map(dwell).collect())
 }
 
 fn adopted(effect: Effect, shape: Shape, slots: &[Slot]) -> Adopted {

@@ -4,13 +4,11 @@ use super::*;
 use crate::core::calibrate::noise::NoiseSource;
 use crate::core::calibrate::shared_coefficients::SharedRegressors;
 use crate::core::calibrate::{calibrate, calibrate_in_white_noise, fit_common, noise};
+use crate::core::campaign::made_for_tests::{self, dwell, name};
 use crate::core::campaign::repeats;
-use crate::core::campaign::{Phase, StationUncertainty, TestKind};
 use crate::core::effects::Coefficient;
-use crate::core::mounting::{Geometry, Slot};
+use crate::core::mounting::Slot;
 use crate::core::numerics::tails::f_tail;
-use crate::core::record::Name;
-use crate::core::time::UtcMicros;
 
 /// A fixed sequence without any pattern that the columns have.
 fn number(i: usize) -> f64 {
@@ -25,45 +23,13 @@ fn numbers(n: usize, from: usize) -> DVector<f64> {
     DVector::from_fn(n, |k, _| number(from + k))
 }
 
-fn name(text: &str) -> Name {
-    Name::parse(text).expect("a name")
-}
-
 fn campaign(dwells: Vec<Dwell>, known_e: &[Option<Vector3<f64>>]) -> Campaign {
     let gyro = |(slot, known_e): (Slot, &Option<Vector3<f64>>)| CampaignGyro {
         slot,
         serial: name(slot.name()),
         known_e: *known_e,
     };
-    Campaign {
-        imu: name("IMU"),
-        station: name("ST"),
-        measured_at: UtcMicros(0),
-        geometry: Geometry::Orthogonal,
-        site: None,
-        gyros: [Slot::G1, Slot::G2, Slot::G3].into_iter().zip(known_e).map(gyro).collect(),
-        dwells,
-        test: TestKind::Imu,
-        station_uncertainty: StationUncertainty::default(),
-        model: None,
-        temperature_c: None,
-        operator: None,
-        note: None,
-    }
-}
-
-fn dwell(k: usize, force: Vector3<f64>, rate: Vector3<f64>, outputs: Vec<f64>, sems: Option<Vec<f64>>) -> Dwell {
-    Dwell {
-        phase: Phase::Static,
-        start_s: 240.0 * k as f64,
-        duration_s: 180.0,
-        attitude: None,
-        specific_force_g0: force,
-        rate_arcsec_s: rate,
-        temperature_c: None,
-        output_pulse_s: outputs,
-        output_sem_pulse_s: sems,
-    }
+    made_for_tests::campaign([Slot::G1, Slot::G2, Slot::G3].into_iter().zip(known_e).map(gyro).collect(), dwells)
 }
 
 const N: usize = 36;
@@ -80,7 +46,7 @@ fn three_gyros(has_sem: bool) -> Campaign {
             let errors = [0.1 + 0.002 * k as f64, 0.2 - 0.003 * k as f64, 0.1 + 0.002 * k as f64];
             let outputs =
                 (0..3).map(|j| 3.0 * number(300 + 50 * j + at) + errors[j] * number(500 + 50 * j + k)).collect();
-            dwell(k, force, rate, outputs, has_sem.then(|| errors.to_vec()))
+            Dwell { output_sem_pulse_s: has_sem.then(|| errors.to_vec()), ..dwell(k, force, rate, outputs) }
         })
         .collect();
     campaign(dwells, &[None, None, Some(HELD.into())])
@@ -267,7 +233,7 @@ fn turned(fastest: f64, held: Option<[f64; 3]>) -> (Campaign, Vec<f64>) {
         let rate = if across { Vector3::y() } else { Vector3::x() } * sign * along[k];
         let felt = if across { 0.0 } else { (along[k] / fastest).powi(2) };
         let noise = 0.02 * (1.0 + 60.0 * felt).sqrt() * number(1500 + k);
-        dwell(k, Vector3::z(), rate, vec![3.0 + 2.0 * rate.x + noise], None)
+        dwell(k, Vector3::z(), rate, vec![3.0 + 2.0 * rate.x + noise])
     });
     let campaign = campaign(dwells.collect(), &[held.map(Vector3::from)]);
     let felt = campaign.dwells.iter().map(|d| (d.rate_arcsec_s.x / fastest).powi(2)).collect();

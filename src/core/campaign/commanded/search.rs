@@ -119,17 +119,14 @@ fn explained(
         });
         let tried: Vec<(MistakeKind, Tried)> = passing.map(|(cause, right)| (cause, Tried::of(&right))).collect();
         let mut causes = worth.best(tried, 1.0);
-        if let Some(MistakeKind::RateUnit { unit, .. }) = causes
-            .iter()
-            .find(|cause| matches!(cause, MistakeKind::RateUnit { part: AffectedDwells::All, .. }))
-            .copied()
-        {
-            let same = |c: &MistakeKind| match c {
-                MistakeKind::RateUnit { unit: other, part } => *other == unit && *part != AffectedDwells::All,
-                _ => false,
-            };
-            causes.retain(|cause| !same(cause));
-        }
+        let unit_of_all = causes.iter().find_map(|cause| match cause {
+            MistakeKind::RateUnit { unit, part: AffectedDwells::All } => Some(*unit),
+            _ => None,
+        });
+        causes.retain(|cause| match cause {
+            MistakeKind::RateUnit { unit, part } => *part == AffectedDwells::All || Some(*unit) != unit_of_all,
+            _ => true,
+        });
         if causes.iter().any(|cause| matches!(cause, MistakeKind::RateUnit { .. })) {
             causes.retain(|cause| *cause != MistakeKind::EarthRateLeftOut);
         }
@@ -157,12 +154,17 @@ fn of_all(measures: &Measures) -> Vec<MistakeKind> {
     } else if is_earths && is_of_site {
         Vec::new()
     } else if most(&|r, v| (r - EARTH).abs() <= RATE_ROOM && (v - vertical).abs() <= RATE_ROOM) {
-        vec![MistakeKind::OtherLatitude { degrees: (vertical / rate).clamp(-1.0, 1.0).asin().to_degrees() }]
+        vec![other_latitude(vertical, rate)]
     } else if !is_earths && most(&|r, _| (r - rate).abs() <= RATE_ROOM) {
         vec![MistakeKind::OtherEarthRate { arcsec_s: rate }]
     } else {
         Vec::new()
     }
+}
+
+/// That whose sine is the vertical part of the rate over the whole.
+fn other_latitude(vertical: f64, rate: f64) -> MistakeKind {
+    MistakeKind::OtherLatitude { degrees: (vertical / rate).clamp(-1.0, 1.0).asin().to_degrees() }
 }
 
 /// The static dwells, each with what it measures.
@@ -183,19 +185,19 @@ fn common_offset(campaign: &Campaign, measures: &Measures) -> Option<CommandFind
         return None;
     }
     let shift = if rate_is_other { shift.abs().max((rate - EARTH).abs() * sin.abs()) } else { shift.abs() };
-    let degrees = (vertical / rate).clamp(-1.0, 1.0).asin().to_degrees();
-    let dwells = still(campaign, measures, if rate_is_other { Symptom::StaticRate } else { Symptom::VerticalRate });
+    let (symptom, cause, expected) = if rate_is_other {
+        (Symptom::StaticRate, MistakeKind::OtherEarthRate { arcsec_s: rate }, EARTH)
+    } else {
+        (Symptom::VerticalRate, other_latitude(vertical, rate), expected)
+    };
+    let dwells = still(campaign, measures, symptom);
     Some(CommandFinding {
-        symptom: if rate_is_other { Symptom::StaticRate } else { Symptom::VerticalRate },
-        causes: vec![if rate_is_other {
-            MistakeKind::OtherEarthRate { arcsec_s: rate }
-        } else {
-            MistakeKind::OtherLatitude { degrees }
-        }],
+        symptom,
+        causes: vec![cause],
         of: dwells.len(),
         dwells,
         single: false,
-        expected: Some(if rate_is_other { EARTH } else { expected }),
+        expected: Some(expected),
         matters: Worth::new(campaign).moved_by_rate(shift),
     })
 }

@@ -63,11 +63,7 @@ impl Senses {
             if fit.dof == 0 {
                 return None;
             }
-            let determined = |i: usize| {
-                let mut unit = DVector::zeros(first + 6);
-                unit[first + i] = 1.0;
-                factor.determines(&unit)
-            };
+            let determined = |i: usize| factor.determines_parameter(first + i);
             (0..3).for_each(|i| senses.axes[i] &= determined(i) && determined(3 + i));
             let scale = fit.chi2 / fit.dof as f64;
             let along = (0..6).filter(|i| senses.axes[i % 3]).map(|i| fit.covariance[(first + i, first + i)]);

@@ -3,10 +3,9 @@
 use nalgebra::Vector3;
 
 use super::*;
-use crate::core::campaign::{Campaign, CampaignGyro, Dwell, Phase, Site, StationUncertainty, TestKind};
-use crate::core::mounting::{Geometry, Slot};
-use crate::core::record::Name;
-use crate::core::time::UtcMicros;
+use crate::core::campaign::made_for_tests::{self, name};
+use crate::core::campaign::{Campaign, CampaignGyro, Dwell, Phase, Site};
+use crate::core::mounting::Slot;
 
 const OMEGA: f64 = 15.041_067;
 
@@ -14,7 +13,6 @@ const OMEGA: f64 = 15.041_067;
 /// drift with 3 deg/(h g0) along I.
 fn faces() -> Campaign {
     let (up, north) = (0.5 * OMEGA, 0.866_025_404 * OMEGA);
-    let name = |text: &str| Name::parse(text).expect("a name");
     let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
     let mut dwells = Vec::new();
     for axis in 0..3 {
@@ -25,34 +23,16 @@ fn faces() -> Campaign {
                 let noise = |j: usize| 1e-4 * ((dwells.len() * 7 + j * 3) as f64).sin();
                 let output = (0..3).map(|j| 2.0 * (w[j] + 3.0 * f[j]) + noise(j)).collect();
                 dwells.push(Dwell {
-                    phase: Phase::Static,
-                    start_s: 240.0 * dwells.len() as f64,
-                    duration_s: 180.0,
-                    attitude: None,
-                    specific_force_g0: f,
-                    rate_arcsec_s: w,
-                    temperature_c: None,
-                    output_pulse_s: output,
                     output_sem_pulse_s: Some(vec![1e-4; 3]),
+                    ..made_for_tests::dwell(dwells.len(), f, w, output)
                 });
             }
         }
     }
     let gyro = |slot: Slot| CampaignGyro { slot, serial: name(slot.name()), known_e: Some(2.0 * axes[slot.index()]) };
     Campaign {
-        imu: name("IMU"),
-        station: name("ST"),
-        measured_at: UtcMicros(0),
-        geometry: Geometry::Orthogonal,
         site: Some(Site { latitude: 30_f64.to_radians(), gravity_g0: 0.998, magnetic_field_nav: None }),
-        gyros: Slot::ALL.map(gyro).to_vec(),
-        dwells,
-        test: TestKind::Imu,
-        station_uncertainty: StationUncertainty::default(),
-        model: None,
-        temperature_c: None,
-        operator: None,
-        note: None,
+        ..made_for_tests::campaign(Slot::ALL.map(gyro).to_vec(), dwells)
     }
 }
 

@@ -53,8 +53,8 @@ impl Mistake {
         match self.undo {
             Undo::Latitude => right.site.as_mut()?.latitude *= -1.0,
             Undo::OfAttitude => {
-                let still = |d: &mut Dwell| d.phase == Phase::Static;
-                right.dwells.iter_mut().filter_map(|d| still(d).then_some(d)).for_each(|d| d.rate_arcsec_s.fill(0.0));
+                let still = right.dwells.iter_mut().filter(|d| d.phase == Phase::Static);
+                still.for_each(|d| d.rate_arcsec_s.fill(0.0));
                 return with_earth_rate(&right, AffectedDwells::Static).ok();
             }
             Undo::AddEarth(part) => return with_earth_rate(campaign, part).ok(),

@@ -14,7 +14,7 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::core::augmented::Options;
-use crate::core::calibrate::{GyroCalibration, calibrate_augmented};
+use crate::core::calibrate::{GyroCalibration, calibrate_augmented, design};
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::diagnose::diagnosis::Residual;
 use crate::core::diagnose::residuals::whitened::Frame;
@@ -22,7 +22,7 @@ use crate::core::effects::Refusal;
 use crate::core::message::{Message, list, text};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::{Geometry, Slot};
-use crate::core::numerics::basis::{Basis, dot};
+use crate::core::numerics::basis::{Basis, axpy, dot};
 use crate::core::numerics::tails::f_tail;
 use crate::core::record::{GyroParameters, Name, Record};
 use crate::core::time::UtcMicros;
@@ -258,8 +258,7 @@ fn of_record(gyro: &GyroParameters) -> Known {
 impl Known {
     /// Place of column `c` of a term.
     fn place(&self, term: Term, c: usize) -> Option<usize> {
-        let first: usize = self.terms.iter().take_while(|t| *t != term).map(Term::columns).sum();
-        let place = first + c;
+        let place = design::first_column(self.terms, term) + c;
         (self.terms.contains(term) && self.determined[place]).then_some(place)
     }
 
@@ -283,7 +282,7 @@ fn columns(frame: &Frame, j: usize) -> Vec<(Term, usize)> {
 
 /// Parameters of the model in use that the reference does not determine.
 fn lost(frame: &Frame, j: usize, then: &Known) -> Vec<&'static str> {
-    let names = crate::core::calibrate::design::parameter_names(frame.terms);
+    let names = design::parameter_names(frame.terms);
     let lost = columns(frame, j).into_iter().zip(names).filter(|((term, c), _)| then.place(*term, *c).is_none());
     lost.map(|(_, name)| name).collect()
 }
@@ -310,7 +309,7 @@ impl Sums {
         for (c, column) in frame.designs[j].iter().enumerate() {
             match terms.get(c).and_then(|(term, part)| then.place(*term, *part)) {
                 Some(place) => {
-                    crate::core::numerics::basis::axpy(-then.values[place] / scale, column, &mut error);
+                    axpy(-then.values[place] / scale, column, &mut error);
                     told.push((place, whiten(column)));
                 }
                 None => {

@@ -16,7 +16,7 @@ use crate::core::diagnose::search::refined_shape::{instant, shape_sd};
 use crate::core::diagnose::search::stepwise::Search;
 use crate::core::effects::{Estimate, Shape};
 use crate::core::mounting::Slot;
-use crate::core::numerics::basis::{Basis, axpy, dot};
+use crate::core::numerics::basis::{Basis, dot};
 
 /// Probability below which there is a gap. The search has as much of it as its first name is refused at, the tests
 /// that know no catalogue the rest (Bonferroni's inequality, weighted), so that names, signs and verdict never
@@ -205,14 +205,7 @@ pub(crate) fn effects(
 
 /// What one part adds in each dwell of the gyros that have it, deg/h.
 fn drift(frame: &Frame, part: &Part, p: usize, fit: &Fit) -> Vec<(Slot, Vec<f64>)> {
-    let of_gyro = |j: usize| {
-        let own = fit.fitted.iter().filter(|f| f.part == p && f.gyro.is_none_or(|gyro| gyro == j));
-        let mut drift = vec![0.0; frame.dwells()];
-        for (fitted, column) in own.zip(&part.columns(frame, j)) {
-            axpy(fitted.value, column, &mut drift);
-        }
-        (frame.setting.gyros[j].slot, drift)
-    };
+    let of_gyro = |j: usize| (frame.setting.gyros[j].slot, fit.drift_of((p, part), &frame.setting, j));
     (0..part.members.len()).filter(|j| part.members[*j]).map(of_gyro).collect()
 }
 

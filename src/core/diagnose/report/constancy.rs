@@ -39,41 +39,24 @@ pub(crate) struct Change {
     pub acts_in: Option<[f64; 2]>,
 }
 
-/// One test.
-struct Tried {
-    named: usize,
-    gyro: usize,
-    p_value: f64,
-    acts_in: Option<[f64; 2]>,
-}
-
 /// Names that are not constant, the least probable change of each.
 pub(crate) fn changes(left: &Left, named: &[Named], fit: &Fit, detectability: f64) -> Vec<Change> {
-    let mut all: Vec<Tried> = Vec::new();
+    let mut all: Vec<Change> = Vec::new();
     for (p, name) in named.iter().enumerate().filter(|(_, n)| n.part.dwell().is_none()) {
         for j in (0..name.part.members.len()).filter(|&j| name.part.members[j]) {
-            let mut drift = vec![0.0; left.frame.dwells()];
-            let columns = name.part.columns(left.frame, j);
-            let own = fit.fitted.iter().filter(|f| f.part == p && f.gyro.is_none_or(|gyro| gyro == j));
-            for (fitted, column) in own.zip(&columns) {
-                drift.iter_mut().zip(column).for_each(|(sum, x)| *sum += fitted.value * x);
-            }
-            all.extend(of_gyro(left, j, drift, name.part.shape).map(|(p_value, acts_in)| Tried {
-                named: p,
-                gyro: j,
-                p_value,
-                acts_in,
-            }));
+            let drift = fit.drift_of((p, &name.part), &left.frame.setting, j);
+            let tried = of_gyro(left, j, drift, name.part.shape);
+            all.extend(tried.map(|(p_value, acts_in)| Change { named: p, gyro: j, p_value, acts_in }));
         }
     }
     let count = (all.len() as f64 * INDEPENDENT).max(1.0);
     let level = if detectability > STRONG { LEVEL_OF_STRONG } else { LEVEL };
     let mut changes: Vec<Change> = Vec::new();
     all.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
-    for Tried { named, gyro, p_value, acts_in } in all {
-        let p_value = (p_value * count).min(1.0);
-        if p_value < level && !changes.iter().any(|change| change.named == named) {
-            changes.push(Change { named, gyro, p_value, acts_in });
+    for one in all {
+        let p_value = (one.p_value * count).min(1.0);
+        if p_value < level && !changes.iter().any(|change| change.named == one.named) {
+            changes.push(Change { p_value, ..one });
         }
     }
     changes

@@ -3,7 +3,7 @@
 use crate::core::diagnose::search::bayes_factor::{criterion, gains, of_gyro, score};
 use crate::core::diagnose::search::choice::Choice;
 use crate::core::diagnose::search::projections::Products;
-use crate::core::diagnose::search::stepwise::Search;
+use crate::core::diagnose::search::stepwise::{Search, without};
 use crate::core::effects::Effect;
 
 /// Entries whose evidence comes within this of the adopted one (a Bayes factor of 20) belong to its class.
@@ -25,8 +25,7 @@ pub(crate) fn class(search: &Search, choices: &[Choice], i: usize) -> Vec<Effect
     if !own.is_nameable() {
         return Vec::new();
     }
-    let mut others = choices.to_vec();
-    others.remove(i);
+    let others = without(choices, i);
     let state = search.state(&others);
     let products = Products::of(search.bank, &state);
     let seen = products.seen(&state);
@@ -70,8 +69,7 @@ pub(crate) fn wider_in_gyros(
     if hypothesis.common || !own.is_nameable() {
         return Vec::new();
     }
-    let mut others = choices.to_vec();
-    others.remove(i);
+    let others = without(choices, i);
     let state = search.state(&others);
     let products = Products::of(search.bank, &state);
     let seen = products.seen(&state);
@@ -100,8 +98,7 @@ pub(crate) fn members(search: &Search, choices: &[Choice], i: usize) -> Vec<bool
     if hypothesis.common {
         return vec![true; search.frame.gyros.len()];
     }
-    let mut others = choices.to_vec();
-    others.remove(i);
+    let others = without(choices, i);
     let state = search.state(&others);
     let products = Products::of(search.bank, &state);
     let seen = products.seen(&state);

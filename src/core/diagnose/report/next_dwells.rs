@@ -11,6 +11,7 @@ use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::effects::{Effect, Scope, Setting, Shape};
 use crate::core::model::Term;
+use crate::core::numerics::basis::{axpy, dot, scale};
 use crate::core::numerics::median::median_of;
 
 /// Dwells that are proposed at most.
@@ -178,7 +179,7 @@ fn tied(frame: &Frame, setting: &Setting, parts: &[Part], fit: &Fit, classes: &[
     let mut questions = Vec::new();
     for (p, (part, class)) in parts.iter().zip(classes).enumerate() {
         for &other in class.iter().filter(|other| **other != part.effect) {
-            let strength = |j: usize| signal(setting, part, p, fit, j).iter().map(|x| x * x).sum::<f64>();
+            let strength = |j: usize| fit.drift_of((p, part), setting, j).iter().map(|x| x * x).sum::<f64>();
             let Some(j) = (0..frame.gyros.len())
                 .filter(|j| part.members[*j])
                 .max_by(|&a, &b| strength(a).total_cmp(&strength(b)))
@@ -190,22 +191,11 @@ fn tied(frame: &Frame, setting: &Setting, parts: &[Part], fit: &Fit, classes: &[
             for column in (other.entry().columns)(setting, j, likeliest(frame, other)) {
                 columns.push(whitened(column, &sd, 1.0));
             }
-            let signal = whitened(signal(setting, part, p, fit, j), &sd, 1.0 / fit.variances[j].sqrt());
+            let signal = whitened(fit.drift_of((p, part), setting, j), &sd, 1.0 / fit.variances[j].sqrt());
             questions.push(Question { effects: vec![part.effect, other], signal, columns });
         }
     }
     questions
-}
-
-/// Fitted drift of a part over old and proposed dwells, deg/h.
-fn signal(setting: &Setting, part: &Part, p: usize, fit: &Fit, j: usize) -> Vec<f64> {
-    let columns = (part.effect.entry().columns)(setting, j, part.shape);
-    let values = fit.fitted.iter().filter(|f| f.part == p && f.gyro.is_none_or(|g| g == j)).map(|f| f.value);
-    let mut sum = vec![0.0; setting.dwells()];
-    for (value, column) in values.zip(&columns) {
-        crate::core::numerics::basis::axpy(value, column, &mut sum);
-    }
-    sum
 }
 
 /// A shape of an entry to stand for all of them: the middle one.
@@ -245,7 +235,7 @@ fn confounded(frame: &Frame, setting: &Setting, mimic: &Mimic) -> Question {
     let raw = (mimic.effect.entry().columns)(setting, mimic.gyro, mimic.shape);
     let mut signal = vec![0.0; setting.dwells()];
     for column in raw {
-        crate::core::numerics::basis::axpy(1.0, &whitened(column, &sd, 1.0), &mut signal);
+        axpy(1.0, &whitened(column, &sd, 1.0), &mut signal);
     }
     let old = &signal[..frame.dwells()];
     let mut beside = frame.gyros[mimic.gyro].basis.clone();
@@ -254,9 +244,9 @@ fn confounded(frame: &Frame, setting: &Setting, mimic: &Mimic) -> Question {
     }
     let mut seen = old.to_vec();
     beside.project_out(&mut seen);
-    let seen = crate::core::numerics::basis::dot(&seen, &seen).sqrt();
+    let seen = dot(&seen, &seen).sqrt();
     let size = if seen > 0.0 { JUST_MISSED / seen } else { 0.0 };
-    crate::core::numerics::basis::scale(size, &mut signal);
+    scale(size, &mut signal);
     let effects = [mimic.effect].into_iter().chain(Effect::of_term(Term::GLinear)).collect();
     Question { effects, signal, columns }
 }

@@ -3,9 +3,10 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::core::augmented::Adopted;
+use crate::core::calibrate::design::first_column;
 use crate::core::diagnose::residuals::pooled_noise::Scatter;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::effects::{Coefficient, Effect, GyroAxes, Refusal, Scope, Shape};
+use crate::core::effects::{Coefficient, Effect, GyroAxes, Refusal, Scope, Setting, Shape};
 use crate::core::model::Term;
 use crate::core::numerics::basis::{axpy, dot};
 
@@ -67,6 +68,21 @@ pub(crate) struct Fit {
     pub drift: Vec<Vec<f64>>,
 }
 
+impl Fit {
+    /// Coefficients of part `p` in gyro `j`.
+    fn of_part(&self, p: usize, j: usize) -> impl Iterator<Item = &Fitted> {
+        self.fitted.iter().filter(move |f| f.part == p && f.gyro.is_none_or(|gyro| gyro == j))
+    }
+
+    /// What part `p` adds to gyro `j` in the dwells of a setting, those that were fitted or others, deg/h.
+    pub fn drift_of(&self, (p, part): (usize, &Part), setting: &Setting, j: usize) -> Vec<f64> {
+        let columns = (part.effect.entry().columns)(setting, j, part.shape);
+        let mut drift = vec![0.0; setting.dwells()];
+        self.of_part(p, j).zip(&columns).for_each(|(fitted, column)| axpy(fitted.value, column, &mut drift));
+        drift
+    }
+}
+
 /// Unknown of the stacked fit.
 struct Unknown {
     part: usize,
@@ -118,7 +134,7 @@ pub(crate) fn fit(frame: &Frame, parts: &[Part]) -> Fit {
         let part = &parts[unknown.part];
         let value = solution[u] / lengths[u];
         for j in (0..gyros).filter(|j| unknown.gyro.is_none_or(|g| g == *j) && part.members[*j]) {
-            crate::core::numerics::basis::axpy(value, &columns[unknown.part][j][unknown.number], &mut drift[j]);
+            axpy(value, &columns[unknown.part][j][unknown.number], &mut drift[j]);
         }
         fitted.push(Fitted {
             part: unknown.part,
@@ -209,8 +225,7 @@ impl Frame {
                 output.clone_from(&self.outputs[j]);
                 for (p, part) in parts.iter().enumerate().filter(|(_, part)| all_orders && part.members[j]) {
                     let Some(beyond) = part.effect.entry().beyond else { continue };
-                    let own = fit.fitted.iter().filter(|f| f.part == p && f.gyro.is_none_or(|gyro| gyro == j));
-                    let own: Vec<f64> = own.map(|f| f.value).collect();
+                    let own: Vec<f64> = fit.of_part(p, j).map(|f| f.value).collect();
                     axpy(-1.0, &beyond(&frame.setting, j, part.shape, &own), output);
                 }
             }
@@ -232,7 +247,7 @@ impl Frame {
             return axes.clone();
         };
         let vector = |term: Term| {
-            let before: usize = terms.iter().take_while(|t| *t != term).map(Term::columns).sum();
+            let before = first_column(terms, term);
             let value = |i: usize| solution[before + i] / lengths[before + i];
             terms.contains(term).then(|| Vector3::new(value(0), value(1), value(2)))
         };

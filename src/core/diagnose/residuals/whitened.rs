@@ -193,15 +193,10 @@ fn design(s: &Setting, j: usize, terms: Terms, gyro: &CampaignGyro, adopted: &[A
 
 /// Output over |E|, deg/h, less what a held E makes of the rate.
 fn drift_output(campaign: &Campaign, s: &Setting, j: usize) -> Vec<f64> {
-    let gyro = &campaign.gyros[j];
     let per_pulse = match campaign.test {
         // A servo table's output is its own rate, in arcsec/s already.
         TestKind::TurntableServo => 1.0,
         TestKind::Imu | TestKind::TorqueFeedback => 1.0 / s.gyros[j].scale,
     };
-    campaign
-        .dwells
-        .iter()
-        .map(|d| (d.output_pulse_s[j] - gyro.known_e.map_or(0.0, |e| e.dot(&d.rate_arcsec_s))) * per_pulse)
-        .collect()
+    campaign.free_outputs(j).map(|output| output * per_pulse).collect()
 }

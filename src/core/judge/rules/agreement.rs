@@ -28,22 +28,14 @@ pub fn agreement(
     confidence: f64,
 ) -> Verdict {
     let figures: Vec<(&SourcedResult, Measured)> = results.iter().map(|result| (result, result.measured)).collect();
+    let verdict = |finding| Verdict::undecided(coefficient, Rule::Agreement, limit, finding);
     let too_few = match within_days {
         Some(days) => Finding::FewWithin { have: results.len(), need: 2, days },
         None => Finding::TooFew { have: results.len(), need: 2 },
     };
-    let undecided = Verdict::undecided(coefficient, Rule::Agreement, limit, too_few);
-    let Some((pair, without_one)) = widest(&figures, |_, _| 0.0, limit.value) else { return undecided };
-    let range = pair.difference();
+    let Some((pair, without_one)) = widest(&figures, |_, _| 0.0, limit.value) else { return verdict(too_few) };
     let outcome = pair.outcome(results.len(), limit.value, confidence);
     let of = |(result, measured): (&SourcedResult, Measured)| (result.source, result.at, measured.value);
-    Verdict {
-        state: outcome.state,
-        value: Some(range.value),
-        sd: range.sd,
-        probability: outcome.probability,
-        finding: Finding::Agreement { results: results.len(), lowest: of(pair.low), highest: of(pair.high) },
-        ..undecided
-    }
-    .confirmed_if(without_one > limit.value)
+    let finding = Finding::Agreement { results: results.len(), lowest: of(pair.low), highest: of(pair.high) };
+    outcome.of(pair.difference(), verdict(finding)).confirmed_if(without_one > limit.value)
 }

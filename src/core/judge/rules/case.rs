@@ -107,12 +107,6 @@ impl<'a> Case<'a> {
 
     /// A verdict on |`value`|, deg/(h g0), with the state and probability of `outcome`.
     pub fn verdict(&self, rule: Rule, limit: Limit, value: Measured, outcome: Conformity, finding: Finding) -> Verdict {
-        Verdict {
-            state: outcome.state,
-            value: Some(value.value.abs()),
-            sd: value.sd,
-            probability: outcome.probability,
-            ..self.nothing(rule, limit, finding)
-        }
+        outcome.of(value.size(), self.nothing(rule, limit, finding))
     }
 }

@@ -65,26 +65,17 @@ pub fn forecast(foretold: &Foretold, limits: [Option<Limit>; 2]) -> Option<Verdi
         (None, false) if step > budget => State::Indeterminate,
         (None, false) => State::Within,
     };
-    Some(Verdict {
-        coefficient: Coefficient::All,
-        rule: Rule::Forecast,
-        state,
-        value: Some((worst.squares / n).sqrt()),
-        limit: (quantile(worst) / n).sqrt(),
-        limit_from: from,
-        sd: None,
-        probability: None,
-        between: None,
-        confirmed: false,
-        finding: Finding::Forecast {
-            slot: worst.slot,
-            furthest: worst.furthest,
-            p: (p * gyros.len() as f64).min(1.0),
-            step: step.is_finite().then_some(step),
-            campaigns: foretold.campaigns,
-            unseen: foretold.unseen,
-        },
-    })
+    let limit = Limit { value: (quantile(worst) / n).sqrt(), from };
+    let finding = Finding::Forecast {
+        slot: worst.slot,
+        furthest: worst.furthest,
+        p: (p * gyros.len() as f64).min(1.0),
+        step: step.is_finite().then_some(step),
+        campaigns: foretold.campaigns,
+        unseen: foretold.unseen,
+    };
+    let undecided = Verdict::undecided(Coefficient::All, Rule::Forecast, limit, finding);
+    Some(Verdict { state, value: Some((worst.squares / n).sqrt()), ..undecided })
 }
 
 /// The steps of D_I and D_S, deg/(h g0), that exceed `quantile` in 95 %: a noncentral chi-square as a normal variable

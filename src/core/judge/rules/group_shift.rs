@@ -17,7 +17,7 @@ use std::collections::BTreeSet;
 use std::f64::consts::SQRT_2;
 use std::sync::Arc;
 
-use crate::core::judge::decide::beyond;
+use crate::core::judge::decide::{Conformity, beyond};
 use crate::core::judge::limits::Limit;
 use crate::core::judge::{Coefficient, Finding, Measured, Rule, State, Verdict};
 use crate::core::numerics::median::median_of;
@@ -101,9 +101,8 @@ pub struct ShiftQuestion {
 /// With too few gyros there is nothing to compare.
 pub fn group_shift(newest: &[NewestCalibration], group: &Group, column: usize, asked: &ShiftQuestion) -> Verdict {
     let coefficient = [Coefficient::DI, Coefficient::DS][column];
-    let few = |have: usize, need: usize| {
-        Verdict::undecided(coefficient, group.rule(), asked.limit, Finding::TooFew { have, need })
-    };
+    let verdict = |finding| Verdict::undecided(coefficient, group.rule(), asked.limit, finding);
+    let few = |have: usize, need: usize| verdict(Finding::TooFew { have, need });
     let here: Vec<&NewestCalibration> = newest.iter().filter(|one| group.holds(one)).collect();
     let Some(last) = here.iter().map(|one| one.at).max() else { return few(0, GYROS) };
     let together =
@@ -123,22 +122,11 @@ pub fn group_shift(newest: &[NewestCalibration], group: &Group, column: usize, a
     let alone = || imus_that_moved(&here, column, shift) < 2;
     let lately: Vec<&NewestCalibration> = newest.iter().filter(|one| last.days_since(one.at) <= LATELY).collect();
     let is_groups = !exceeds || (!alone() && is_of_group(&lately, &here, group, column, shift));
-    let times = || counted.iter().map(|one| one.at);
-    Verdict {
-        state: if is_groups { outcome.state } else { State::Indeterminate },
-        value: Some(shift.value.abs()),
-        sd: shift.sd,
-        probability: outcome.probability,
-        finding: Finding::GroupShift {
-            gyros,
-            imus,
-            since: times().min().unwrap_or(last),
-            until: last,
-            shift: shift.value,
-        },
-        ..few(gyros, GYROS)
-    }
-    .confirmed_if(beyond(shift, asked.budget, asked.confidence).state == State::Exceeded)
+    let since = counted.iter().map(|one| one.at).min().unwrap_or(last);
+    let outcome = Conformity { state: if is_groups { outcome.state } else { State::Indeterminate }, ..outcome };
+    outcome
+        .of(shift.size(), verdict(Finding::GroupShift { gyros, imus, since, until: last, shift: shift.value }))
+        .confirmed_if(beyond(shift, asked.budget, asked.confidence).state == State::Exceeded)
 }
 
 /// The newest of them, IMU by IMU, as many as are looked at.
@@ -156,10 +144,7 @@ fn newest_of(mut here: Vec<&NewestCalibration>) -> Vec<&NewestCalibration> {
 }
 
 fn imus_of(gyros: &[&NewestCalibration]) -> usize {
-    let mut imus: Vec<u32> = gyros.iter().map(|one| one.imu).collect();
-    imus.sort_unstable();
-    imus.dedup();
-    imus.len()
+    gyros.iter().map(|one| one.imu).collect::<BTreeSet<u32>>().len()
 }
 
 /// The median deviation, and its standard error.

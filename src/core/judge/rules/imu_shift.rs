@@ -8,7 +8,7 @@
 //! its own place in the IMU.
 
 use super::group_shift::NewestCalibration;
-use crate::core::judge::decide::beyond;
+use crate::core::judge::decide::{Conformity, beyond};
 use crate::core::judge::limits::Limit;
 use crate::core::judge::{Coefficient, Finding, Measured, Rule, State, Verdict};
 
@@ -30,9 +30,7 @@ pub struct ImuQuestion<'a> {
 /// baseline have nothing to be compared with.
 pub fn imu_shift(newest: &[&NewestCalibration], column: usize, asked: &ImuQuestion<'_>) -> Verdict {
     let coefficient = [Coefficient::DI, Coefficient::DS][column];
-    let few = |have: usize| {
-        Verdict::undecided(coefficient, Rule::ImuShift, asked.limit, Finding::TooFew { have, need: GYROS })
-    };
+    let verdict = |finding| Verdict::undecided(coefficient, Rule::ImuShift, asked.limit, finding);
     let last = newest.iter().map(|one| one.at).max();
     let together = newest.iter().filter(|one| Some(one.at) == last);
     let beside = |of: Measured, shift: &Measured| {
@@ -42,19 +40,15 @@ pub fn imu_shift(newest: &[&NewestCalibration], column: usize, asked: &ImuQuesti
     let own = |one: &&NewestCalibration| Some((asked.shared)(one).iter().fold(one.deviation[column]?, beside));
     let moved: Vec<Measured> = together.filter_map(own).collect();
     let least = moved.iter().min_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
-    let Some(least) = least.filter(|_| moved.len() >= GYROS) else { return few(moved.len()) };
+    let Some(least) = least.filter(|_| moved.len() >= GYROS) else {
+        return verdict(Finding::TooFew { have: moved.len(), need: GYROS });
+    };
     let states = moved.iter().map(|of| beyond(*of, asked.limit.value, asked.confidence).state);
     let all = !asked.one_did_before && states.clone().all(|state| state == State::Exceeded);
     let outcome = beyond(*least, asked.limit.value, asked.confidence);
-    Verdict {
-        state: if outcome.state == State::Exceeded && !all { State::Indeterminate } else { outcome.state },
-        value: Some(least.value.abs()),
-        sd: least.sd,
-        probability: outcome.probability,
-        finding: Finding::ImuShift { gyros: moved.len() },
-        ..few(moved.len())
-    }
-    .confirmed_if(asked.confirmed)
+    let state = if outcome.state == State::Exceeded && !all { State::Indeterminate } else { outcome.state };
+    let finding = Finding::ImuShift { gyros: moved.len() };
+    Conformity { state, ..outcome }.of(least.size(), verdict(finding)).confirmed_if(asked.confirmed)
 }
 
 #[cfg(test)]

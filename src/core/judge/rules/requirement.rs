@@ -85,13 +85,8 @@ fn judged(
     let limit = Limit { value: worst.nearest_bound(), from: worst.bounds.from };
     let finding = Finding::Requirement { figure: worst.name, low: worst.bounds.low, high: worst.bounds.high, others };
     // Never confirmed: the figures are one record's, and a second campaign is judged by its own.
-    Some(Verdict {
-        state: worst.outcome.state,
-        value: Some(worst.measured.value),
-        sd: worst.measured.sd,
-        probability: worst.outcome.probability,
-        ..Verdict::undecided(coefficient, Rule::Requirement, limit, finding)
-    })
+    let undecided = Verdict::undecided(coefficient, Rule::Requirement, limit, finding);
+    Some(worst.outcome.of(worst.measured, undecided))
 }
 
 #[cfg(test)]

@@ -116,8 +116,8 @@ fn written(
     };
     let text = match &request.columns {
         _ if request.csv => csv::written(&trend, request),
-        Some(columns) => json::columns(&trend, columns, request.levels).ok(),
-        None => serde_json::to_vec(&trend).ok(),
+        Some(columns) => json::columns(&trend, columns, request.levels),
+        None => json::written(&trend),
     };
     let text = text.ok_or_else(|| Problem::new(500, "title_internal_error", message!("not_written")))?;
     Ok(TrendText { text, csv: request.csv, next })

@@ -1,51 +1,200 @@
-//! A trend as JSON with a list for each member of its points, in the order in which they are asked for.
+//! A trend as JSON: what serde writes, byte for byte, in a fraction of the time. There may be a hundred thousand
+//! points, and serde looks through every word of each for what has to be escaped.
 
-use serde::{Serialize, Serializer};
-use serde_json::value::{RawValue, to_raw_value};
+use std::io::Write;
 
-use super::body::{LEVELS, LevelColumn, Point, PointColumn, Trend};
-use crate::http::events::EventBody;
-use crate::wire::time;
+use super::body::{LEVELS, Point, PointColumn, Trend};
+use crate::wire::time::Stamp;
 
-#[derive(Serialize)]
-struct Lists<'a> {
-    serial: &'a str,
-    coefficient: &'static str,
-    unit: &'static str,
-    #[serde(serialize_with = "in_order")]
-    columns: Vec<(&'static str, Box<RawValue>)>,
-    events: &'a [EventBody],
-    next: &'a Option<String>,
+/// A point takes about 220 bytes; growing would copy hundreds of kilobytes again and again.
+const POINT: usize = 256;
+/// And one member of it, in a list of its own, on average.
+const COLUMN: usize = 20;
+
+pub(super) fn written(trend: &Trend<'_>) -> Option<Vec<u8>> {
+    let mut text = Vec::with_capacity(POINT * (trend.points.len() + 2));
+    write(trend, &mut text).ok()?;
+    Some(text)
+}
+
+fn write(trend: &Trend<'_>, text: &mut Vec<u8>) -> std::io::Result<()> {
+    head(trend, text)?;
+    text.write_all(b"\"points\":[")?;
+    let (mut imu, mut station) = (Quoted::default(), Quoted::default());
+    for (i, point) in trend.points.iter().enumerate() {
+        if i > 0 {
+            text.push(b',');
+        }
+        write_point(point, &mut imu, &mut station, text)?;
+    }
+    text.push(b']');
+    tail(trend, text)
 }
 
 /// The points as one list per member.
-pub(super) fn columns(trend: &Trend<'_>, of: &[PointColumn], with_levels: bool) -> serde_json::Result<Vec<u8>> {
-    let &Trend { serial, coefficient, unit, ref points, events, ref next } = trend;
-    let member = |column: &PointColumn| {
-        let list = match column {
-            PointColumn::CalibratedAt => list(points, |point| time::format(point.calibrated_at)),
-            PointColumn::Value => list(points, |point| point.value),
-            PointColumn::Sd => list(points, |point| point.sd),
-            PointColumn::Method => list(points, |point| point.method),
-            PointColumn::Imu => list(points, |point| point.imu),
-            PointColumn::Slot => list(points, |point| point.slot),
-            PointColumn::Station => list(points, |point| point.station),
-            PointColumn::Record => list(points, |point| point.record.to_string()),
-            PointColumn::State => list(points, |point| point.state),
-            PointColumn::Status => list(points, |point| point.status),
+pub(super) fn columns(trend: &Trend<'_>, of: &[PointColumn], with_levels: bool) -> Option<Vec<u8>> {
+    let mut text = Vec::with_capacity(COLUMN * of.len() * (trend.points.len() + 2));
+    write_columns(trend, of, with_levels, &mut text).ok()?;
+    Some(text)
+}
+
+fn write_columns(trend: &Trend<'_>, of: &[PointColumn], with_levels: bool, text: &mut Vec<u8>) -> std::io::Result<()> {
+    head(trend, text)?;
+    text.write_all(b"\"columns\":{")?;
+    for (k, column) in of.iter().enumerate() {
+        write!(text, "{}\"{}\":[", if k > 0 { "," } else { "" }, column.name())?;
+        let mut name = Quoted::default();
+        for (i, point) in trend.points.iter().enumerate() {
+            if i > 0 {
+                text.push(b',');
+            }
+            match column {
+                PointColumn::CalibratedAt => {
+                    write!(text, "\"{}\"", Stamp(point.calibrated_at))?;
+                }
+                PointColumn::Value => serde_json::to_writer(&mut *text, &point.value)?,
+                PointColumn::Sd => serde_json::to_writer(&mut *text, &point.sd)?,
+                PointColumn::Method => word(Some(point.method), text)?,
+                PointColumn::Imu => match point.imu {
+                    Some(imu) => name.write(imu, text)?,
+                    None => text.write_all(b"null")?,
+                },
+                PointColumn::Slot => word(point.slot, text)?,
+                PointColumn::Station => name.write(point.station, text)?,
+                PointColumn::Record => write!(text, "\"{}\"", point.record)?,
+                PointColumn::State => word(point.state, text)?,
+                PointColumn::Status => word(point.status, text)?,
+            }
+        }
+        text.push(b']');
+    }
+    for (name, figure) in if with_levels { &LEVELS[..] } else { &[] } {
+        let figures: Vec<_> = trend.points.iter().map(|point| point.level.and_then(figure)).collect();
+        write!(text, ",\"{name}\":")?;
+        serde_json::to_writer(&mut *text, &figures)?;
+    }
+    text.push(b'}');
+    tail(trend, text)
+}
+
+/// What stands before the points.
+fn head(trend: &Trend<'_>, text: &mut Vec<u8>) -> std::io::Result<()> {
+    text.write_all(b"{\"serial\":")?;
+    serde_json::to_writer(&mut *text, trend.serial)?;
+    write!(text, ",\"coefficient\":\"{}\",\"unit\":\"{}\",", trend.coefficient, trend.unit)
+}
+
+/// What stands after them.
+fn tail(trend: &Trend<'_>, text: &mut Vec<u8>) -> std::io::Result<()> {
+    text.write_all(b",\"events\":")?;
+    serde_json::to_writer(&mut *text, trend.events)?;
+    text.write_all(b",\"next\":")?;
+    serde_json::to_writer(&mut *text, &trend.next)?;
+    text.write_all(b"}")
+}
+
+fn write_point<'t>(
+    point: &Point<'t>,
+    imu: &mut Quoted<'t>,
+    station: &mut Quoted<'t>,
+    text: &mut Vec<u8>,
+) -> std::io::Result<()> {
+    write!(text, "{{\"calibrated_at\":\"{}\",\"value\":", Stamp(point.calibrated_at))?;
+    serde_json::to_writer(&mut *text, &point.value)?;
+    text.write_all(b",\"sd\":")?;
+    serde_json::to_writer(&mut *text, &point.sd)?;
+    text.write_all(b",\"method\":")?;
+    word(Some(point.method), text)?;
+    text.write_all(b",\"imu\":")?;
+    match point.imu {
+        Some(name) => imu.write(name, text)?,
+        None => text.write_all(b"null")?,
+    }
+    text.write_all(b",\"slot\":")?;
+    word(point.slot, text)?;
+    text.write_all(b",\"station\":")?;
+    station.write(point.station, text)?;
+    write!(text, ",\"record\":\"{}\",\"state\":", point.record)?;
+    word(point.state, text)?;
+    text.write_all(b",\"status\":")?;
+    word(point.status, text)?;
+    if let Some(voided) = point.voided {
+        write!(text, ",\"voided\":{voided}")?;
+    }
+    if let Some(set_aside) = point.set_aside {
+        write!(text, ",\"set_aside\":{set_aside}")?;
+    }
+    if let Some(level) = point.level {
+        text.write_all(b",\"level\":")?;
+        serde_json::to_writer(&mut *text, &level)?;
+    }
+    text.write_all(b"}")
+}
+
+/// One of the program's own words, in which nothing has to be escaped.
+fn word(word: Option<&'static str>, text: &mut Vec<u8>) -> std::io::Result<()> {
+    let Some(word) = word else { return text.write_all(b"null") };
+    text.write_all(b"\"")?;
+    text.write_all(word.as_bytes())?;
+    text.write_all(b"\"")
+}
+
+/// A name as JSON, escaped once for the points that have it in a row.
+#[derive(Default)]
+struct Quoted<'t> {
+    name: Option<&'t str>,
+    text: Vec<u8>,
+}
+
+impl<'t> Quoted<'t> {
+    fn write(&mut self, name: &'t str, text: &mut Vec<u8>) -> std::io::Result<()> {
+        if self.name != Some(name) {
+            self.name = Some(name);
+            self.text.clear();
+            serde_json::to_writer(&mut self.text, name)?;
+        }
+        text.write_all(&self.text)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::body::PointLevel;
+    use super::*;
+    use crate::core::id::Id;
+    use crate::core::time::UtcMicros;
+
+    #[test]
+    fn it_is_byte_for_byte_what_serde_writes() {
+        let values = [2.957642758199023, -0.0, 1e-300, -1.5e21, 0.1, 7.0, f64::NAN, f64::INFINITY, f64::MIN_POSITIVE];
+        let names = ["IMU-07", "IMU-07", "a \"quoted\" \\ one", "\u{1}\t\n", "陀螺 é", "", "IMU-07"];
+        let words = [Some("within"), None, Some("exceeded")];
+        let point = |i: usize| Point {
+            calibrated_at: UtcMicros(1_700_000_000_123_456 * i as i64 / 7),
+            value: values[i % values.len()],
+            sd: (!i.is_multiple_of(3)).then_some(values[i * i % values.len()]),
+            method: "rigid",
+            imu: (!i.is_multiple_of(5)).then_some(names[i % names.len()]),
+            slot: (!i.is_multiple_of(4)).then_some("G2"),
+            station: names[i * 3 % names.len()],
+            record: Id(i as i64 * 123_456_789_012),
+            state: words[i % words.len()],
+            status: [None, Some("drifting")][i % 2],
+            voided: [None, Some(true), Some(false)][i % 3],
+            set_aside: [None, Some(true)][i % 2],
+            level: (!i.is_multiple_of(6)).then(|| PointLevel {
+                baseline: values[i % values.len()],
+                lower: (!i.is_multiple_of(4)).then_some(values[i * 5 % values.len()]),
+                upper: None,
+            }),
         };
-        Ok((column.name(), list?))
-    };
-    let level = |(name, figure): &LevelColumn| Ok((*name, list(points, |point| point.level.and_then(figure))?));
-    let levels = if with_levels { &LEVELS[..] } else { &[] };
-    let columns = of.iter().map(member).chain(levels.iter().map(level)).collect::<serde_json::Result<_>>()?;
-    serde_json::to_vec(&Lists { serial, coefficient, unit, columns, events, next })
-}
-
-fn list<'a, T: Serialize>(points: &[Point<'a>], of: impl Fn(&Point<'a>) -> T) -> serde_json::Result<Box<RawValue>> {
-    to_raw_value(&points.iter().map(of).collect::<Vec<_>>())
-}
-
-fn in_order<S: Serializer>(columns: &[(&'static str, Box<RawValue>)], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_map(columns.iter().map(|(name, list)| (name, list)))
+        for count in [0, 1, 200] {
+            for next in [None, Some("b3".to_owned())] {
+                let (points, coefficient, unit) = ((0..count).map(point).collect(), "D_I", "deg/(h*g0)");
+                let trend = Trend { serial: "LFG-\"1\"", coefficient, unit, points, events: &[], next };
+                let expected = serde_json::to_string(&trend).unwrap();
+                assert_eq!(String::from_utf8(written(&trend).unwrap()).unwrap(), expected);
+            }
+        }
+    }
 }

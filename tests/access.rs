@@ -1,12 +1,11 @@
 //! Who may do what, seen from outside: tokens and roles on every route, signing in with a browser, guesses, exposure.
 
-use crate::behind;
-use crate::support;
-
 use std::collections::BTreeSet;
 use std::time::Duration;
 
+use crate::behind;
 use crate::command::{beside, on_database};
+use crate::support;
 use crate::support::{Answer, FORM, Server, data, document, gyrowatch};
 use serde_json::{Value, json};
 

@@ -1,9 +1,8 @@
 //! What an engineer sees when a gyro goes out of its limits, and what becomes of it.
 
-use crate::lab;
-
 use std::collections::BTreeSet;
 
+use crate::lab;
 use gyrowatch::core::time::UtcMicros;
 use gyrowatch::wire::time;
 use serde_json::{Value, json};

@@ -1,15 +1,14 @@
 //! Examples in the description of the API: what the service answers in one scenario. They are kept in
 //! `src/http/examples.json`, which `GYROWATCH_WRITE_EXAMPLES=1 cargo test --test all api_examples::` writes anew.
 
-use crate::behind;
-use crate::cluster;
-use crate::support;
-
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use crate::behind;
+use crate::cluster;
 use crate::lab::{Answer, JSON, Lab, NDJSON};
 use crate::receiver::Receiver;
+use crate::support;
 use crate::support::{data, document};
 use gyrowatch::telemetry;
 use reqwest::Method;

@@ -1,11 +1,10 @@
 //! Copies of the database: taken while it is served, checked, damaged, and put back.
 
-use crate::support;
-
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 
 use crate::command::on_database;
+use crate::support;
 use crate::support::{Server, data};
 use sqlx::ConnectOptions;
 

@@ -3,14 +3,13 @@
 //! A row is one request. Each must be answered with problem+json of the given status, name the given place (a JSON
 //! pointer, or the code of a fault), and leave the service's holdings as they were.
 
+use std::collections::{BTreeMap, BTreeSet};
+use std::time::Duration;
+
 use crate::behind;
 use crate::cluster;
 use crate::spoken;
 use crate::support;
-
-use std::collections::{BTreeMap, BTreeSet};
-use std::time::Duration;
-
 use crate::support::{Server, asked, document, seed};
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};

@@ -3,10 +3,10 @@
 //! A flip counts where SQLite uses the byte: what is free within a page, and pages that are free, say nothing. Which
 //! bytes are used is read from the file itself, by its format (sqlite.org/fileformat2.html).
 
-use crate::behind;
 use std::ops::Range;
 use std::path::Path;
 
+use crate::behind;
 use crate::command::{self, on_database, verified};
 use crate::support::{SUMMARY, Server, asked, data, file_url, once, paper_record, seed};
 use rand_chacha::ChaCha8Rng;

@@ -1,8 +1,8 @@
 //! The blind check itself: campaigns are sound, the seal holds, and the score tells truth-tellers from liars.
 
-use crate::support::root;
 use std::collections::BTreeSet;
 
+use crate::support::root;
 use gyrowatch::blindcheck::answer::{Answer, AnsweredEffect, AnsweredHeldOut, AnsweredShift, Unseen};
 use gyrowatch::blindcheck::draw::{Case, Draw, Trial};
 use gyrowatch::blindcheck::report::{Rate, Report};

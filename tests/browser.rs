@@ -1,18 +1,17 @@
 //! People at the pages, in a real browser: they find a gyro, zoom, switch the method, export, read a diagnosis,
 //! import a file with errors. Whatever they do, the console does not complain and no request leaves the service.
 
-use crate::chromium;
-use crate::support;
-
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::Duration;
 
+use crate::chromium;
 use crate::chromium::Browser;
 use crate::command::beside;
 use crate::nginx::Nginx;
 use crate::receiver::Receiver;
+use crate::support;
 use crate::support::{Server, data, document, gyrowatch, root};
 use serde_json::Value;
 

@@ -1,7 +1,6 @@
 //! Raw campaigns over HTTP and on the command line: fitted, stored whole, judged, diagnosed; or refused by name.
 
 use crate::lab;
-
 use reqwest::Method;
 use reqwest::header::CONTENT_TYPE;
 use serde_json::{Value, json};

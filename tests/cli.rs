@@ -1,8 +1,8 @@
 //! The command line as people and scripts use it: what it prints where, and how it ends.
 
-use crate::command::{answer, printed};
 use std::io::Write;
 
+use crate::command::{answer, printed};
 use assert_cmd::Command;
 use gyrowatch::core::effects::{CATALOGUE, Effect};
 use serde_json::Value;

@@ -2,9 +2,8 @@
 //! record itself.
 
 use crate::lab;
-use crate::support;
-
 use crate::lab::{Lab, bench, day, record, verdict};
+use crate::support;
 use crate::support::document;
 use serde_json::{Value, json};
 

@@ -1,8 +1,8 @@
 //! Diagnoses over HTTP are made without anybody asking, kept on disk, and made again only when they must be.
 
-use crate::cluster;
 use std::time::Duration;
 
+use crate::cluster;
 use crate::lab::{Lab, at};
 use crate::support::{document, id, once};
 use serde_json::{Value, json};

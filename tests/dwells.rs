@@ -1,12 +1,12 @@
 //! `dwells`: raw logs of every layout that the maps in `examples/maps` describe, made here, and what is wrong with
 //! logs.
 
-use crate::support::root;
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
+use crate::support::root;
 use assert_cmd::Command;
 use gyrowatch::core::campaign::{Campaign, Dwell, Phase};
 use gyrowatch::simulate::presets::preset;

@@ -1,15 +1,14 @@
 //! What takes long or takes much: giant bodies, a clock that jumps, and hours of load. `scripts/soak` runs the long
 //! forms.
 
-use crate::receiver;
-use crate::support;
-
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use crate::receiver;
 use crate::receiver::Receiver;
+use crate::support;
 use crate::support::{NEVER_LATE, Server, asked, paper_record, required};
 use axum::http::StatusCode;
 use axum::response::IntoResponse;

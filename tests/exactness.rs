@@ -1,9 +1,6 @@
 //! Many writers on several servers judge as one would: what they store at the same time is computed again afterwards,
 //! and the alerts of gyros that have a sender of their own take the steps that they take at a single server.
 
-use crate::command;
-use crate::support;
-
 use std::collections::BTreeMap;
 use std::panic::AssertUnwindSafe;
 use std::sync::Arc;
@@ -11,13 +8,13 @@ use std::time::Duration;
 
 use crate::cluster::{self, count};
 use crate::database_proxy::Proxy;
-use crate::lab::record;
-use crate::support::{NEVER_LATE, Server};
+use crate::lab::{JSON, record};
+use crate::support::{NEVER_LATE, Server, client, id};
+use crate::{command, support};
 use futures::FutureExt as _;
-use gyrowatch::system;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use reqwest::{Client, Method};
+use reqwest::{Client, Method, StatusCode};
 use serde_json::{Value, json};
 use sqlx::{Connection, PgConnection};
 use tokio::task::JoinSet;
@@ -37,7 +34,7 @@ fn instant(sender: i64, half_day: i64) -> String {
 /// What a sender does, one after the other, each at any of the servers: new records, now and then one that is late, is
 /// voided, or is revised. Its own gyros move among the IMUs; a gyro that all share is in every third record.
 async fn send(servers: Arc<[String]>, sender: i64, steps: i64, shared: bool) {
-    let http = system::http_client(Duration::from_secs(20), Duration::from_secs(60)).build().unwrap();
+    let http = client();
     let seed = support::seed(0).wrapping_add(sender.unsigned_abs());
     let (mut chance, mut choice) = (ChaCha8Rng::seed_from_u64(seed), ChaCha8Rng::seed_from_u64(!seed));
     let mut stored: Vec<(String, i64)> = Vec::new();
@@ -62,13 +59,13 @@ async fn send(servers: Arc<[String]>, sender: i64, steps: i64, shared: bool) {
         // After every fourth comes one that was made before it.
         let half_days = if step % 4 == 2 { vec![2 * step, 2 * step - 1] } else { vec![2 * step] };
         for half_day in half_days {
-            let answer = taken(&http, server, "/v1/records", &made(half_day, imu, d_i)).await;
-            stored.push((answer["id"].as_str().unwrap().to_owned(), half_day));
+            let answer = answer(&http, Method::POST, server, "/v1/records", &made(half_day, imu, d_i)).await;
+            stored.push((id(&answer).to_owned(), half_day));
         }
         match chance.random_range(0..8) {
             0 => {
                 let (id, _) = stored.swap_remove(chance.random_range(0..stored.len()));
-                taken(&http, server, &format!("/v1/records/{id}/void"), &said(json!({}))).await;
+                answer(&http, Method::POST, server, &format!("/v1/records/{id}/void"), &said(json!({}))).await;
             }
             1 => {
                 let (id, of) = stored.swap_remove(chance.random_range(0..stored.len()));
@@ -76,28 +73,23 @@ async fn send(servers: Arc<[String]>, sender: i64, steps: i64, shared: bool) {
                 let there = answer(&http, Method::GET, server, &format!("/v1/records/{id}"), &Value::Null).await;
                 let imu: i64 = there["record"]["imu"].as_str().unwrap()["IMU-".len()..].parse().unwrap();
                 let revised = said(json!({"record": made(of, imu, 1.002)}));
-                taken(&http, server, &format!("/v1/records/{id}/revise"), &revised).await;
+                answer(&http, Method::POST, server, &format!("/v1/records/{id}/revise"), &revised).await;
             }
             _ => {}
         }
     }
 }
 
-/// The answer of a server that takes a document; the same again is no harm.
-async fn taken(http: &Client, server: &str, path: &str, body: &Value) -> Value {
-    answer(http, Method::POST, server, path, body).await
-}
-
-/// The answer, once there is one: a server may be busy, or killed with the question half done.
+/// The answer of a server, once there is one: it may be busy, or killed with the question half done. The same again is
+/// no harm. (A task of its own cannot wait by `once`: its borrowing closure is not `Send`.)
 async fn answer(http: &Client, method: Method, server: &str, path: &str, body: &Value) -> Value {
     for _ in 0..600 {
         let asked = http.request(method.clone(), format!("http://{server}{path}"));
-        let asked = asked.header("content-type", "application/json").body(body.to_string());
-        if let Ok(answer) = asked.send().await {
+        if let Ok(answer) = asked.header("content-type", JSON).body(body.to_string()).send().await {
             let status = answer.status();
             match answer.text().await {
                 Ok(text) if status.is_success() => return serde_json::from_str(&text).unwrap(),
-                Ok(text) => assert_eq!(status.as_u16(), 503, "{text}"),
+                Ok(text) => assert_eq!(status, StatusCode::SERVICE_UNAVAILABLE, "{text}"),
                 Err(_broken_off) => {}
             }
         }
@@ -165,7 +157,7 @@ async fn sixteen_senders_at_four_servers_are_judged_as_by_one() {
     let (expected, url) = (alerts_at_one_server(SENDERS, steps).await, cluster::fresh_database().await);
     let servers = [server_on(&url).await, server_on(&url).await, server_on(&url).await, server_on(&url).await];
     sent_by_all(&servers, SENDERS, steps, true).await;
-    is_as_at_one_server(&url, &expected).await;
+    is_as_at_one_server(&url, &expected, SENDERS).await;
 }
 
 /// The same with servers that are killed in the middle of it.
@@ -181,7 +173,7 @@ async fn what_killed_servers_had_begun_is_judged_as_by_one_that_lives() {
     let kills = sent_by_all_through_kills(&mut servers, SENDERS, steps).await;
     println!("{kills} kills");
     assert!(kills > 1, "it was over before a second server was killed");
-    is_as_at_one_server(&url, &expected).await;
+    is_as_at_one_server(&url, &expected, SENDERS).await;
 }
 
 async fn alerts_at_one_server(senders: i64, steps: i64) -> Steps {
@@ -191,10 +183,10 @@ async fn alerts_at_one_server(senders: i64, steps: i64) -> Steps {
     steps_of(&alone).await
 }
 
-async fn is_as_at_one_server(url: &str, expected: &Steps) {
+async fn is_as_at_one_server(url: &str, expected: &Steps, senders: i64) {
     command::verified(url);
     let found = steps_of(url).await;
-    assert!(expected.len() > 4, "{expected:?}");
+    assert!(expected.len() as i64 > senders / 2, "{expected:?}");
     let differing: Vec<_> =
         expected.keys().chain(found.keys()).filter(|key| expected.get(*key) != found.get(*key)).collect();
     assert!(
@@ -204,7 +196,8 @@ async fn is_as_at_one_server(url: &str, expected: &Steps) {
     );
     // What all share is judged in the order in which it came, whatever that was.
     assert_eq!(count(url, TWICE).await, 0);
-    assert!(count(url, "SELECT count(*) FROM history JOIN gyro ON gyro.id = gyro WHERE serial = 'SHARED'").await > 25);
+    let of_all = count(url, "SELECT count(*) FROM history JOIN gyro ON gyro.id = gyro WHERE serial = 'SHARED'").await;
+    assert!(of_all > 50 * senders / 16, "{of_all}");
 }
 
 /// The same where a transaction reads its cells without locking them: what the check above would miss, this one shows.

@@ -1,7 +1,5 @@
 //! The disk is full, cannot be written, or fails to flush: what the service answers then, and how it comes back.
 
-use crate::support;
-
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -10,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use crate::command::beside;
 use crate::prometheus::Prometheus;
+use crate::support;
 use crate::support::{
     Answer, Server, client, file_url, fill, gyrowatch_under, on_a_small_disk, paper_record, required, small_disks_work,
 };

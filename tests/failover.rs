@@ -1,14 +1,13 @@
 //! The database behind the servers changes under them: a standby takes over that has lost commits, a host falls
 //! silent, is far away, or is one of several. Nothing is mixed up, and writing goes on.
 
-use crate::support;
-
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use crate::cluster::{self, Cluster, count};
 use crate::command::verified;
 use crate::database_proxy::Proxy;
+use crate::support;
 use crate::support::{NEVER_LATE, Server, free_port};
 use serde_json::{Value, json};
 use sqlx::{Connection, PgConnection};

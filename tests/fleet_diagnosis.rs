@@ -1,11 +1,10 @@
 //! Many campaigns diagnosed at once: an engineer orders it, follows it, cancels it, and reads what they say together.
 //! The campaigns are the simulator's, so what is in them, and since when, is known.
 
-use crate::lab;
-
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
+use crate::lab;
 use crate::lab::Lab;
 use crate::support::{Server, gyrowatch, id, once};
 use gyrowatch::simulate::presets::preset;

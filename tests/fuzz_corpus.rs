@@ -6,10 +6,10 @@
 #[path = "../fuzz/targets.rs"]
 mod targets;
 
-use crate::support::root;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
+use crate::support::root;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

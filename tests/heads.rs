@@ -2,7 +2,6 @@
 //! where it is missing, and found out where it is wrong.
 
 use crate::cluster;
-
 use crate::lab::{JSON, Lab, NDJSON, bench, day, record};
 use crate::support::{Server, id, once};
 use gyrowatch::config::Config;

@@ -1,10 +1,9 @@
 //! Whoever runs a fleet sets up hooks, tries them out, and sees what has become of what they were told.
 
-use crate::receiver;
-
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use crate::receiver;
 use crate::receiver::{Receiver, Told};
 use crate::support::{Answer, Server, once};
 use axum::http::StatusCode;

@@ -2,7 +2,6 @@
 //! undone.
 
 use crate::cluster;
-
 use serde_json::{Value, json};
 
 use crate::lab::{Answer, Lab, at, effects};

@@ -1,10 +1,9 @@
 //! What a station sees: records are accepted, judged and kept, or refused with the place named.
 
-use crate::behind;
-use crate::cluster;
-
 use std::collections::BTreeSet;
 
+use crate::behind;
+use crate::cluster;
 use gyrowatch::config::{Config, SlotRequirements};
 use reqwest::Method;
 use reqwest::header::CONTENT_TYPE;

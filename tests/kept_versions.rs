@@ -4,11 +4,11 @@
 //! `GYROWATCH_KEEP_VERSION=1 cargo test --test all kept_versions::` writes those of the version at hand. Kept ones are never
 //! written again.
 
-use crate::cluster;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use crate::cluster;
 use crate::command::verified;
 use crate::support::{SUMMARY, Server, data, data_path, document, file_url, gyrowatch};
 use flate2::Compression;

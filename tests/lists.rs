@@ -1,9 +1,8 @@
 //! Lists of what is stored: every item once, whatever the page size, narrowed down by IMU, station, kind and time.
 
-use crate::support;
-
 use std::collections::BTreeSet;
 
+use crate::support;
 use crate::support::{Server, data, paper_record};
 use rstest::rstest;
 use serde_json::{Value, json};

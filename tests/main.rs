@@ -1,4 +1,5 @@
-//! All tests of the program as a whole, in one program: it is linked once. A file's tests run by its name: `cargo test --test all pages::`.
+//! All tests of the program as a whole, in one program: it is linked once. A file's tests run by its name:
+//! `cargo test --test all pages::`.
 
 mod access;
 mod agreement;

@@ -3,9 +3,8 @@
 
 use crate::behind;
 use crate::cluster;
-use crate::lab;
-
 use crate::command::verified;
+use crate::lab;
 use crate::lab::{Lab, day, record, verdict};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

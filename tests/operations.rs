@@ -1,11 +1,11 @@
 //! Running the service: is it ready, what does it count, and what does it refuse to be started on.
 
-use crate::behind;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
+use crate::behind;
 use crate::prometheus::Prometheus;
 use crate::receiver::Receiver;
 use crate::support::{Server, data, document, gyrowatch, metric, required, root};

@@ -1,15 +1,14 @@
 //! What is queued arrives: every message, in order per alert, whatever becomes of the service or of other targets.
 
-use crate::behind;
-use crate::lab;
-use crate::receiver;
-
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
+use crate::behind;
+use crate::lab;
 use crate::queue::Queue;
+use crate::receiver;
 use crate::receiver::{Receiver, Told};
 use crate::support::{NEVER_LATE, Server, asked, free_port, once, root};
 use axum::http::StatusCode;

@@ -1,9 +1,8 @@
 //! The web pages as they leave the service, before any script: whole, in the viewer's language, naming no other host.
 
+use crate::receiver::Receiver;
 use crate::spoken;
 use crate::support;
-
-use crate::receiver::Receiver;
 use crate::support::{Answer, FORM, Server, document, once};
 use serde_json::{Value, json};
 

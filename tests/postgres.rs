@@ -1,10 +1,6 @@
 //! Servers that share a PostgreSQL: what each stores the others judge by, what one leaves undone another takes over,
 //! and nothing is lost or done twice when a server or the database itself is killed.
 
-use crate::command;
-use crate::receiver;
-use crate::support;
-
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::process::{Command, Stdio};
@@ -13,8 +9,11 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use crate::cluster::{self, Cluster, count};
+use crate::command;
 use crate::lab::{day, record, verdict};
+use crate::receiver;
 use crate::receiver::Receiver;
+use crate::support;
 use crate::support::{NEVER_LATE, Server, client, document, file_url};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -2,13 +2,13 @@
 //! found after a cut at a moment of that run, and what clients were told is looked for in it. `scripts/soak power`
 //! tries 1,000 moments.
 
-use crate::behind;
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use crate::behind;
 use crate::power::disk::{Disk, Flushing};
 use crate::power::{CALLS, Call, Moment, Recording};
 use crate::support::{Server, asked, client, gyrowatch, paper_record, required};

@@ -1,9 +1,6 @@
 //! What must not happen whatever happens: short forms of the tests of docs/reliability.md. `scripts/soak` runs the
 //! long ones, which differ in their numbers alone.
 
-use crate::behind;
-use crate::support;
-
 use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader};
 use std::process::Stdio;
@@ -11,7 +8,9 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use crate::behind;
 use crate::command::beside;
+use crate::support;
 use crate::support::{Server, asked, client, paper_record, seed};
 use rand::seq::IndexedRandom;
 use rand::{Rng, RngExt, SeedableRng};

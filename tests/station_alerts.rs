@@ -1,10 +1,9 @@
 //! Gyros that moved together because their station or IMU did: one alert of that, and none of what it explains.
 
-use crate::cluster;
-use crate::lab;
-
 use std::time::Duration;
 
+use crate::cluster;
+use crate::lab;
 use crate::lab::{Lab, day, record, scatter};
 use crate::receiver::{Receiver, Told};
 use crate::support::{Server, once};

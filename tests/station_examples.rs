@@ -1,10 +1,9 @@
 //! What a station copies: each example is run where Debian has its program, and each template fits.
 
-use crate::support;
-
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::support;
 use crate::support::{Server, root};
 use serde_json::Value;
 

@@ -2,7 +2,6 @@
 
 use crate::cluster;
 use crate::lab;
-
 use reqwest::Method;
 use serde_json::{Value, json};
 

@@ -1,14 +1,13 @@
 //! Databases of every earlier version, with data in them, are brought up to date at the start, and say what they said
 //! before.
 
-use crate::behind;
-use crate::cluster;
-use crate::lab;
-use crate::receiver;
-
 use std::path::Path;
 
+use crate::behind;
+use crate::cluster;
 use crate::command::{beside, ended, verified};
+use crate::lab;
+use crate::receiver;
 use crate::support::{NEVER_LATE, SUMMARY, Server, data, document, file_url, gyrowatch, id, root};
 use serde_json::{Value, json};
 use sqlx::migrate::Migrator;

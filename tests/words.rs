@@ -2,12 +2,11 @@
 //!
 //! The messages are read with Fluent's own parser; the code's uses of `message!` from the sources.
 
-use crate::support::root;
-
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::support::root;
 use gyrowatch::core::bench::BenchMethod;
 use gyrowatch::core::changes::ChangeCause;
 use gyrowatch::core::diagnose::Variable;

@@ -5,11 +5,11 @@
 
 mod house;
 
-use crate::support::root;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::support::root;
 use house::House;
 
 const PEERS: [&str; 4] = ["store", "http", "alert", "pages"];

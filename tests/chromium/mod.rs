@@ -1,6 +1,5 @@
 //! A real headless Chromium, driven over the WebDriver protocol (w3.org/TR/webdriver2) through its chromedriver.
 
-use crate::support::{client, root};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
@@ -9,6 +8,7 @@ use std::sync::atomic::AtomicUsize;
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::{Duration, Instant};
 
+use crate::support::{client, root};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use gyrowatch::system;

@@ -1,7 +1,6 @@
 //! PostgreSQL for tests: a server of their own on a free port of this machine, which ends with the process that
 //! started it, however that ends, and takes its files along.
 
-use crate::support::{free_port, is_root};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -10,6 +9,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
+use crate::support::{free_port, is_root};
 use sqlx::{Connection, PgConnection};
 
 /// Of a server that a test kills: the next takes its work over within the patience of tests.

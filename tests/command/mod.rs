@@ -74,7 +74,7 @@ pub fn beside(dir: &Path) -> Command {
     command
 }
 
-/// Whatever was said, to whomever.
+/// What was written to both outputs.
 pub fn all_of(output: Output) -> String {
     String::from_utf8([output.stdout, output.stderr].concat()).unwrap()
 }

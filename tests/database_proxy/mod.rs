@@ -77,7 +77,7 @@ impl Proxy {
         self.state.silent_up_to.store(self.state.connections.load(Ordering::SeqCst), Ordering::SeqCst);
     }
 
-    /// Nobody hears anything any more, whoever comes.
+    /// Nobody hears anything any more, old connections and new ones alike.
     pub fn falls_silent(&self) {
         self.state.silent_up_to.store(u32::MAX, Ordering::SeqCst);
     }

@@ -1,13 +1,13 @@
 //! A laboratory for scenarios: the service on a port of its own with a database of its own, stations that post, and
 //! engineers who look. Everything goes over real HTTP.
 
-use crate::receiver::Receiver;
-use crate::support::{client, document, file_url, id, once};
-use crate::{behind, cluster};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use crate::receiver::Receiver;
+use crate::support::{client, document, file_url, id, once};
+use crate::{behind, cluster};
 use gyrowatch::config::Config;
 use gyrowatch::core::mounting::{Geometry, Slot};
 use gyrowatch::core::time::UtcMicros;

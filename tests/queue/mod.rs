@@ -1,9 +1,9 @@
 //! Fills the outbox of a stopped service with the steps of alerts, from below: what is told and in which order is then
 //! known in advance.
 
-use crate::behind;
 use std::path::Path;
 
+use crate::behind;
 use gyrowatch::system::Clock;
 use serde_json::{Value, json};
 use sqlx::{Connection, SqliteConnection};

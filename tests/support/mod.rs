@@ -1,12 +1,12 @@
 //! The real service in a process of its own, on a free port, with a database in a fresh directory.
 
-use crate::{behind, cluster};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use crate::{behind, cluster};
 use gyrowatch::system;
 use reqwest::header::{HeaderMap, HeaderName, HeaderValue};
 use serde_json::Value;

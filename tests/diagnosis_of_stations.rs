@@ -140,6 +140,18 @@ fn what_is_outside_the_catalogue_is_described_by_what_it_depends_on() {
 }
 
 #[test]
+fn what_goes_with_temperature_and_rate_is_no_noise_that_grows_with_rate() {
+    // Each was said to have no gap, at d = 15 to 30.
+    for number in [11, 30, 51, 72] {
+        let simulated = CampaignKind::from_name("outside").unwrap().campaign(31_002, number);
+        assert_eq!(simulated.truth.family.as_deref(), Some("temperature_rate"));
+        let answer = answer(&wire::campaign::to_json(&simulated.campaign)).unwrap();
+        let by: Vec<&str> = answer.description.iter().map(|described| described.by.as_str()).collect();
+        assert!(answer.verdict == "unexplained" && by.contains(&"temperature_and_rate"), "{number}: {answer:?}");
+    }
+}
+
+#[test]
 fn what_an_outside_cause_depends_on_is_something_that_a_description_can_say() {
     for name in FAMILIES.iter().flat_map(|family| depends_on(family)) {
         assert!(Variable::from_name(name).is_some(), "{name}");

@@ -105,9 +105,9 @@ pub(crate) struct Weighed<'a> {
     pub shared: Option<(f64, Shared)>,
 }
 
-/// The law by which the noise goes, where it is likelier than what is stated, with `found` in the model: the campaign
-/// with it.
-pub(crate) fn likelier_law(frame: &Frame, bank: &Bank, found: &[Choice]) -> Option<(Law, Frame)> {
+/// The law by which the noise goes, where it is likelier than what is stated, with `found` in the model: ln of its odds,
+/// and the campaign with it.
+pub(crate) fn likelier_law(frame: &Frame, bank: &Bank, found: &[Choice]) -> Option<(f64, Law, Frame)> {
     if !frame.noise.stated {
         return None;
     }
@@ -121,7 +121,7 @@ pub(crate) fn likelier_law(frame: &Frame, bank: &Bank, found: &[Choice]) -> Opti
         Some((odds.ln() + log_likelihood(&changed, &columns, pooled) - as_stated, law, changed))
     });
     let (gain, law, changed) = tried.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (gain > 0.0).then_some((law, changed))
+    (gain > 0.0).then_some((gain, law, changed))
 }
 
 impl NoiseModels {

@@ -149,7 +149,11 @@ impl Settled {
         let (mut laws, mut rebased) = (Vec::new(), None::<Self>);
         while laws.len() < MOST_LAWS {
             let now = rebased.as_ref().unwrap_or(self);
-            let Some((law, frame)) = likelier_law(&now.frame, &now.bank, &now.found) else { break };
+            let Some((gain, law, frame)) = likelier_law(&now.frame, &now.bank, &now.found) else { break };
+            // Scatter that goes with something is no noise.
+            if now.likeliest_component() > gain {
+                break;
+            }
             laws.push(law);
             rebased = Some(Self::of(frame)?);
         }
@@ -195,6 +199,15 @@ impl Settled {
             closer.another_form = true;
         }
         Ok(closer)
+    }
+
+    /// ln of the odds that the residuals beside what was found go with some component, of which each is as likely,
+    /// taken at the best of them.
+    fn likeliest_component(&self) -> f64 {
+        let state = each_by_itself(&self.frame, self.search().extras(&self.found));
+        let all = components(&self.frame.setting);
+        let evidence = all.iter().map(|component| component.evidence(&self.frame, &state));
+        evidence.fold(of_single_dwells(&state), f64::max) - ((all.len() + 1) as f64).ln()
     }
 
     fn noise_beside(&self, found: &[Choice]) -> Found {

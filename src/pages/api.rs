@@ -7,6 +7,7 @@ use maud::{Markup, html};
 use serde_json::{Map, Value};
 
 use super::layout::{Page, Section, encoded, with_symbols};
+use super::table::wide_table;
 use super::text::Text;
 use super::viewer::Visit;
 use crate::message;
@@ -154,17 +155,14 @@ fn operation(t: &Text, api: &Value, one: &Operation<'_>, url: &str) -> Markup {
             (prose(word(&said["summary"])))
             (prose(word(&said["description"])))
             @if list(&said["parameters"]).next().is_some() {
-                div.scroll tabindex="0" { table.small {
-                    thead { tr { th { (t.parameter) } th { (t.place) } th { (t.kind) } th { (t.meaning_word) } } }
-                    tbody { @for one in list(&said["parameters"]) {
-                        tr {
-                            th scope="row" { code { (word(&one["name"])) } }
-                            td { code { (word(&one["in"])) } }
-                            td { (kind(&one["schema"])) }
-                            td { (meaning(t, one, one["required"] == true)) }
-                        }
-                    } }
-                } }
+                (wide_table("small", html! {
+                    th { (t.parameter) } th { (t.place) } th { (t.kind) } th { (t.meaning_word) }
+                }, html! { @for one in list(&said["parameters"]) { tr {
+                    th scope="row" { code { (word(&one["name"])) } }
+                    td { code { (word(&one["in"])) } }
+                    td { (kind(&one["schema"])) }
+                    td { (meaning(t, one, one["required"] == true)) }
+                } } }))
             }
             @for (media_type, content) in object(body) {
                 h3 { (t.request_body) (t.colon) code { (media_type) } " " (kind(&content["schema"])) }
@@ -172,18 +170,15 @@ fn operation(t: &Text, api: &Value, one: &Operation<'_>, url: &str) -> Markup {
                 (example(t, api, content))
             }
             h3 { (t.answers) }
-            div.scroll tabindex="0" { table.small {
-                thead { tr { th { (t.status_word) } th { (t.meaning_word) } th { (t.kind) } } }
-                tbody { @for (status, answer) in object(&said["responses"]) {
-                    tr {
-                        th scope="row" { (status) }
-                        td lang="en" { (inline(word(&answer["description"]))) }
-                        td { @for (media_type, content) in object(&answer["content"]) {
-                            code { (media_type) } " " (kind(&content["schema"])) " "
-                        } }
-                    }
+            (wide_table("small", html! {
+                th { (t.status_word) } th { (t.meaning_word) } th { (t.kind) }
+            }, html! { @for (status, answer) in object(&said["responses"]) { tr {
+                th scope="row" { (status) }
+                td lang="en" { (inline(word(&answer["description"]))) }
+                td { @for (media_type, content) in object(&answer["content"]) {
+                    code { (media_type) } " " (kind(&content["schema"])) " "
                 } }
-            } }
+            } } }))
             // What was there before is answered as what is new.
             @let good = object(&said["responses"]).filter(|(status, _)| status.starts_with('2'));
             @let answers: BTreeMap<&String, &Value> = good.flat_map(|(_, answer)| object(&answer["content"])).collect();
@@ -216,16 +211,13 @@ fn members(t: &Text, schema: &Value) -> Markup {
     html! {
         @if found.is_empty() { p { (kind(schema)) } }
         @else {
-            div.scroll tabindex="0" { table.small {
-                thead { tr { th { (t.member) } th { (t.kind) } th { (t.meaning_word) } } }
-                tbody { @for (name, schema, required) in &found {
-                    tr {
-                        th scope="row" { code { (name) } }
-                        td { (kind(schema)) }
-                        td { (meaning(t, schema, *required)) }
-                    }
-                } }
-            } }
+            (wide_table("small", html! {
+                th { (t.member) } th { (t.kind) } th { (t.meaning_word) }
+            }, html! { @for (name, schema, required) in &found { tr {
+                th scope="row" { code { (name) } }
+                td { (kind(schema)) }
+                td { (meaning(t, schema, *required)) }
+            } } }))
         }
     }
 }

@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use super::figure;
 use super::layout::{DRIFTS, instant, symbol};
+use super::table::wide_table;
 use super::viewer::Viewer;
 use crate::config::JudgedMethod;
 use crate::core::figures::Figures;
@@ -20,13 +21,10 @@ pub(super) fn section(viewer: &Viewer, course: &Course, method: JudgedMethod) ->
             section #tests {
                 h2 { (t.before_after) }
                 p.note { (t.before_after_test_note) " " (t.unit) }
-                div.scroll tabindex="0" { table.cards {
-                    thead { tr {
-                        th { (t.event(Event::EnvironmentalTest)) } th { (t.coefficient) } th.n { (t.last_before) } th.n { (t.first_after) }
-                        th.n { (t.difference) } th.n { (t.limit) } th { (t.status_word) }
-                    } }
-                    tbody { @for test in course.tests.iter().rev() { @for column in 0..2 { (line(viewer, course, test, (method, column))) } } }
-                } }
+                (wide_table("cards", html! {
+                    th { (t.event(Event::EnvironmentalTest)) } th { (t.coefficient) } th.n { (t.last_before) } th.n { (t.first_after) }
+                    th.n { (t.difference) } th.n { (t.limit) } th { (t.status_word) }
+                }, html! { @for test in course.tests.iter().rev() { @for column in 0..2 { (line(viewer, course, test, (method, column))) } } }))
             }
         }
     }

@@ -9,6 +9,7 @@ use maud::{Markup, html};
 use super::layout::{Page, Section, encoded, instant, label, symbol};
 use super::notes::noted;
 use super::parameters::{self, Parameters};
+use super::table::wide_table;
 use super::text::Text;
 use super::verdicts::{self, SeenVerdict};
 use super::viewer::{Viewer, Visit};
@@ -112,26 +113,21 @@ fn closure(
                 @else { strong { (slots.join(", ")) } ": " (t.closure_stands_out) }
                 " " a href={ "/v1/records/" (id) "/diagnosis" } { "JSON" }
             }
-            div.scroll tabindex="0" { table.cards {
-                thead { tr {
-                    th { (t.serial) } th.n { (symbol("D_O")) } th.n { (t.adjusted_p) }
-                    th.n { (t.if_clocked) ", ′" } th.n { (t.if_clocked) ", " (symbol("D_S")) }
-                } }
-                tbody { @for gyro in &closures.gyros {
-                    tr {
-                        th scope="row" { (gyro.slot.name()) " " (serial(gyro.slot)) }
-                        td.n { (label("", "D_O")) (figure::signed_drift(gyro.d_o, gyro.sd)) }
-                        td.n data-label=(t.adjusted_p) { @if let Some(p) = gyro.p_value { (figure::short(p)) } @else { "–" } }
-                        td.n data-label={ (t.if_clocked) ", ′" } {
-                            @if gyro.stands_out { (figure::signed(60.0 * gyro.clocking.to_degrees(), 1)) } @else { "–" }
-                        }
-                        td.n {
-                            (label(t.if_clocked, "D_S"))
-                            @if gyro.stands_out { (figure::drift(gyro.d_s, gyro.sd)) " → " (figure::drift(gyro.d_s + gyro.d_s_shift, gyro.sd)) } @else { "–" }
-                        }
-                    }
-                } }
-            } }
+            (wide_table("cards", html! {
+                th { (t.serial) } th.n { (symbol("D_O")) } th.n { (t.adjusted_p) }
+                th.n { (t.if_clocked) ", ′" } th.n { (t.if_clocked) ", " (symbol("D_S")) }
+            }, html! { @for gyro in &closures.gyros { tr {
+                th scope="row" { (gyro.slot.name()) " " (serial(gyro.slot)) }
+                td.n { (label("", "D_O")) (figure::signed_drift(gyro.d_o, gyro.sd)) }
+                td.n data-label=(t.adjusted_p) { @if let Some(p) = gyro.p_value { (figure::short(p)) } @else { "–" } }
+                td.n data-label={ (t.if_clocked) ", ′" } {
+                    @if gyro.stands_out { (figure::signed(60.0 * gyro.clocking.to_degrees(), 1)) } @else { "–" }
+                }
+                td.n {
+                    (label(t.if_clocked, "D_S"))
+                    @if gyro.stands_out { (figure::drift(gyro.d_s, gyro.sd)) " → " (figure::drift(gyro.d_s + gyro.d_s_shift, gyro.sd)) } @else { "–" }
+                }
+            } } }))
             p.note { (t.unit) }
             @if !beyond.is_empty() {
                 h3 { (t.measure_next) }
@@ -228,24 +224,19 @@ fn quality(viewer: &Viewer, fits: &[GyroFitBody]) -> Markup {
     let t = viewer.text();
     let short = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), figure::short);
     html! {
-        div.scroll tabindex="0" { table.cards {
-            thead { tr {
-                th { (t.serial) } th.n { (t.rank) } th.n { (t.freedom) } th.n { "χ²/" (t.freedom) } th.n { "p, " (t.lack_of_fit) }
-                th.n { (t.noise) ", " (t.rate_unit) } th.n { (t.sem_factor) } th { (t.noise_from) }
-            } }
-            tbody { @for gyro in fits {
-                tr {
-                    th scope="row" { (gyro.slot.name()) " " (gyro.serial) }
-                    td.n data-label=(t.rank) { (gyro.rank) " / " (gyro.parameters.len()) }
-                    td.n data-label=(t.freedom) { (gyro.dof) }
-                    td.n data-label="χ²/ν" { (short(gyro.reduced_chi2)) }
-                    td.n data-label={ "p, " (t.lack_of_fit) } { (short(gyro.p_value)) }
-                    td.n data-label={ (t.noise) ", " (t.rate_unit) } { (short(gyro.noise.rms_deg_per_h)) }
-                    td.n data-label=(t.sem_factor) { (short(gyro.noise.sem_factor)) }
-                    td data-label=(t.noise_from) { (t.noise_source(&gyro.noise.source)) }
-                }
-            } }
-        } }
+        (wide_table("cards", html! {
+            th { (t.serial) } th.n { (t.rank) } th.n { (t.freedom) } th.n { "χ²/" (t.freedom) } th.n { "p, " (t.lack_of_fit) }
+            th.n { (t.noise) ", " (t.rate_unit) } th.n { (t.sem_factor) } th { (t.noise_from) }
+        }, html! { @for gyro in fits { tr {
+            th scope="row" { (gyro.slot.name()) " " (gyro.serial) }
+            td.n data-label=(t.rank) { (gyro.rank) " / " (gyro.parameters.len()) }
+            td.n data-label=(t.freedom) { (gyro.dof) }
+            td.n data-label="χ²/ν" { (short(gyro.reduced_chi2)) }
+            td.n data-label={ "p, " (t.lack_of_fit) } { (short(gyro.p_value)) }
+            td.n data-label={ (t.noise) ", " (t.rate_unit) } { (short(gyro.noise.rms_deg_per_h)) }
+            td.n data-label=(t.sem_factor) { (short(gyro.noise.sem_factor)) }
+            td data-label=(t.noise_from) { (t.noise_source(&gyro.noise.source)) }
+        } } }))
     }
 }
 
@@ -273,16 +264,14 @@ fn residual_table(viewer: &Viewer, fits: &[GyroFitBody]) -> Markup {
             summary { (t.every_residual) }
             div.scroll.tall tabindex="0" { table {
                 thead { tr { th.n { (t.dwell) } @for gyro in fits { th.n { (gyro.serial) ", " (t.rate_unit) } th.n { "σ" } } } }
-                tbody { @for dwell in 0..dwells {
-                    tr {
-                        td.n { (dwell) }
-                        @for gyro in fits {
-                            @let of = |list: &Option<Vec<f64>>| list.as_ref().and_then(|list| list.get(dwell).copied());
-                            td.n { @if let Some(value) = of(&gyro.residuals.deg_per_h) { (figure::short(value)) } }
-                            td.n { @if let Some(value) = of(&gyro.residuals.standardised) { (format!("{value:+.1}")) } }
-                        }
+                tbody { @for dwell in 0..dwells { tr {
+                    td.n { (dwell) }
+                    @for gyro in fits {
+                        @let of = |list: &Option<Vec<f64>>| list.as_ref().and_then(|list| list.get(dwell).copied());
+                        td.n { @if let Some(value) = of(&gyro.residuals.deg_per_h) { (figure::short(value)) } }
+                        td.n { @if let Some(value) = of(&gyro.residuals.standardised) { (format!("{value:+.1}")) } }
                     }
-                } }
+                } } }
             } }
         }
     }

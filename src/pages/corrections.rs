@@ -6,6 +6,7 @@ use maud::{Markup, html};
 
 use super::form::{ActionForm, ItemAction, Word, see_other};
 use super::layout::{DRIFTS, Section, encoded, instant, label, symbol};
+use super::table::wide_table;
 use super::text::Text;
 use super::viewer::Viewer;
 use super::{Pages, figure};
@@ -46,17 +47,14 @@ impl ItemAction for VoidCalibration {
                 " · " (t.station) " " (item.station)
                 " · " (t.calibrated) " " (instant(item.calibrated_at))
             }
-            div.scroll tabindex="0" { table.cards {
-                thead { tr { th { (t.serial) } th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } } }
-                tbody { @for one in &stored.answer.separations {
-                    tr {
-                        th scope="row" { (one.slot.name()) " " (one.serial) }
-                        @for (value, name) in [&one.d_i, &one.d_s, &one.d_o].into_iter().zip(DRIFTS) {
-                            td.n { (label("", name)) (figure::drift(value.value, value.sd)) }
-                        }
-                    }
-                } }
-            } }
+            (wide_table("cards", html! {
+                th { (t.serial) } th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) }
+            }, html! { @for one in &stored.answer.separations { tr {
+                th scope="row" { (one.slot.name()) " " (one.serial) }
+                @for (value, name) in [&one.d_i, &one.d_s, &one.d_o].into_iter().zip(DRIFTS) {
+                    td.n { (label("", name)) (figure::drift(value.value, value.sd)) }
+                }
+            } } }))
         };
         let place = if campaign { "campaigns" } else { "records" };
         let home = format!("/{place}/{number}");

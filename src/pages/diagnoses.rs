@@ -12,6 +12,7 @@ use super::figure::percent;
 use super::form::{fault_list, see_other};
 use super::layout::{Page, Section, effect_named, encoded, symbol, written};
 use super::residuals::closure_bar;
+use super::table::wide_table;
 use super::text::Text;
 use super::viewer::Visit;
 use crate::core::access::Role;
@@ -153,35 +154,27 @@ fn shown(t: &Text, summary: &SummaryBody, filters: &Filters) -> Markup {
 
 fn overview(t: &Text, effects: &[OverviewBody]) -> Markup {
     html! {
-        div.scroll tabindex="0" { table {
-            thead { tr {
-                th { (t.effect) } th { (t.imu) } th.n.capital { (t.gyros) } th { (t.station) } th.n { (t.campaigns) }
-                th { (t.first_seen) } th { (t.last_seen_in) }
-            } }
-            tbody { @for one in effects {
-                tr {
-                    th.words scope="row" { a href={ "/diagnoses?effect=" (encoded(&one.effect)) } { (effect_named(t, &one.effect)) } }
-                    td.words { @for (i, imu) in one.imus.iter().enumerate() { @if i > 0 { ", " } (imu_link(imu)) } }
-                    td.n { (one.gyros) }
-                    td.words translate="no" { (names(&one.stations)) }
-                    td.n { (one.campaigns) }
-                    td { (written(&one.first_at)) } td { (written(&one.last_at)) }
-                }
-            } }
-        } }
+        (wide_table("", html! {
+            th { (t.effect) } th { (t.imu) } th.n.capital { (t.gyros) } th { (t.station) } th.n { (t.campaigns) }
+            th { (t.first_seen) } th { (t.last_seen_in) }
+        }, html! { @for one in effects { tr {
+            th.words scope="row" { a href={ "/diagnoses?effect=" (encoded(&one.effect)) } { (effect_named(t, &one.effect)) } }
+            td.words { @for (i, imu) in one.imus.iter().enumerate() { @if i > 0 { ", " } (imu_link(imu)) } }
+            td.n { (one.gyros) }
+            td.words translate="no" { (names(&one.stations)) }
+            td.n { (one.campaigns) }
+            td { (written(&one.first_at)) } td { (written(&one.last_at)) }
+        } } }))
     }
 }
 
 fn findings(t: &Text, all: &[FindingBody]) -> Markup {
     html! {
-        div.scroll tabindex="0" { table.findings {
-            thead { tr {
-                th { (t.effect) } th { (t.serial) } th { (t.imu) } th { (t.station) } th { (t.last_clear) } th { (t.first_seen) }
-                th { (t.last_seen_in) } th.n { (t.campaigns) } th { (t.closed) }
-                th.n { (t.shift) " " (symbol("D_I")) } th.n { (t.shift) " " (symbol("D_S")) }
-            } }
-            tbody { @for one in all { (finding(t, one)) } }
-        } }
+        (wide_table("findings", html! {
+            th { (t.effect) } th { (t.serial) } th { (t.imu) } th { (t.station) } th { (t.last_clear) } th { (t.first_seen) }
+            th { (t.last_seen_in) } th.n { (t.campaigns) } th { (t.closed) }
+            th.n { (t.shift) " " (symbol("D_I")) } th.n { (t.shift) " " (symbol("D_S")) }
+        }, html! { @for one in all { (finding(t, one)) } }))
     }
 }
 
@@ -215,23 +208,18 @@ fn finding(t: &Text, one: &FindingBody) -> Markup {
 
 fn doubts(t: &Text, all: &[DoubtBody]) -> Markup {
     html! {
-        div.scroll tabindex="0" { table {
-            thead { tr {
-                th { (t.imu) } th { (t.verdict_word) } th { (t.serial) } th { (t.signs_word) } th { (t.station) }
-                th.n { (t.campaigns) } th { (t.first_seen) } th { (t.last_seen_in) }
-            } }
-            tbody { @for one in all {
-                tr {
-                    th scope="row" { (imu_link(&one.imu)) }
-                    td { (if one.verdict == "unexplained" { t.coverage_unexplained } else { t.coverage_partly_explained }) }
-                    td.words translate="no" { (names(&one.gyros)) }
-                    td.words { @for (i, sign) in one.signs.iter().enumerate() { @if i > 0 { "; " } (t.sign(sign)) } }
-                    td.words translate="no" { (names(&one.stations)) }
-                    td.n { (one.campaigns) " / " (one.of) }
-                    td { (sighting(&one.first)) } td { (sighting(&one.last)) }
-                }
-            } }
-        } }
+        (wide_table("", html! {
+            th { (t.imu) } th { (t.verdict_word) } th { (t.serial) } th { (t.signs_word) } th { (t.station) }
+            th.n { (t.campaigns) } th { (t.first_seen) } th { (t.last_seen_in) }
+        }, html! { @for one in all { tr {
+            th scope="row" { (imu_link(&one.imu)) }
+            td { (if one.verdict == "unexplained" { t.coverage_unexplained } else { t.coverage_partly_explained }) }
+            td.words translate="no" { (names(&one.gyros)) }
+            td.words { @for (i, sign) in one.signs.iter().enumerate() { @if i > 0 { "; " } (t.sign(sign)) } }
+            td.words translate="no" { (names(&one.stations)) }
+            td.n { (one.campaigns) " / " (one.of) }
+            td { (sighting(&one.first)) } td { (sighting(&one.last)) }
+        } } }))
     }
 }
 

@@ -6,6 +6,7 @@ use maud::{Markup, html};
 use super::chart::{Across, Chart, Dot, Track, bounds, millis, widened};
 use super::figure::{self, short};
 use super::layout::{effect_word, encoded, instant, symbol, written};
+use super::table::wide_table;
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::access::Role;
@@ -62,29 +63,24 @@ pub(super) fn versions(viewer: &Viewer, imu: &str, models: &[AdoptedModel]) -> M
         @if !models.is_empty() {
             section #models {
                 h2 { (t.adopted_models) }
-                div.scroll tabindex="0" { table {
-                    thead { tr {
-                        th { (t.adopted_at) } th { (t.model_word) }
-                        th { (symbol("D_I")) ", " (symbol("D_S")) " " (t.stated_at) } th.n { (t.campaigns_stated) }
-                        th { (t.author) } th { (t.reason_word) }
+                (wide_table("", html! {
+                    th { (t.adopted_at) } th { (t.model_word) }
+                    th { (symbol("D_I")) ", " (symbol("D_S")) " " (t.stated_at) } th.n { (t.campaigns_stated) }
+                    th { (t.author) } th { (t.reason_word) }
+                }, html! { @for (k, one) in models.iter().enumerate() { tr {
+                    td { (instant(one.adopted_at)) @if k == 0 {
+                        br; strong { (t.in_force) }
+                        @if may_undo { " " a href={ "/imus/" (encoded(imu)) "/model/undo" } { (t.undo) } }
                     } }
-                    tbody { @for (k, one) in models.iter().enumerate() {
-                        tr {
-                            td { (instant(one.adopted_at)) @if k == 0 {
-                                br; strong { (t.in_force) }
-                                @if may_undo { " " a href={ "/imus/" (encoded(imu)) "/model/undo" } { (t.undo) } }
-                            } }
-                            td.words { code translate="no" { (held(t, &one.model)) } }
-                            td.nowrap {
-                                @match one.model.identified.as_ref().and_then(|own| own.reference_c) {
-                                    Some(celsius) => { (format!("{celsius:.1} °C")) }
-                                    None => { "–" }
-                                }
-                            }
-                            td.n { (one.campaigns) } td { (one.author) } td.words { (one.reason) }
+                    td.words { code translate="no" { (held(t, &one.model)) } }
+                    td.nowrap {
+                        @match one.model.identified.as_ref().and_then(|own| own.reference_c) {
+                            Some(celsius) => { (format!("{celsius:.1} °C")) }
+                            None => { "–" }
                         }
-                    } }
-                } }
+                    }
+                    td.n { (one.campaigns) } td { (one.author) } td.words { (one.reason) }
+                } } }))
                 p.note { (t.adopted_models_note) }
             }
         }
@@ -255,25 +251,20 @@ fn against_model(t: &Text, changed: &ChangedBody) -> Markup {
     };
     html! {
         h3 { (t.effects_then_and_now) }
-        div.scroll tabindex="0" { table {
-            thead { tr {
-                th { (t.effect) } th { (t.serial) } th { (t.parameter) } th.n { (t.in_model) } th.n { (t.in_campaign) }
-                th.n { (t.adjusted_p) } th { (t.changed_word) }
-            } }
-            tbody { @for effect in &changed.effects { @for c in &effect.coefficients {
-                tr {
-                    td.words { (effect_word(t, &effect.effect)) }
-                    td { (if effect.slot == "all" { t.all_gyros } else { &effect.slot }) } td { (c.name) }
-                    td.n { (with(c, c.model, c.model_sd)) } td.n { (with(c, c.now, c.now_sd)) }
-                    td.n { (short(effect.p_value)) }
-                    td {
-                        @if effect.changed { strong { (t.yes) } }
-                        @else if effect.undecided { (t.cannot_tell) }
-                        @else { (t.no) }
-                    }
-                }
-            } } }
-        } }
+        (wide_table("", html! {
+            th { (t.effect) } th { (t.serial) } th { (t.parameter) } th.n { (t.in_model) } th.n { (t.in_campaign) }
+            th.n { (t.adjusted_p) } th { (t.changed_word) }
+        }, html! { @for effect in &changed.effects { @for c in &effect.coefficients { tr {
+            td.words { (effect_word(t, &effect.effect)) }
+            td { (if effect.slot == "all" { t.all_gyros } else { &effect.slot }) } td { (c.name) }
+            td.n { (with(c, c.model, c.model_sd)) } td.n { (with(c, c.now, c.now_sd)) }
+            td.n { (short(effect.p_value)) }
+            td {
+                @if effect.changed { strong { (t.yes) } }
+                @else if effect.undecided { (t.cannot_tell) }
+                @else { (t.no) }
+            }
+        } } } }))
         @if changed.effects.iter().any(|effect| effect.undecided) { p.note { (t.change_undecided) } }
         @for shift in &changed.shifts {
             p { (shift.slot) " " (symbol(&shift.coefficient)) " " (figure::signed_drift(shift.shift, Some(shift.sd)))

@@ -8,6 +8,7 @@ use serde::Deserialize;
 use tokio::time::Instant;
 
 use super::layout::{DRIFTS, Page, Section, encoded, instant, label, symbol};
+use super::table::wide_table;
 use super::verdicts::{self, SeenVerdict};
 use super::viewer::{Viewer, Visit};
 use super::{Pages, before_after, figure, gyro_attributes};
@@ -223,14 +224,11 @@ pub(super) fn calibration_table<'a>(
 ) -> Markup {
     let t = viewer.text();
     html! {
-        div.scroll tabindex="0" { table.cards {
-            thead { tr {
-                th { (t.calibrated) } th { (t.imu) } th { (t.station) }
-                th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (t.status_word) }
-                @if deeds { th.no-print { (t.actions_word) } }
-            } }
-            tbody { @for figures in rows { (calibration(viewer, shown, figures, (statuses, names), deeds)) } }
-        } }
+        (wide_table("cards", html! {
+            th { (t.calibrated) } th { (t.imu) } th { (t.station) }
+            th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (t.status_word) }
+            @if deeds { th.no-print { (t.actions_word) } }
+        }, html! { @for figures in rows { (calibration(viewer, shown, figures, (statuses, names), deeds)) } }))
     }
 }
 
@@ -280,15 +278,13 @@ fn benches(viewer: &Viewer, course: &Course) -> Markup {
                         th { (t.date) } th { (t.method) } th { (t.station) }
                         th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } @if may_void { th.no-print { (t.actions_word) } }
                     } }
-                    tbody { @for row in course.benches.iter().rev() {
-                        tr {
-                            td { (instant(row.measured_at)) }
-                            td { (t.method(row.method.name())) }
-                            td { (row.station) }
-                            @for i in 0..2 { td.n { (label("", DRIFTS[i])) (figure::drift(row.d[i], row.sd[i])) } }
-                            @if may_void { td.no-print { (void_link(viewer, "bench-results", row.id, row.measured_at)) } }
-                        }
-                    } }
+                    tbody { @for row in course.benches.iter().rev() { tr {
+                        td { (instant(row.measured_at)) }
+                        td { (t.method(row.method.name())) }
+                        td { (row.station) }
+                        @for i in 0..2 { td.n { (label("", DRIFTS[i])) (figure::drift(row.d[i], row.sd[i])) } }
+                        @if may_void { td.no-print { (void_link(viewer, "bench-results", row.id, row.measured_at)) } }
+                    } } }
                 } }
             }
         }

@@ -8,6 +8,7 @@ use super::course::Course;
 use super::figure;
 use super::gyro_head::{named, own_first};
 use super::layout::{Page, Section, encoded, symbol};
+use super::table::wide_table;
 use super::viewer::{Viewer, Visit};
 use crate::core::changes::{DriftBudget, HistoryDiagnosis};
 use crate::core::time::UtcMicros;
@@ -50,39 +51,31 @@ fn section(
             @for said in answer.besides(explained.as_of).into_iter().chain(answer.looked_at(explained.as_of.records)) { p { (t.words(&said)) } }
             (drawn(viewer, serial, answer, budget))
             @if !answer.causes.is_empty() {
-                div.scroll tabindex="0" { table.cards {
-                    thead { tr {
-                        th { (t.cause) } th { (t.tied_to) } th.n { (t.estimate) } th { (t.unit_word) }
-                        th.n { (t.change_closed) } th.n { (t.adjusted_p) }
-                    } }
-                    tbody { @for cause in own_first(answer) {
-                        tr {
-                            th scope="row" { (t.words(&cause.cause.word())) }
-                            td data-label=(t.tied_to) {
-                                (t.words(&cause.tie.message()))
-                                @if let Some(others) = cause.others() { ". " (t.words(&others)) }
-                            }
-                            td.n data-label=(t.estimate) { (figure::signed_drift(cause.estimate.value, Some(cause.estimate.sd))) }
-                            td data-label=(t.unit_word) { (t.unit_of(cause.estimate.unit)) }
-                            td.n data-label=(t.change_closed) { @if let Some(held_out) = cause.held_out { (figure::share(held_out.closure, Some(held_out.interval))) } }
-                            td.n data-label=(t.adjusted_p) { (format!("{:.1e}", cause.p_value_adjusted)) }
-                        }
-                    } }
-                } }
+                (wide_table("cards", html! {
+                    th { (t.cause) } th { (t.tied_to) } th.n { (t.estimate) } th { (t.unit_word) }
+                    th.n { (t.change_closed) } th.n { (t.adjusted_p) }
+                }, html! { @for cause in own_first(answer) { tr {
+                    th scope="row" { (t.words(&cause.cause.word())) }
+                    td data-label=(t.tied_to) {
+                        (t.words(&cause.tie.message()))
+                        @if let Some(others) = cause.others() { ". " (t.words(&others)) }
+                    }
+                    td.n data-label=(t.estimate) { (figure::signed_drift(cause.estimate.value, Some(cause.estimate.sd))) }
+                    td data-label=(t.unit_word) { (t.unit_of(cause.estimate.unit)) }
+                    td.n data-label=(t.change_closed) { @if let Some(held_out) = cause.held_out { (figure::share(held_out.closure, Some(held_out.interval))) } }
+                    td.n data-label=(t.adjusted_p) { (format!("{:.1e}", cause.p_value_adjusted)) }
+                } } }))
             }
             @if !answer.rejected.is_empty() {
                 details {
                     summary { (t.ruled_out) " (" (answer.rejected.len()) ")" }
-                    div.scroll tabindex="0" { table.cards {
-                        thead { tr { th { (t.cause) } th { (t.tied_to) } th { (t.why) } } }
-                        tbody { @for one in &answer.rejected {
-                            tr {
-                                th scope="row" { (t.words(&one.cause.word())) }
-                                td data-label=(t.tied_to) { (t.words(&one.tie.message())) }
-                                td data-label=(t.why) { (t.words(&one.why.message())) }
-                            }
-                        } }
-                    } }
+                    (wide_table("cards", html! {
+                        th { (t.cause) } th { (t.tied_to) } th { (t.why) }
+                    }, html! { @for one in &answer.rejected { tr {
+                        th scope="row" { (t.words(&one.cause.word())) }
+                        td data-label=(t.tied_to) { (t.words(&one.tie.message())) }
+                        td data-label=(t.why) { (t.words(&one.why.message())) }
+                    } } }))
                 }
             }
         }

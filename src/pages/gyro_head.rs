@@ -6,6 +6,7 @@ use super::gyro_facts::Facts;
 use super::history::seat;
 use super::history_plot::epoch_of;
 use super::layout::{DRIFTS, day, encoded, instant, symbol};
+use super::table::wide_table;
 use super::text::Text;
 use super::verdicts::SeenVerdict;
 use super::viewer::Viewer;
@@ -207,13 +208,10 @@ pub(super) fn head(
 pub(super) fn loads(t: &Text, stands: &[Stand]) -> Markup {
     html! {
         @if !stands.is_empty() {
-            div.scroll tabindex="0" { table.loads {
-                thead { tr {
-                    th { (t.coefficient) } th.n { (t.load) } td.bars {} th { (t.status_word) }
-                    th.n { (t.axis_deviation) ", " (t.unit) } th.n { (t.value) } th.n.capital { (t.baseline_word) }
-                } }
-                tbody { @for stand in stands { (load_row(t, stand)) } }
-            } }
+            (wide_table("loads", html! {
+                th { (t.coefficient) } th.n { (t.load) } td.bars {} th { (t.status_word) }
+                th.n { (t.axis_deviation) ", " (t.unit) } th.n { (t.value) } th.n.capital { (t.baseline_word) }
+            }, html! { @for stand in stands { (load_row(t, stand)) } }))
         }
     }
 }

@@ -6,6 +6,7 @@ mod deliveries;
 use maud::{Markup, html};
 
 use super::layout::{Page, Section, written};
+use super::table::wide_table;
 use super::viewer::{Viewer, Visit};
 use super::{Pages, status};
 use crate::core::access::Role;
@@ -25,13 +26,10 @@ pub(super) async fn page(Visit { ref pages, ref viewer }: Visit) -> Result<Page,
         p.note { (t.hooks_note) }
         @if viewer.may(Role::Admin) { p { a.action href="/hooks/new" { (t.add_hook) } } }
         @if hooks.is_empty() { p.lead { (t.no_hooks) } } @else {
-            div.scroll tabindex="0" { table.cards {
-                thead { tr {
-                    th { (t.hook) } th { (t.kind) } th { (t.hook_url) } th { (t.status_word) }
-                    th.n { (t.open_deliveries) } th.n { (t.dead_letters) } th { (t.actions_word) }
-                } }
-                tbody { @for hook in &hooks { (line(viewer, hook)) } }
-            } }
+            (wide_table("cards", html! {
+                th { (t.hook) } th { (t.kind) } th { (t.hook_url) } th { (t.status_word) }
+                th.n { (t.open_deliveries) } th.n { (t.dead_letters) } th { (t.actions_word) }
+            }, html! { @for hook in &hooks { (line(viewer, hook)) } }))
         }
     };
     Ok(Page { title: t.hooks.into(), section: Section::Hooks, body })

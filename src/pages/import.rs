@@ -23,6 +23,7 @@ use self::multipart::Upload;
 use super::fleet::violated;
 use super::layout::{DRIFTS, Page, Section, day, encoded, instant, symbol};
 use super::notes::noted;
+use super::table::wide_table;
 use super::text::Text;
 use super::viewer::{Viewer, Visit};
 use super::{bullet, figure, off_the_loop, status};
@@ -532,26 +533,24 @@ fn foreseen(t: &Text, calibration: &Calibration, forecast: &Forecast) -> Markup 
                 th.n { (t.last_value) } th { (t.date) } th.n { (t.change_of_budget) } th.n { (t.load_word) } th { (t.status_word) }
             } }
             @for (gyro, foreseen) in calibration.gyros.iter().zip(&forecast.gyros) {
-                tbody { @for (column, name) in DRIFTS.into_iter().enumerate() {
-                    tr {
-                        @if column == 0 {
-                            td rowspan="3" { (gyro.slot.name()) }
-                            th scope="rowgroup" rowspan="3" {
-                                @if foreseen.is_known { a href={ "/gyros/" (encoded(gyro.serial.as_str())) } { (gyro.serial) } }
-                                @else { span translate="no" { (gyro.serial) } }
-                                br; (status::badge(t, Some(foreseen.status)))
-                            }
+                tbody { @for (column, name) in DRIFTS.into_iter().enumerate() { tr {
+                    @if column == 0 {
+                        td rowspan="3" { (gyro.slot.name()) }
+                        th scope="rowgroup" rowspan="3" {
+                            @if foreseen.is_known { a href={ "/gyros/" (encoded(gyro.serial.as_str())) } { (gyro.serial) } }
+                            @else { span translate="no" { (gyro.serial) } }
+                            br; (status::badge(t, Some(foreseen.status)))
                         }
-                        td { (symbol(name)) }
-                        td.n { (figure::drift(foreseen.d[column].value, foreseen.d[column].sd)) }
-                        @if let Some((at, last)) = &foreseen.last {
-                            td.n { (figure::drift(last[column].value, last[column].sd)) } td { (day(*at)) }
-                        } @else { td.n { "–" } td { (t.first_calibration) } }
-                        td.n { (share(foreseen.change[column])) }
-                        td.n { (share(foreseen.outlook.load[column])) }
-                        td { (status::badge(t, Some(foreseen.drift[column]))) }
                     }
-                } }
+                    td { (symbol(name)) }
+                    td.n { (figure::drift(foreseen.d[column].value, foreseen.d[column].sd)) }
+                    @if let Some((at, last)) = &foreseen.last {
+                        td.n { (figure::drift(last[column].value, last[column].sd)) } td { (day(*at)) }
+                    } @else { td.n { "–" } td { (t.first_calibration) } }
+                    td.n { (share(foreseen.change[column])) }
+                    td.n { (share(foreseen.outlook.load[column])) }
+                    td { (status::badge(t, Some(foreseen.drift[column]))) }
+                } } }
             }
         } }
     }
@@ -564,19 +563,18 @@ fn share(share: Option<Measured>) -> Markup {
 /// Where it is not held against what is stored.
 fn plain(calibration: &Calibration) -> Markup {
     html! {
-        div.scroll tabindex="0" { table {
-            thead { tr { td {} td {} @for name in DRIFTS { th.n { (symbol(name)) } } } }
-            tbody { @for gyro in &calibration.gyros {
-                @let rigid = &gyro.separation.rigid;
-                @let sd = rigid.sd();
-                tr {
-                    td { (gyro.slot.name()) } th scope="row" { (gyro.serial) }
-                    @for (i, value) in [rigid.d_i, rigid.d_s, rigid.d_o].into_iter().enumerate() {
-                        td.n { (figure::drift(value, sd.map(|sd| sd[i]))) }
-                    }
+        (wide_table("", html! {
+            td {} td {} @for name in DRIFTS { th.n { (symbol(name)) } }
+        }, html! { @for gyro in &calibration.gyros {
+            @let rigid = &gyro.separation.rigid;
+            @let sd = rigid.sd();
+            tr {
+                td { (gyro.slot.name()) } th scope="row" { (gyro.serial) }
+                @for (i, value) in [rigid.d_i, rigid.d_s, rigid.d_o].into_iter().enumerate() {
+                    td.n { (figure::drift(value, sd.map(|sd| sd[i]))) }
                 }
-            } }
-        } }
+            }
+        } }))
     }
 }
 

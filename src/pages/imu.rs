@@ -8,6 +8,7 @@ use maud::{Markup, html};
 use super::alerts::{self, is_open};
 use super::layout::{DRIFTS, Page, Section, encoded, instant, label, symbol};
 use super::parameters::{self, Parameters};
+use super::table::wide_table;
 use super::text::Text;
 use super::viewer::{Viewer, Visit};
 use super::{Pages, bullet, figure, forecast};
@@ -134,31 +135,28 @@ pub(super) fn seated(pages: &Pages, t: &Text, seats: &Seats) -> Markup {
 
 fn standings(pages: &Pages, t: &Text, gyros: &[Standing], when: &str) -> Markup {
     html! {
-        div.scroll tabindex="0" { table.cards {
-            thead { tr {
-                th { (t.slot) } th { (t.serial) } th { (t.status_word) }
-                th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (when) }
-            } }
-            tbody { @for gyro in gyros {
-                @if let Some(newest) = &gyro.newest {
-                    tr {
-                        td { (newest.slot.name()) }
-                        th scope="row" { a href={ "/gyros/" (encoded(&gyro.serial)) } { (gyro.serial) } }
-                        td { (status::badge(t, gyro.status)) " " (status::out_of_use(t, gyro.out_of_use)) }
-                        @for (column, measured) in sample_of(newest, pages.config.judging.method).d.into_iter().enumerate() {
-                            td.n {
-                                (label("", DRIFTS[column]))
-                                @if let Some(load) = gyro.outlook.load[column] {
-                                    strong { (bullet::percent(load)) (t.percent_sign) } br;
-                                    span.quiet { (figure::drift(measured.value, measured.sd)) }
-                                } @else { (figure::drift(measured.value, measured.sd)) }
-                            }
+        (wide_table("cards", html! {
+            th { (t.slot) } th { (t.serial) } th { (t.status_word) }
+            th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (when) }
+        }, html! { @for gyro in gyros {
+            @if let Some(newest) = &gyro.newest {
+                tr {
+                    td { (newest.slot.name()) }
+                    th scope="row" { a href={ "/gyros/" (encoded(&gyro.serial)) } { (gyro.serial) } }
+                    td { (status::badge(t, gyro.status)) " " (status::out_of_use(t, gyro.out_of_use)) }
+                    @for (column, measured) in sample_of(newest, pages.config.judging.method).d.into_iter().enumerate() {
+                        td.n {
+                            (label("", DRIFTS[column]))
+                            @if let Some(load) = gyro.outlook.load[column] {
+                                strong { (bullet::percent(load)) (t.percent_sign) } br;
+                                span.quiet { (figure::drift(measured.value, measured.sd)) }
+                            } @else { (figure::drift(measured.value, measured.sd)) }
                         }
-                        td { (instant(newest.at)) }
                     }
+                    td { (instant(newest.at)) }
                 }
-            } }
-        } }
+            }
+        } }))
         p.note { (t.load_word) ". " (t.unit) }
     }
 }

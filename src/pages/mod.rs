@@ -53,6 +53,7 @@ mod station;
 mod stations;
 mod status;
 mod suspect;
+mod table;
 mod text;
 mod today;
 mod upload_parts;

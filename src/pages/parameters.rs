@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 use maud::{Markup, html};
 
 use super::layout::encoded;
+use super::table::wide_table;
 use super::text::Text;
 use super::{figure, status};
 use crate::config::Judging;
@@ -111,25 +112,20 @@ fn table(
     let lines: Vec<(&Parameters, Option<Line>)> = gyros.iter().map(|gyro| (gyro, line(gyro))).collect();
     let with_norm = lines.iter().any(|(_, line)| line.as_ref().is_some_and(|(.., norm)| norm.is_some()));
     html! {
-        div.scroll tabindex="0" { table.parameters.cards {
-            thead { tr {
-                th { var { (symbol) } ", " (unit) } th.n { "X" } th.n { "Y" } th.n { "Z" }
-                @if with_norm { th.n { "|" (symbol) "|" } }
-            } }
-            tbody { @for (gyro, line) in &lines {
-                tr {
-                    th scope="row" { (gyro.slot.name()) " " a href={ "/gyros/" (encoded(&gyro.serial)) } { (gyro.serial) } }
-                    @if let Some((three, bounds, norm)) = line {
-                        @for (i, axis) in ["X", "Y", "Z"].into_iter().enumerate() {
-                            (cell(t, &format!("{symbol} {axis}, {unit}"), three.values[i], three.sd[i], bounds[i]))
-                        }
-                        @if let Some((length, bounds)) = norm { (cell(t, &format!("|{symbol}|, {unit}"), *length, None, *bounds)) }
-                    } @else {
-                        td.quiet colspan="4" { (t.not_determined) }
-                    }
+        (wide_table("parameters cards", html! {
+            th { var { (symbol) } ", " (unit) } th.n { "X" } th.n { "Y" } th.n { "Z" }
+            @if with_norm { th.n { "|" (symbol) "|" } }
+        }, html! { @for (gyro, line) in &lines { tr {
+            th scope="row" { (gyro.slot.name()) " " a href={ "/gyros/" (encoded(&gyro.serial)) } { (gyro.serial) } }
+            @if let Some((three, bounds, norm)) = line {
+                @for (i, axis) in ["X", "Y", "Z"].into_iter().enumerate() {
+                    (cell(t, &format!("{symbol} {axis}, {unit}"), three.values[i], three.sd[i], bounds[i]))
                 }
-            } }
-        } }
+                @if let Some((length, bounds)) = norm { (cell(t, &format!("|{symbol}|, {unit}"), *length, None, *bounds)) }
+            } @else {
+                td.quiet colspan="4" { (t.not_determined) }
+            }
+        } } }))
     }
 }
 

@@ -7,6 +7,7 @@ use serde::Deserialize;
 use super::Pages;
 use super::figure::{self, short};
 use super::layout::{instant, symbol, written};
+use super::table::wide_table;
 use super::text::Text;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
@@ -109,19 +110,13 @@ pub(super) fn parts(t: &Text, split: &SplitBody) -> Markup {
     let rows = [(t.all_gyros, &split.all)].into_iter().chain(gyros);
     html! {
         p.note { span translate="no" { (split.station) } " · " (written(&split.measured_at)) " · " (t.against_note) }
-        div.scroll tabindex="0" { table {
-            thead { tr {
-                th { (t.serial) } th.n { (t.whole_gap) } th.n { (t.part_parameters) } th.n { (t.part_structure) }
-                th.n { (t.part_noise) } th.n { (t.p_parameters) }
-            } }
-            tbody { @for (slot, p) in rows { (part_row(slot, p)) } }
-        } }
-        div.scroll tabindex="0" { table {
-            thead { tr {
-                th { (t.serial) } th { (t.coefficient) } th.n { (t.reference) } th.n { (t.now) } th.n { (t.shift) } th.n { "1 σ" } th { (t.unit_word) }
-            } }
-            tbody { @for moved in &split.moved { (moved_row(t, moved)) } }
-        } }
+        (wide_table("", html! {
+            th { (t.serial) } th.n { (t.whole_gap) } th.n { (t.part_parameters) } th.n { (t.part_structure) }
+            th.n { (t.part_noise) } th.n { (t.p_parameters) }
+        }, html! { @for (slot, p) in rows { (part_row(slot, p)) } }))
+        (wide_table("", html! {
+            th { (t.serial) } th { (t.coefficient) } th.n { (t.reference) } th.n { (t.now) } th.n { (t.shift) } th.n { "1 σ" } th { (t.unit_word) }
+        }, html! { @for moved in &split.moved { (moved_row(t, moved)) } }))
         @if !split.notes.is_empty() { ul { @for note in &split.notes { li { (note) } } } }
     }
 }

@@ -12,6 +12,7 @@ use tokio::time::Instant;
 use super::gyro::{agreement, calibration_table, explained};
 use super::gyro_facts::{Facts, MOST_ROWS};
 use super::layout::{DRIFTS, Page, Section, instant, symbol};
+use super::table::wide_table;
 use super::text::Text;
 use super::viewer::{Viewer, Visit};
 use super::{Pages, before_after, figure, gyro_head, history_plot, imu, verdicts};
@@ -122,15 +123,12 @@ async fn rested_on(pages: &Pages, facts: &Facts) -> Result<Vec<RestedOn>, Proble
 fn hashes(t: &Text, rested_on: &[RestedOn]) -> Markup {
     html! {
         @if !rested_on.is_empty() {
-            div.scroll tabindex="0" { table.small {
-                thead { tr { th { (t.records_judged) } th { (t.calibrated) } th { (t.identifier) } th { "SHA-256" } } }
-                tbody { @for one in rested_on {
-                    tr {
-                        td { (one.what) } td { (instant(one.at)) }
-                        td { a href={ "/records/" (one.id) } { code { (one.id) } } } td { code { (one.sha256) } }
-                    }
-                } }
-            } }
+            (wide_table("small", html! {
+                th { (t.records_judged) } th { (t.calibrated) } th { (t.identifier) } th { "SHA-256" }
+            }, html! { @for one in rested_on { tr {
+                td { (one.what) } td { (instant(one.at)) }
+                td { a href={ "/records/" (one.id) } { code { (one.id) } } } td { code { (one.sha256) } }
+            } } }))
         }
     }
 }
@@ -153,27 +151,24 @@ fn limits(t: &Text, limits: &Limits) -> Markup {
     };
     let rules = Rule::ALL.map(|rule| (rule, of_rule(rule))).into_iter();
     html! { div {
-        div.scroll tabindex="0" { table.small {
-            thead { tr {
-                th { (t.limits_in_force) } @for name in DRIFTS { th.n { (symbol(name)) } } th { (t.set_by) }
-            } }
-            tbody {
-                @for (rule, all) in rules.filter(|(_, all)| all.iter().any(Option::is_some)) {
-                    tr {
-                        td { (t.rule(rule)) }
-                        @for limit in &all { td.n { @if let Some(limit) = limit { (figure::limit(rule, *limit)) } } }
-                        @let keys = all.iter().flatten().map(|limit| limit.from.to_string());
-                        td { @for key in keys.collect::<BTreeSet<String>>() { code { (key) } " " } }
-                    }
-                }
-                @if let Some(limit) = &limits.interval_days {
-                    tr {
-                        td { (t.rule(Rule::Overdue)) } td.n colspan="3" { (limit.value) " " (t.days) }
-                        td { code { (limit.from) } }
-                    }
+        (wide_table("small", html! {
+            th { (t.limits_in_force) } @for name in DRIFTS { th.n { (symbol(name)) } } th { (t.set_by) }
+        }, html! {
+            @for (rule, all) in rules.filter(|(_, all)| all.iter().any(Option::is_some)) {
+                tr {
+                    td { (t.rule(rule)) }
+                    @for limit in &all { td.n { @if let Some(limit) = limit { (figure::limit(rule, *limit)) } } }
+                    @let keys = all.iter().flatten().map(|limit| limit.from.to_string());
+                    td { @for key in keys.collect::<BTreeSet<String>>() { code { (key) } " " } }
                 }
             }
-        } }
+            @if let Some(limit) = &limits.interval_days {
+                tr {
+                    td { (t.rule(Rule::Overdue)) } td.n colspan="3" { (limit.value) " " (t.days) }
+                    td { code { (limit.from) } }
+                }
+            }
+        }))
         p.note { (t.unit) " · " (t.confidence_word) " " (figure::percent(limits.confidence)) }
     } }
 }

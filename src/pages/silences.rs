@@ -7,6 +7,7 @@ use serde::Deserialize;
 use super::Pages;
 use super::form::{ActionForm, ItemAction, Word, rule_choice, see_other};
 use super::layout::{Page, Section, remark, written};
+use super::table::wide_table;
 use super::text::Text;
 use super::viewer::{Viewer, Visit};
 use crate::core::access::Role;
@@ -54,17 +55,14 @@ pub(super) async fn list(pages: &Pages, viewer: &Viewer) -> Result<Markup, Probl
         @if may { p.actions.no-print { a.action href="/silences/new" { (t.silence_many) } } }
         @if !silences.is_empty() {
             h2 { (t.silences) }
-            div.scroll tabindex="0" { table {
-                thead { tr { th { (t.silence_of) } th { (t.until) } th { (t.reason_word) } @if may { th { (t.actions_word) } } } }
-                tbody { @for silence in &silences {
-                    tr {
-                        th.words scope="row" { (of(viewer, &silence.matchers)) }
-                        td data-label=(t.until) { (written(&silence.until)) }
-                        td.words { (remark(t.said_by, &silence.by, &silence.reason)) }
-                        @if may { td { a href={ "/silences/" (silence.id) "/end" } { (t.end_silence) } } }
-                    }
-                } }
-            } }
+            (wide_table("", html! {
+                th { (t.silence_of) } th { (t.until) } th { (t.reason_word) } @if may { th { (t.actions_word) } }
+            }, html! { @for silence in &silences { tr {
+                th.words scope="row" { (of(viewer, &silence.matchers)) }
+                td data-label=(t.until) { (written(&silence.until)) }
+                td.words { (remark(t.said_by, &silence.by, &silence.reason)) }
+                @if may { td { a href={ "/silences/" (silence.id) "/end" } { (t.end_silence) } } }
+            } } }))
         }
     })
 }

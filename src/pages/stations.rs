@@ -6,6 +6,7 @@ use super::alerts::is_open_of;
 use super::bullet;
 use super::layout::{DRIFTS, Page, Section, day, encoded, label, symbol};
 use super::station::changes;
+use super::table::wide_table;
 use super::text::Text;
 use super::viewer::Visit;
 use crate::core::alert_filter::AlertFilter;
@@ -25,19 +26,16 @@ pub(super) async fn page(Visit { ref pages, ref viewer }: Visit) -> Result<Page,
         h1 { (t.stations) }
         @if let Some(found) = &found {
             p.note { (t.offset_against) " " (found.against) ". " (t.stations_note) }
-            div.scroll tabindex="0" { table.cards {
-                thead { tr {
-                    th { (t.station) } th.capital { (t.alerts) }
-                    @for name in DRIFTS.iter().take(2) { th.nowrap { (t.offset) " " (symbol(name)) } }
-                    th { (t.repeatability_short) } th { (t.drift_a_year) } th { (t.last_step) }
-                    th.n.capital { (t.overdue_gyros) } th { (t.last_seen) }
-                } }
-                tbody { @for station in stations {
-                    @let is_open = |alert: &&_| is_open_of(alert, &station.name);
-                    @let alerts = told.iter().filter(is_open).count();
-                    (line(t, station, budget, alerts, overdue.get(&*station.name).copied().unwrap_or_default()))
-                } }
-            } }
+            (wide_table("cards", html! {
+                th { (t.station) } th.capital { (t.alerts) }
+                @for name in DRIFTS.iter().take(2) { th.nowrap { (t.offset) " " (symbol(name)) } }
+                th { (t.repeatability_short) } th { (t.drift_a_year) } th { (t.last_step) }
+                th.n.capital { (t.overdue_gyros) } th { (t.last_seen) }
+            }, html! { @for station in stations {
+                @let is_open = |alert: &&_| is_open_of(alert, &station.name);
+                @let alerts = told.iter().filter(is_open).count();
+                (line(t, station, budget, alerts, overdue.get(&*station.name).copied().unwrap_or_default()))
+            } }))
         } @else { p.lead { (t.nothing_yet) } }
     };
     Ok(Page { title: t.stations.into(), section: Section::Stations, body })

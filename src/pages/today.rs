@@ -484,16 +484,14 @@ fn several(
 /// Campaigns of which something else was foretold.
 fn outside(t: &Text, today: &Today) -> Markup {
     let rows = html! {
-        div.scroll tabindex="0" { table.lines { tbody { @for found in &today.outside.first {
-            tr {
-                th scope="row" { a.id href={ "/imus/" (encoded(&found.imu)) "#forecasts" } { (found.imu) } }
-                td.nowrap {
-                    a href={ "/campaigns/" (found.campaign.campaign) "/diagnosis#forecast" } { (found.campaign.measured_at[..10]) }
-                }
-                td { (found.campaign.station) } td { (found.slot) }
-                td.nowrap { (t.error_in_sd) " " (figure::short(found.rms_over_sd)) }
+        div.scroll tabindex="0" { table.lines { tbody { @for found in &today.outside.first { tr {
+            th scope="row" { a.id href={ "/imus/" (encoded(&found.imu)) "#forecasts" } { (found.imu) } }
+            td.nowrap {
+                a href={ "/campaigns/" (found.campaign.campaign) "/diagnosis#forecast" } { (found.campaign.measured_at[..10]) }
             }
-        } } } }
+            td { (found.campaign.station) } td { (found.slot) }
+            td.nowrap { (t.error_in_sd) " " (figure::short(found.rms_over_sd)) }
+        } } } } }
         p.note { (t.outside_note) }
     };
     block(&html! { (t.outside_forecast_title) }, today.outside.of, "", &rows, None)

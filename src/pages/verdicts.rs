@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use super::figure;
 use super::layout::{encoded, remark, symbol, written};
+use super::table::wide_table;
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::access::Role;
@@ -105,13 +106,10 @@ pub(super) fn table(viewer: &Viewer, verdicts: &[SeenVerdict], alerts: &[AlertBo
 
 fn framed(t: &Text, rows: &Markup) -> Markup {
     html! {
-        div.scroll tabindex="0" { table.judged.cards {
-            thead { tr {
-                th { (t.status_word) } th { (t.rule_word) } th.n { (t.value) } th.n { (t.limit) } th.n { "%" }
-                th { (t.since) } th.n { (t.probability) } th { (t.alert_word) }
-            } }
-            tbody { (rows) }
-        } }
+        (wide_table("judged cards", html! {
+            th { (t.status_word) } th { (t.rule_word) } th.n { (t.value) } th.n { (t.limit) } th.n { "%" }
+            th { (t.since) } th.n { (t.probability) } th { (t.alert_word) }
+        }, html! { (rows) }))
     }
 }
 

@@ -9,6 +9,7 @@ use crate::core::effects::Effect;
 use crate::core::mounting::Slot;
 use crate::pages::calibration::stored_campaign;
 use crate::pages::layout::{Page, Section, encoded, instant, symbol};
+use crate::pages::table::wide_table;
 use crate::pages::text::Text;
 use crate::pages::viewer::Viewer;
 use crate::pages::{Pages, figure, residuals};
@@ -33,14 +34,13 @@ pub(super) async fn page(pages: &Pages, viewer: &Viewer, ids: [&str; 2]) -> Resu
     let pairs = pairs(&both);
     let body = html! {
         h1 { (t.compare_campaigns) }
-        div.scroll tabindex="0" { table.cards {
-            thead { tr { td {} th { (t.imu) } th { (t.station) } th { (t.measured_at) } th { (t.effects_found) } } }
-            tbody {
-                @for ((name, stored), found) in ["A", "B"].into_iter().zip(&both).zip(&found) {
-                    (side(t, name, stored, found))
-                }
+        (wide_table("cards", html! {
+            td {} th { (t.imu) } th { (t.station) } th { (t.measured_at) } th { (t.effects_found) }
+        }, html! {
+            @for ((name, stored), found) in ["A", "B"].into_iter().zip(&both).zip(&found) {
+                (side(t, name, stored, found))
             }
-        } }
+        }))
         @if both[0].answer.imu != both[1].answer.imu { p.note { (t.other_imus) } }
         @if pairs.is_empty() { p { (t.no_common_slot) } } @else { (differing(t, &both, &pairs)) }
         @for (slot, a, b) in &pairs {
@@ -170,15 +170,10 @@ fn lines(both: &[StoredCampaign; 2], slot: Slot, a: &GyroFitBody, b: &GyroFitBod
 
 fn parameters(t: &Text, both: &[StoredCampaign; 2], slot: Slot, a: &GyroFitBody, b: &GyroFitBody) -> Markup {
     html! {
-        div.scroll tabindex="0" { table.cards {
-            thead {
-                tr {
-                    th { (t.parameter) } th.n { "A" } th.n { "B" } th.n { "B - A" } th.n { "(B - A)/σ" }
-                    th { (t.unit_word) }
-                }
-            }
-            tbody { @for line in lines(both, slot, a, b) { (parameter(t, &line)) } }
-        } }
+        (wide_table("cards", html! {
+            th { (t.parameter) } th.n { "A" } th.n { "B" } th.n { "B - A" } th.n { "(B - A)/σ" }
+            th { (t.unit_word) }
+        }, html! { @for line in lines(both, slot, a, b) { (parameter(t, &line)) } }))
         p.note { (t.beyond_note) }
     }
 }

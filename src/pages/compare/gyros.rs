@@ -10,6 +10,7 @@ use crate::pages::gyro_facts::Facts;
 use crate::pages::history::event_label;
 use crate::pages::history_plot::{MOST_FLAGS, epoch_of, list};
 use crate::pages::layout::{DRIFTS, Page, Section, encoded, label, symbol};
+use crate::pages::table::wide_table;
 use crate::pages::text::Text;
 use crate::pages::verdicts::SeenVerdict;
 use crate::pages::view::View;
@@ -94,16 +95,13 @@ pub(super) async fn page(pages: &Pages, viewer: &Viewer, serials: &[&str], align
 /// How each stands, and how it behaves.
 fn table(t: &Text, view: &View, all: &[Compared<'_>], names: &Names<'_>) -> Markup {
     html! {
-        div.scroll tabindex="0" { table.cards.wrapped {
-            thead { tr {
-                th { (t.serial) } th { (t.imu) } th { (t.station) } th { (t.status_word) }
-                @for name in DRIFTS { th.n { (t.axis_deviation) " " (symbol(name)) ", %" } }
-                @for name in &DRIFTS[..2] { th.n { (t.trend_a_year) " " (symbol(name)) ", %" } }
-                @for name in &DRIFTS[..2] { th.n { (t.scatter) " " (symbol(name)) " / " (t.limit_within) } }
-                th.capital { (t.baseline_word) } th.n { (t.records_word) }
-            } }
-            tbody { @for one in all { (row(t, view, one, names)) } }
-        } }
+        (wide_table("cards wrapped", html! {
+            th { (t.serial) } th { (t.imu) } th { (t.station) } th { (t.status_word) }
+            @for name in DRIFTS { th.n { (t.axis_deviation) " " (symbol(name)) ", %" } }
+            @for name in &DRIFTS[..2] { th.n { (t.trend_a_year) " " (symbol(name)) ", %" } }
+            @for name in &DRIFTS[..2] { th.n { (t.scatter) " " (symbol(name)) " / " (t.limit_within) } }
+            th.capital { (t.baseline_word) } th.n { (t.records_word) }
+        }, html! { @for one in all { (row(t, view, one, names)) } }))
         p.note { "%: " (t.percent_of_budget) }
     }
 }
@@ -163,24 +161,19 @@ async fn scale_factor(pages: &Pages, record: Id, serial: &str) -> Result<Option<
 
 fn scale_factor_table(t: &Text, all: &[Compared<'_>]) -> Markup {
     html! {
-        div.scroll tabindex="0" { table.cards.wrapped {
-            thead { tr {
-                th { (t.serial) } th.n { "|E|, pulse/arcsec" } th.n { "Δ|E|, ppm, " (t.scale_factor_moved) }
-            } }
-            tbody { @for one in all { @if let [Some(now), began] = one.scale_factors {
-                tr {
-                    th scope="row" { (one.serial) }
-                    td.n data-label="|E|, pulse/arcsec" { (figure::with_sd(now.value, now.sd, 6)) }
-                    td.n data-label={ "Δ|E|, ppm, " (t.scale_factor_moved) } {
-                        @if let Some(began) = began {
-                            @let ppm = |value: f64| 1e6 * value / began.value;
-                            @let sd = now.sd.zip(began.sd).map(|(now, began)| ppm(now.hypot(began)));
-                            (figure::with_sd(ppm(now.value - began.value), sd, 1))
-                        } @else { "–" }
-                    }
-                }
-            } } }
-        } }
+        (wide_table("cards wrapped", html! {
+            th { (t.serial) } th.n { "|E|, pulse/arcsec" } th.n { "Δ|E|, ppm, " (t.scale_factor_moved) }
+        }, html! { @for one in all { @if let [Some(now), began] = one.scale_factors { tr {
+            th scope="row" { (one.serial) }
+            td.n data-label="|E|, pulse/arcsec" { (figure::with_sd(now.value, now.sd, 6)) }
+            td.n data-label={ "Δ|E|, ppm, " (t.scale_factor_moved) } {
+                @if let Some(began) = began {
+                    @let ppm = |value: f64| 1e6 * value / began.value;
+                    @let sd = now.sd.zip(began.sd).map(|(now, began)| ppm(now.hypot(began)));
+                    (figure::with_sd(ppm(now.value - began.value), sd, 1))
+                } @else { "–" }
+            }
+        } } } }))
     }
 }
 

@@ -12,6 +12,7 @@ use crate::core::id::Id;
 use crate::core::judge::Status;
 use crate::pages::form::{fault_list, see_other};
 use crate::pages::layout::written;
+use crate::pages::table::wide_table;
 use crate::pages::text::Text;
 use crate::pages::viewer::Viewer;
 use crate::pages::{Pages, status};
@@ -68,13 +69,10 @@ pub(super) async fn section(pages: &Pages, viewer: &Viewer) -> Result<Markup, Pr
         section #orders {
             h2 { (t.orders) }
             @if orders.is_empty() { p { (t.no_orders) } } @else {
-                div.scroll tabindex="0" { table {
-                    thead { tr {
-                        th { (t.ordered) } th { (t.which_campaigns) } th { (t.status_word) } th { (t.progress) } th.n { (t.failed_word) }
-                        th { (t.ended) } th { (t.actions_word) }
-                    } }
-                    tbody { @for order in &orders { (line(viewer, order)) } }
-                } }
+                (wide_table("", html! {
+                    th { (t.ordered) } th { (t.which_campaigns) } th { (t.status_word) } th { (t.progress) } th.n { (t.failed_word) }
+                    th { (t.ended) } th { (t.actions_word) }
+                }, html! { @for order in &orders { (line(viewer, order)) } }))
             }
             @for order in &failed {
                 details {
@@ -130,16 +128,13 @@ fn which(t: &Text, asked: &WhichBody) -> Markup {
 
 fn failures(t: &Text, failures: &[FailureBody]) -> Markup {
     html! {
-        div.scroll tabindex="0" { table {
-            thead { tr { th { (t.imu) } th { (t.campaign) } th { (t.why) } } }
-            tbody { @for failure in failures {
-                tr {
-                    td translate="no" { (failure.imu) }
-                    td { a href={ "/campaigns/" (failure.campaign) } { (written(&failure.measured_at)) } }
-                    td.words { (failure.reason) }
-                }
-            } }
-        } }
+        (wide_table("", html! {
+            th { (t.imu) } th { (t.campaign) } th { (t.why) }
+        }, html! { @for failure in failures { tr {
+            td translate="no" { (failure.imu) }
+            td { a href={ "/campaigns/" (failure.campaign) } { (written(&failure.measured_at)) } }
+            td.words { (failure.reason) }
+        } } }))
     }
 }
 

@@ -6,6 +6,7 @@ use crate::core::effects::{Effect, regressor_unit};
 use crate::pages::figure::{percent, short};
 use crate::pages::layout::{effect_named, effect_word};
 use crate::pages::residuals::Setting;
+use crate::pages::table::wide_table;
 use crate::pages::text::Text;
 use crate::pages::{figure, forecast, layout, residuals};
 use crate::wire::diagnosis::{
@@ -223,16 +224,15 @@ fn one_effect(t: &Text, d: &DiagnosisBody, effect: &EffectBody, gyros: &[(String
             @for wider in &effect.wider_in {
                 p { strong { (wider.slot) " " (t.alone_cannot_tell_from) } " " (others(t, effect, &wider.class)) }
             }
-            div.scroll tabindex="0" { table {
-                thead { tr { th { (t.slot) } th { (t.parameter) } th.n { (t.value) } th { (t.unit_word) } } }
-                tbody { @for estimate in &effect.estimates {
-                    @let (value, unit) = sized(t, estimate);
-                    tr {
-                        td { (if estimate.slot == "all" { t.all_gyros } else { &estimate.slot }) } td { (estimate.name) }
-                        td.n { (value) } td { (unit) }
-                    }
-                } }
-            } }
+            (wide_table("", html! {
+                th { (t.slot) } th { (t.parameter) } th.n { (t.value) } th { (t.unit_word) }
+            }, html! { @for estimate in &effect.estimates {
+                @let (value, unit) = sized(t, estimate);
+                tr {
+                    td { (if estimate.slot == "all" { t.all_gyros } else { &estimate.slot }) } td { (estimate.name) }
+                    td.n { (value) } td { (unit) }
+                }
+            } }))
         }
     }
 }
@@ -261,19 +261,16 @@ fn located(t: &Text, d: &DiagnosisBody, slots: &[(String, String)], settings: &[
             h2 { (t.located) }
             p.note { (t.heat_note) }
             (residuals::signed_maps(t, &d.residuals, &names, settings))
-            @if d.verdict != "no_gap" { div.scroll tabindex="0" { table {
-                thead { tr { th { (t.place) } th.n { (t.share) } } }
-                tbody {
-                    @for gyro in &d.located.gyros { tr { td { (gyro.slot) " " (serial(&gyro.slot)) } td.n { (percent(gyro.share)) } } }
-                    @for phase in &d.located.phases { tr { td { (t.phase(&phase.phase)) } td.n { (percent(phase.share)) } } }
-                    @for dwell in &d.located.dwells {
-                        tr {
-                            td { (t.dwell) " " (dwell.index) ", " (dwell.slot) ": " (short(dwell.residual_deg_per_h)) " " (t.rate_unit) }
-                            td.n { (percent(dwell.share)) }
-                        }
+            @if d.verdict != "no_gap" { (wide_table("", html! { th { (t.place) } th.n { (t.share) } }, html! {
+                @for gyro in &d.located.gyros { tr { td { (gyro.slot) " " (serial(&gyro.slot)) } td.n { (percent(gyro.share)) } } }
+                @for phase in &d.located.phases { tr { td { (t.phase(&phase.phase)) } td.n { (percent(phase.share)) } } }
+                @for dwell in &d.located.dwells {
+                    tr {
+                        td { (t.dwell) " " (dwell.index) ", " (dwell.slot) ": " (short(dwell.residual_deg_per_h)) " " (t.rate_unit) }
+                        td.n { (percent(dwell.share)) }
                     }
                 }
-            } } }
+            })) }
         }
     }
 }
@@ -314,27 +311,19 @@ fn group(t: &Text, name: &str, all: &[&CandidateBody]) -> Markup {
 
 fn listed(t: &Text, all: &[&CandidateBody]) -> Markup {
     html! {
-        div.scroll tabindex="0" { table {
-            thead {
-                tr {
-                    th { (t.effect) } th { (t.serial) } th { (t.closes_alone) } th.n { (t.adjusted_p) }
-                    th { (t.why_not) }
-                }
+        (wide_table("", html! {
+            th { (t.effect) } th { (t.serial) } th { (t.closes_alone) } th.n { (t.adjusted_p) } th { (t.why_not) }
+        }, html! { @for candidate in all { tr {
+            td.words { (effect_named(t, &candidate.effect)) } td { (candidate.gyros.join(", ")) }
+            td.nowrap {
+                @if candidate.closure.is_some() && candidate.within_noise {
+                    (t.within_noise)
+                } @else if let Some(closure) = candidate.closure {
+                    (residuals::closure_bar(closure, candidate.interval)) (figure::share(closure, candidate.interval))
+                } @else { "–" }
             }
-            tbody { @for candidate in all {
-                tr {
-                    td.words { (effect_named(t, &candidate.effect)) } td { (candidate.gyros.join(", ")) }
-                    td.nowrap {
-                        @if candidate.closure.is_some() && candidate.within_noise {
-                            (t.within_noise)
-                        } @else if let Some(closure) = candidate.closure {
-                            (residuals::closure_bar(closure, candidate.interval)) (figure::share(closure, candidate.interval))
-                        } @else { "–" }
-                    }
-                    td.n { (short(candidate.p_value_adjusted)) } td.words { (candidate.why_not) }
-                }
-            } }
-        } }
+            td.n { (short(candidate.p_value_adjusted)) } td.words { (candidate.why_not) }
+        } } }))
     }
 }
 
@@ -344,20 +333,17 @@ fn impact(t: &Text, d: &DiagnosisBody) -> Markup {
         @if !d.impact.is_empty() {
             section {
                 h2 { (t.impact) }
-                div.scroll tabindex="0" { table {
-                    thead { tr {
-                        th { (t.serial) } th { (t.coefficient) } th.n { (t.plain) } th.n { (t.with_effects) } th.n { (t.shift) } th.n { (t.of_budget) }
-                    } }
-                    tbody { @for (one, moved) in coefficients {
-                        @let sd = Some(one.augmented_sd);
-                        tr {
-                            td { (one.slot) } td { (layout::symbol(&one.coefficient)) }
-                            td.n { (figure::with_sd(one.plain, one.plain_sd, 6)) } td.n { (figure::with_sd(one.augmented, sd, 6)) }
-                            td.n { (figure::signed(one.shift, figure::places_beside(sd, 6))) }
-                            td.n { @if moved { (percent(one.of_budget)) } @else { (t.within_noise) } }
-                        }
-                    } }
-                } }
+                (wide_table("", html! {
+                    th { (t.serial) } th { (t.coefficient) } th.n { (t.plain) } th.n { (t.with_effects) } th.n { (t.shift) } th.n { (t.of_budget) }
+                }, html! { @for (one, moved) in coefficients {
+                    @let sd = Some(one.augmented_sd);
+                    tr {
+                        td { (one.slot) } td { (layout::symbol(&one.coefficient)) }
+                        td.n { (figure::with_sd(one.plain, one.plain_sd, 6)) } td.n { (figure::with_sd(one.augmented, sd, 6)) }
+                        td.n { (figure::signed(one.shift, figure::places_beside(sd, 6))) }
+                        td.n { @if moved { (percent(one.of_budget)) } @else { (t.within_noise) } }
+                    }
+                } }))
                 p.note { (t.unit) }
             }
         }
@@ -384,15 +370,12 @@ fn blind_spots(t: &Text, d: &DiagnosisBody) -> Markup {
         @if !d.not_identifiable.is_empty() {
             section {
                 h2 { (t.cannot_be_told) }
-                div.scroll tabindex="0" { table {
-                    thead { tr { th { (t.effect) } th.n { (t.visible) } th { (t.why) } th { (t.would_show) } } }
-                    tbody { @for one in &d.not_identifiable {
-                        tr {
-                            td.words { (effect_named(t, &one.effect)) } td.n { (percent(one.visible_fraction)) }
-                            td.words { (layout::with_symbols(&one.reason)) } td.words { (layout::with_symbols(&one.needs)) }
-                        }
-                    } }
-                } }
+                (wide_table("", html! {
+                    th { (t.effect) } th.n { (t.visible) } th { (t.why) } th { (t.would_show) }
+                }, html! { @for one in &d.not_identifiable { tr {
+                    td.words { (effect_named(t, &one.effect)) } td.n { (percent(one.visible_fraction)) }
+                    td.words { (layout::with_symbols(&one.reason)) } td.words { (layout::with_symbols(&one.needs)) }
+                } } }))
             }
         }
     }
@@ -412,16 +395,13 @@ fn next(t: &Text, d: &DiagnosisBody) -> Markup {
         @if !settings.is_empty() {
             section {
                 h2 { (t.measure_next) }
-                div.scroll tabindex="0" { table {
-                    thead { tr { th { (t.up_axis) } th { (t.north_axis) } th.n { (t.table_rate) ", " (t.unit_of("deg/s")) } th { (t.separates) } } }
-                    tbody { @for (table, separates) in &settings {
-                        tr {
-                            td { (TableBody::direction(table.up)) } td { (TableBody::direction(table.north)) }
-                            td.n { (format!("{:.3}", table.rate_deg_s)) }
-                            td.words { @for (i, id) in separates.iter().enumerate() { @if i > 0 { "; " } (effect_named(t, id)) } }
-                        }
-                    } }
-                } }
+                (wide_table("", html! {
+                    th { (t.up_axis) } th { (t.north_axis) } th.n { (t.table_rate) ", " (t.unit_of("deg/s")) } th { (t.separates) }
+                }, html! { @for (table, separates) in &settings { tr {
+                    td { (TableBody::direction(table.up)) } td { (TableBody::direction(table.north)) }
+                    td.n { (format!("{:.3}", table.rate_deg_s)) }
+                    td.words { @for (i, id) in separates.iter().enumerate() { @if i > 0 { "; " } (effect_named(t, id)) } }
+                } } }))
                 details {
                     summary { (t.as_programme) }
                     pre translate="no" { "up,north,rate_deg_s\n" @for (table, _) in &settings { (programme_row(table)) "\n" } }

@@ -13,6 +13,7 @@ use crate::core::judge::{Rule, Status};
 use crate::pages::layout::{Page, Section, symbol};
 use crate::pages::sent::Query;
 use crate::pages::status;
+use crate::pages::table::wide_table;
 use crate::pages::viewer::{Viewer, Visit};
 use crate::pipeline::DeliveryPage;
 use crate::wire::alert::AlertBody;
@@ -86,15 +87,12 @@ fn replay(viewer: &Viewer, hook: &HookBody) -> Markup {
 fn table(viewer: &Viewer, hook: &str, deliveries: &[DeliveryBody], alerts: &[AlertBody]) -> Markup {
     let t = viewer.text();
     html! {
-        div.scroll tabindex="0" { table.cards {
-            thead { tr {
-                th { (t.message) } th { (t.serial) } th { (t.queued) } th { (t.status_word) } th.n { (t.attempts) } th { (t.last_attempt) } th { (t.actions_word) }
-            } }
-            tbody { @for delivery in deliveries {
-                @let alert = alerts.iter().find(|alert| Some(&alert.id) == delivery.alert.as_ref());
-                (line(viewer, hook, delivery, alert))
-            } }
-        } }
+        (wide_table("cards", html! {
+            th { (t.message) } th { (t.serial) } th { (t.queued) } th { (t.status_word) } th.n { (t.attempts) } th { (t.last_attempt) } th { (t.actions_word) }
+        }, html! { @for delivery in deliveries {
+            @let alert = alerts.iter().find(|alert| Some(&alert.id) == delivery.alert.as_ref());
+            (line(viewer, hook, delivery, alert))
+        } }))
     }
 }
 

@@ -71,7 +71,7 @@ impl Filters {
 }
 
 pub(super) async fn page(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Query(ref filters): Query<Filters>,
 ) -> Result<Page, Problem> {
     let t = viewer.text();
@@ -327,7 +327,7 @@ impl Doing {
 
 /// The page on which something is done about an alert.
 pub(super) async fn ask(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Path((ref id, ref deed)): Path<(String, String)>,
     Query(word): Query<Word>,
 ) -> Result<Page, Problem> {
@@ -338,7 +338,7 @@ pub(super) async fn ask(
 }
 
 pub(super) async fn act(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Path((ref id, ref deed)): Path<(String, String)>,
     Form(ref said): Form<AlertForm>,
 ) -> Result<Response, Problem> {

@@ -57,9 +57,10 @@ impl Filters {
 }
 
 pub(super) async fn start(visit: Visit, Form(wanted): Form<Wanted>) -> Result<Response, Problem> {
-    match visit.pages.pipeline.diagnoses.check_wanted(wanted.which()) {
+    let diagnoses = &visit.0.pipeline.diagnoses;
+    match diagnoses.check_wanted(wanted.which()) {
         Ok(order) => {
-            visit.pages.pipeline.diagnoses.order(DiagnosisOrder::Start(order)).await?;
+            diagnoses.order(DiagnosisOrder::Start(order)).await?;
             Ok(see_other("/diagnoses#orders"))
         }
         Err(faults) => Ok(build(&visit, &Filters::default(), &wanted, Some(&faults)).await?.into_response()),
@@ -72,7 +73,7 @@ pub(super) async fn page(visit: Visit, Query(filters): Query<Filters>) -> Result
 
 /// The whole page; `wrong` is what is wrong with an order that was just sent.
 async fn build(
-    Visit { pages, viewer }: &Visit,
+    Visit(pages, viewer): &Visit,
     filters: &Filters,
     wanted: &Wanted,
     wrong: Option<&Faults>,

@@ -19,7 +19,7 @@ pub(super) struct FindQuery {
 }
 
 pub(super) async fn page(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Query(asked): Query<FindQuery>,
 ) -> Result<Response, Problem> {
     let place = place(pages, asked.q.trim()).await?;

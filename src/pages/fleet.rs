@@ -31,7 +31,7 @@ const BY_DATE: &str = "eta";
 /// How long the page waits for the dates of gyros that drift.
 const PATIENCE: Duration = Duration::from_millis(60);
 
-pub(super) async fn page(Visit { ref pages, ref viewer }: Visit, Query(filters): Query<Filters>) -> Response {
+pub(super) async fn page(Visit(ref pages, ref viewer): Visit, Query(filters): Query<Filters>) -> Response {
     let shown = match filters.is_wall() {
         true => wall::build(pages, viewer, &filters).await,
         false => build(pages, viewer, &filters).await,

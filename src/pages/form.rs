@@ -142,7 +142,7 @@ pub(super) trait ItemAction {
 }
 
 pub(super) async fn ask<A: ItemAction>(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Path(id): Path<String>,
     Query(word): Query<Word>,
 ) -> Result<Page, Problem> {
@@ -151,7 +151,7 @@ pub(super) async fn ask<A: ItemAction>(
 }
 
 pub(super) async fn act<A: ItemAction>(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Path(id): Path<String>,
     Form(word): Form<Word>,
 ) -> Result<Response, Problem> {

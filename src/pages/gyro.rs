@@ -36,7 +36,7 @@ pub(super) struct GyroQuery {
 }
 
 pub(super) async fn page(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Path(ref serial): Path<String>,
     Query(ref asked): Query<GyroQuery>,
 ) -> Result<Page, Problem> {

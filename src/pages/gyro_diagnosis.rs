@@ -15,10 +15,7 @@ use crate::core::time::UtcMicros;
 use crate::pipeline::ExplainedHistory;
 use crate::wire::problem::Problem;
 
-pub(super) async fn page(
-    Visit { ref pages, ref viewer }: Visit,
-    Path(ref serial): Path<String>,
-) -> Result<Page, Problem> {
+pub(super) async fn page(Visit(ref pages, ref viewer): Visit, Path(ref serial): Path<String>) -> Result<Page, Problem> {
     let t = viewer.text();
     let number = pages.gyro_number(serial)?;
     let explained = pages.pipeline.queries.histories.explain(number, serial).await?;

@@ -63,7 +63,7 @@ pub(super) async fn page(viewer: Viewer) -> Page {
 
 /// What the text says, or what is wrong with it. Stores nothing.
 pub(super) async fn preview(
-    Visit { pages, viewer }: Visit,
+    Visit(pages, viewer): Visit,
     Extension(caller): Extension<Caller>,
     request: Request,
 ) -> Result<Response, Problem> {
@@ -196,7 +196,7 @@ async fn previews(
     Ok(read.into_iter().map(|(line, read)| (line, prospect(read))).collect())
 }
 
-pub(super) async fn store(Visit { pages, viewer }: Visit, Extension(caller): Extension<Caller>, form: String) -> Page {
+pub(super) async fn store(Visit(pages, viewer): Visit, Extension(caller): Extension<Caller>, form: String) -> Page {
     let pipeline = pages.pipeline.clone();
     let read = off_the_loop(move || read_all(&pipeline, &caller, &Sent::of(&form).text)).await;
     let outcomes = submit(&pages.pipeline, read).await;

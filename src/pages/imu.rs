@@ -52,7 +52,7 @@ impl Facts {
     }
 }
 
-pub(super) async fn page(Visit { ref pages, ref viewer }: Visit, Path(ref imu): Path<String>) -> Result<Page, Problem> {
+pub(super) async fn page(Visit(ref pages, ref viewer): Visit, Path(ref imu): Path<String>) -> Result<Page, Problem> {
     let t = viewer.text();
     let Facts { seats, records, parameters } = Facts::of(pages, viewer, imu).await?;
     let number = pages.pipeline.queries.names().imu_number(imu);

@@ -31,14 +31,11 @@ const ROWS: usize = MOST_ROWS;
 /// How long a report waits for the diagnoses of all its histories: paper has no page to turn to.
 pub(super) const PATIENCE: Duration = Duration::from_secs(10);
 
-pub(super) async fn gyro(
-    Visit { ref pages, ref viewer }: Visit,
-    Path(serial): Path<String>,
-) -> Result<Response, Problem> {
+pub(super) async fn gyro(Visit(ref pages, ref viewer): Visit, Path(serial): Path<String>) -> Result<Response, Problem> {
     Ok(viewer.show_for_paper(&of_gyro(pages, viewer, &serial, Instant::now() + PATIENCE).await?, &[&serial]))
 }
 
-pub(super) async fn imu(Visit { ref pages, ref viewer }: Visit, Path(imu): Path<String>) -> Result<Response, Problem> {
+pub(super) async fn imu(Visit(ref pages, ref viewer): Visit, Path(imu): Path<String>) -> Result<Response, Problem> {
     Ok(viewer.show_for_paper(&of_imu(pages, viewer, &imu).await?, &[&imu]))
 }
 

@@ -14,7 +14,7 @@ use crate::wire::problem::Problem;
 const MOST: usize = 30;
 
 pub(super) async fn page(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Query(asked): Query<Vec<(String, String)>>,
 ) -> Result<Response, Problem> {
     let serials = asked.iter().filter(|(name, _)| name == "gyro").map(|(_, serial)| serial.as_str());

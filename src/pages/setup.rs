@@ -18,7 +18,7 @@ use crate::wire::problem::Problem;
 /// Lines of the audit trail that are shown.
 const LINES: u32 = 50;
 
-pub(super) async fn page(Visit { ref pages, ref viewer }: Visit) -> Result<Page, Problem> {
+pub(super) async fn page(Visit(ref pages, ref viewer): Visit) -> Result<Page, Problem> {
     let t = viewer.text();
     let access = match viewer.may(Role::Admin) {
         true => {

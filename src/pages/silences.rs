@@ -95,7 +95,7 @@ pub(super) async fn ask_new(viewer: Viewer) -> Page {
 }
 
 pub(super) async fn begin(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Form(ref new): Form<NewSilence>,
 ) -> Result<Response, Problem> {
     let mut faults = Faults::default();

@@ -21,10 +21,7 @@ use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
 use crate::wire::time;
 
-pub(super) async fn page(
-    Visit { ref pages, ref viewer }: Visit,
-    Path(ref name): Path<String>,
-) -> Result<Page, Problem> {
+pub(super) async fn page(Visit(ref pages, ref viewer): Visit, Path(ref name): Path<String>) -> Result<Page, Problem> {
     let t = viewer.text();
     let fleet = &pages.pipeline.queries.fleet;
     let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);

@@ -14,7 +14,7 @@ use crate::core::changes::{Shared, StationFigures};
 use crate::core::judge::{Measured, Status};
 use crate::wire::problem::Problem;
 
-pub(super) async fn page(Visit { ref pages, ref viewer }: Visit) -> Result<Page, Problem> {
+pub(super) async fn page(Visit(ref pages, ref viewer): Visit) -> Result<Page, Problem> {
     let t = viewer.text();
     let fleet = &pages.pipeline.queries.fleet;
     let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);

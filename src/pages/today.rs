@@ -53,7 +53,7 @@ pub(super) struct TodayQuery {
 }
 
 pub(super) async fn page(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     uri: Uri,
     Query(asked): Query<TodayQuery>,
 ) -> Result<Response, Problem> {

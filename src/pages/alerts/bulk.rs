@@ -76,7 +76,7 @@ impl BulkForm {
 }
 
 pub(in crate::pages) async fn ask(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Query(fields): Query<Vec<(String, String)>>,
 ) -> Result<Page, Problem> {
     let said = BulkForm::of(fields);
@@ -85,7 +85,7 @@ pub(in crate::pages) async fn ask(
 }
 
 pub(in crate::pages) async fn act(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Form(fields): Form<Vec<(String, String)>>,
 ) -> Result<Response, Problem> {
     let said = BulkForm::of(fields);

@@ -17,7 +17,7 @@ use crate::wire::problem::Problem;
 use crate::wire::time;
 
 pub(in crate::pages) async fn page(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Path(ref id): Path<String>,
 ) -> Result<Page, Problem> {
     let t = viewer.text();

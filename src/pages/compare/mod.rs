@@ -18,7 +18,7 @@ use crate::wire::problem::Problem;
 const MOST_GYROS: usize = 8;
 
 pub(super) async fn page(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Query(asked): Query<Vec<(String, String)>>,
 ) -> Result<Response, Problem> {
     let of = |key: &str| -> Vec<&str> {

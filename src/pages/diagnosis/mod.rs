@@ -30,7 +30,7 @@ use crate::wire::problem::Problem;
 use crate::words;
 
 pub(super) async fn page(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Path(id): Path<String>,
     Query(asked): Query<reference::ReferenceQuery>,
 ) -> Result<Response, Problem> {

@@ -91,7 +91,7 @@ pub(crate) async fn ask_add(viewer: Viewer) -> Page {
 }
 
 pub(crate) async fn add(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Form(ref new): Form<NewHook>,
 ) -> Result<Response, Problem> {
     let mut faults = Faults::default();

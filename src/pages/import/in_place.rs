@@ -26,7 +26,7 @@ pub(in crate::pages) struct Order {
 }
 
 pub(in crate::pages) async fn act(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Extension(caller): Extension<Caller>,
     Form(order): Form<Order>,
 ) -> Result<Response, Problem> {

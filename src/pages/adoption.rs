@@ -3,22 +3,17 @@
 
 use std::sync::Arc;
 
-use axum::response::Response;
-use maud::html;
-
-use super::Pages;
 use super::calibration::stored_campaign;
 use super::diagnosis::PATIENCE;
 use super::diagnosis::sections::found;
 use super::forecast::held;
 use super::form::{ActionForm, ItemAction, Word, see_other};
-use super::layout::{Section, encoded, instant};
-use super::viewer::Viewer;
+use super::layout::{encoded, instant};
+use super::prelude::*;
 use crate::core::augmented::AugmentedModel;
 use crate::core::id::Id;
 use crate::core::message::text;
 use crate::pipeline::{Adoption, DiagnosisAnswer};
-use crate::wire::problem::Problem;
 use crate::{message, words};
 
 /// Of a campaign whose diagnosis names something.

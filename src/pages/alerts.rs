@@ -6,28 +6,22 @@ mod table;
 
 use std::collections::HashMap;
 
-use axum::extract::Path;
-use axum::response::Response;
-use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::form::{ActionForm, Word, choice, rule_choice, see_other};
-use super::layout::{Page, Section, encoded, written, written_day};
+use super::layout::{encoded, written, written_day};
+use super::prelude::*;
 use super::silences::{days_field, silent_until};
-use super::viewer::{Viewer, Visit};
-use super::{Pages, bullet, silences};
-use crate::core::access::Role;
+use super::{bullet, silences};
 use crate::core::alert_decision::Standing;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::fault::Faults;
 use crate::core::judge::{Coefficient, Rule, Severity, Status};
 use crate::core::named::named;
 use crate::message;
-use crate::pages::sent::{Form, Query};
 use crate::pages::status;
 use crate::pipeline::{self, AlertChange, AlertOrder, BEYOND, Violation};
 use crate::wire::alert::AlertBody;
-use crate::wire::problem::Problem;
 use table::{known, violated};
 
 /// Gyros on one page.

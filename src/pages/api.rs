@@ -2,16 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use axum::extract::Path;
-use maud::{Markup, html};
 use serde_json::{Map, Value};
 
-use super::layout::{Page, Section, encoded, with_symbols};
+use super::layout::{encoded, with_symbols};
+use super::prelude::*;
 use super::table::wide_table;
-use super::text::Text;
-use super::viewer::Visit;
 use crate::message;
-use crate::wire::problem::Problem;
 
 const METHODS: [&str; 5] = ["get", "post", "put", "patch", "delete"];
 const SCHEMAS: &str = "#/components/schemas/";

@@ -1,11 +1,9 @@
 //! What a gyro was before and after each environmental test.
 
-use maud::{Markup, html};
-
 use super::figure;
 use super::layout::{DRIFTS, instant, symbol};
+use super::prelude::*;
 use super::table::wide_table;
-use super::viewer::Viewer;
 use crate::config::JudgedMethod;
 use crate::core::figures::Figures;
 use crate::core::judge::{Event, Limit, Measured, Rule, Status};

@@ -6,17 +6,12 @@
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
-use axum::extract::Path;
 use axum::http::header::{CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, X_CONTENT_TYPE_OPTIONS};
-use axum::response::{IntoResponse, Response};
-use maud::{Markup, PreEscaped, html};
+use maud::PreEscaped;
 use pulldown_cmark::{CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd, html as written};
 
-use super::layout::{Page, Section};
-use super::text::Text;
-use super::viewer::Viewer;
+use super::prelude::*;
 use crate::message;
-use crate::wire::problem::Problem;
 
 const SUMMARY: &str = include_str!("../../docs/SUMMARY.md");
 const FIGURE: (&str, &str) = ("figures/paper-experiment.svg", include_str!("../../docs/figures/paper-experiment.svg"));

@@ -2,18 +2,15 @@
 
 use std::borrow::Cow;
 
-use axum::extract::Path;
-use axum::response::{IntoResponse, Redirect, Response};
-use maud::{Markup, html};
+use axum::response::Redirect;
 
-use super::layout::{Page, Section, encoded, instant, label, symbol};
+use super::layout::{encoded, instant, label, symbol};
 use super::notes::noted;
 use super::parameters::{self, Parameters};
+use super::prelude::*;
 use super::table::wide_table;
-use super::text::Text;
 use super::verdicts::{self, SeenVerdict};
-use super::viewer::{Viewer, Visit};
-use super::{Pages, corrections, figure, residuals, separation};
+use super::{corrections, figure, residuals, separation};
 use crate::core::diagnose::{ClosureDiagnosis, GyroClosure};
 use crate::core::id::Id;
 use crate::core::judge::{Rule, State, Verdict};
@@ -26,7 +23,6 @@ use crate::pipeline::{StoredCampaign, StoredRecord};
 use crate::wire::answer::VerdictBody;
 use crate::wire::calibration::GyroFitBody;
 use crate::wire::campaign::CampaignBody;
-use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
 use crate::wire::sender::SenderBody;
 

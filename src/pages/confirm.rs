@@ -1,20 +1,15 @@
 //! `/records/{id}/confirm`: the time of a record that was set aside is right, said on a page that shows what it is
 //! about.
 
-use axum::response::Response;
-use maud::html;
-
-use super::Pages;
 use super::form::{ActionForm, ItemAction, Word, see_other};
-use super::layout::{Section, instant};
+use super::layout::instant;
 use super::notes::noted;
-use super::viewer::Viewer;
+use super::prelude::*;
 use crate::core::id::Id;
 use crate::core::message::text;
 use crate::message;
 use crate::pipeline::{Actor, Confirmation, Submission};
 use crate::wire::note;
-use crate::wire::problem::Problem;
 
 /// Of a record that is set aside.
 pub(super) struct ConfirmTime;

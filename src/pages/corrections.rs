@@ -1,16 +1,11 @@
 //! `…/void`: a record, a campaign or a bench result counts no more, said on a page that tells what that changes; and
 //! how an item stands that was voided or revised.
 
-use axum::response::Response;
-use maud::{Markup, html};
-
+use super::figure;
 use super::form::{ActionForm, ItemAction, Word, see_other};
-use super::layout::{DRIFTS, Section, encoded, instant, label, symbol};
+use super::layout::{DRIFTS, encoded, instant, label, symbol};
+use super::prelude::*;
 use super::table::wide_table;
-use super::text::Text;
-use super::viewer::Viewer;
-use super::{Pages, figure};
-use crate::core::access::Role;
 use crate::core::correction::{CorrectedResult, CorrectionItem};
 use crate::core::id::Id;
 use crate::core::kind::Kind;
@@ -18,7 +13,6 @@ use crate::core::message::text;
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::{Actor, Corrected, Correction, Submission};
-use crate::wire::problem::Problem;
 
 async fn void(pages: &Pages, item: Corrected, form: ActionForm, word: Word) -> Result<Response, Problem> {
     let Word { by: author, reason, .. } = word;

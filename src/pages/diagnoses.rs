@@ -4,26 +4,20 @@ mod fields;
 mod orders;
 
 use axum::http::StatusCode;
-use axum::response::{IntoResponse, Response};
-use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::figure::percent;
 use super::form::{fault_list, see_other};
-use super::layout::{Page, Section, effect_named, encoded, symbol, written};
+use super::layout::{effect_named, encoded, symbol, written};
+use super::prelude::*;
 use super::residuals::closure_bar;
 use super::table::wide_table;
-use super::text::Text;
-use super::viewer::Visit;
-use crate::core::access::Role;
 use crate::core::effects::CATALOGUE;
 use crate::core::fault::Faults;
-use crate::pages::sent::{Form, Query};
 use crate::pipeline::DiagnosisOrder;
 use crate::wire::diagnoses::{
     AtStationBody, DoubtBody, FindingBody, OverviewBody, SightingBody, SummaryBody, WhichBody,
 };
-use crate::wire::problem::Problem;
 
 use fields::{beginning, said};
 use orders::Wanted;

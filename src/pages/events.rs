@@ -1,23 +1,16 @@
 //! `/gyros/{serial}/events/new`: what was done to a gyro, or a new baseline, on a page that says what that changes.
 
-use axum::extract::Path;
-use axum::response::Response;
-use maud::{Markup, html};
 use serde::Deserialize;
 
-use super::Pages;
 use super::form::{ActionForm, Word, see_other, typed_time};
-use super::layout::{Page, Section, encoded};
-use super::text::Text;
-use super::viewer::{Viewer, Visit};
+use super::layout::encoded;
+use super::prelude::*;
 use crate::core::fault::Faults;
 use crate::core::judge::Event;
 use crate::core::record::Name;
 use crate::message;
-use crate::pages::sent::{Form, Query};
 use crate::pipeline::{Accepted, Actor, GyroEvent, Submission};
 use crate::wire::event::read_test;
-use crate::wire::problem::Problem;
 use crate::wire::text;
 
 #[derive(Debug, Default, Deserialize)]

@@ -6,20 +6,13 @@ mod wall;
 use std::collections::HashMap;
 use std::time::Duration;
 
-use axum::response::{IntoResponse, Response};
-use maud::{Markup, html};
-
-use super::layout::{DRIFTS, Page, Section, day, encoded, label, symbol};
-use super::text::Text;
-use super::viewer::{Viewer, Visit};
-use super::{Pages, bullet, figure, spark};
-use crate::core::access::Role;
+use super::layout::{DRIFTS, day, encoded, label, symbol};
+use super::prelude::*;
+use super::{bullet, figure, spark};
 use crate::core::judge::{Coefficient, Measured, Rule, Status};
 use crate::core::time::{Span, UtcMicros};
-use crate::pages::sent::Query;
 use crate::pages::status as badges;
 use crate::pipeline::{BEYOND, DueDate, Names, RecentValues, Standing, Violation, sample_of};
-use crate::wire::problem::Problem;
 pub(super) use filters::{Filters, as_day, bad_parameter};
 
 /// Gyros on one page, values in one small line, and how long that is.

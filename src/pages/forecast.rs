@@ -1,15 +1,11 @@
 //! What was foretold of an IMU's campaigns, and how far it came true: over time, step by step, and which adopted
 //! coefficients are others now.
 
-use maud::{Markup, html};
-
 use super::chart::{Across, Chart, Dot, Track, bounds, millis, widened};
 use super::figure::{self, short};
 use super::layout::{effect_word, encoded, instant, symbol, written};
+use super::prelude::*;
 use super::table::wide_table;
-use super::text::Text;
-use super::viewer::Viewer;
-use crate::core::access::Role;
 use crate::core::augmented::AugmentedModel;
 use crate::core::judge::Status;
 use crate::core::time::UtcMicros;

@@ -1,22 +1,15 @@
 //! Forms for whatever changes something: with who and why, and that it is meant where it cannot be undone. That they come from this site's own
 //! pages is seen to where every request is admitted.
 
-use axum::extract::Path;
 use axum::http::header::LOCATION;
 use axum::http::{HeaderValue, StatusCode};
-use axum::response::{IntoResponse, Response};
-use maud::{Markup, html};
 use serde::Deserialize;
 
-use super::Pages;
-use super::layout::{Page, Section};
-use super::text::Text;
-use super::viewer::{Viewer, Visit, is_local};
+use super::prelude::*;
+use super::viewer::is_local;
 use crate::core::fault::Faults;
 use crate::core::judge::Rule;
 use crate::core::message::Message;
-use crate::pages::sent::{Form, Query};
-use crate::wire::problem::Problem;
 use crate::wire::{text, time};
 
 /// Goes on with another page, which may be loaded again without sending the form again.

@@ -2,29 +2,24 @@
 
 use std::time::Duration;
 
-use axum::extract::Path;
-use maud::{Markup, html};
 use serde::Deserialize;
 use tokio::time::Instant;
 
-use super::layout::{DRIFTS, Page, Section, encoded, instant, label, symbol};
+use super::layout::{DRIFTS, encoded, instant, label, symbol};
+use super::prelude::*;
 use super::table::wide_table;
 use super::verdicts::{self, SeenVerdict};
-use super::viewer::{Viewer, Visit};
-use super::{Pages, before_after, figure, gyro_attributes};
-use crate::core::access::Role;
+use super::{before_after, figure, gyro_attributes};
 use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::judge::Status;
 use crate::core::time::UtcMicros;
 use crate::pages::gyro_facts::{Facts, ROWS, first_row};
 use crate::pages::history_plot;
-use crate::pages::sent::Query;
 use crate::pages::view::{AskedView, Shown, View};
 use crate::pages::{gyro_head, history, status};
 use crate::pipeline::{Comparison, Course, ExplainedHistory, Names, Statuses, sample_of};
 use crate::wire::answer::VerdictBody;
-use crate::wire::problem::Problem;
 
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct GyroQuery {

@@ -1,21 +1,14 @@
 //! `/gyros/{serial}/attributes`: batch, type and unit of a gyro, shown and edited.
 
-use axum::extract::Path;
-use axum::response::Response;
-use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::form::{ActionForm, Word, see_other};
-use super::layout::{Page, Section, encoded};
-use super::text::Text;
-use super::viewer::{Viewer, Visit};
-use crate::core::access::Role;
+use super::layout::encoded;
+use super::prelude::*;
 use crate::core::fault::Faults;
 use crate::core::gyro_attributes::{GyroAttributes, GyroAttributesPatch};
 use crate::core::record::Name;
-use crate::pages::sent::Form;
 use crate::pipeline::{Actor, AttributesOrder, Submission};
-use crate::wire::problem::Problem;
 use crate::wire::text;
 
 #[derive(Debug, Default, Deserialize)]

@@ -1,19 +1,15 @@
 //! `/gyros/{serial}/diagnosis`: why a gyro's coefficients changed, with the common course of its stations under its
 //! own.
 
-use axum::extract::Path;
-use maud::{Markup, html};
-
 use super::course::Course;
 use super::figure;
 use super::gyro_head::{named, own_first};
-use super::layout::{Page, Section, encoded, symbol};
+use super::layout::{encoded, symbol};
+use super::prelude::*;
 use super::table::wide_table;
-use super::viewer::{Viewer, Visit};
 use crate::core::changes::{DriftBudget, HistoryDiagnosis};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ExplainedHistory;
-use crate::wire::problem::Problem;
 
 pub(super) async fn page(Visit(ref pages, ref viewer): Visit, Path(ref serial): Path<String>) -> Result<Page, Problem> {
     let t = viewer.text();

@@ -2,11 +2,9 @@
 
 use std::sync::Arc;
 
-use maud::{Markup, html};
-
-use super::text::Text;
+use super::alerts;
+use super::prelude::*;
 use super::verdicts::SeenVerdict;
-use super::{Pages, alerts};
 use crate::core::figures::Figures;
 use crate::core::judge::State;
 use crate::pages::history_plot::{self, Epochs, Seen};
@@ -14,7 +12,6 @@ use crate::pages::status;
 use crate::pages::view::View;
 use crate::pipeline::{Comparison, Course, Standing, Statuses};
 use crate::wire::alert::AlertBody;
-use crate::wire::problem::Problem;
 
 /// Records of a run that are told from what is only drifting; an older one began before.
 const LONGEST_RUN: usize = 400;

@@ -1,18 +1,14 @@
 //! The head of a gyro's page: how it stands, by how much, since when, why, and what to do.
 
-use maud::{Markup, html};
-
 use super::gyro_facts::Facts;
 use super::history::seat;
 use super::history_plot::epoch_of;
 use super::layout::{DRIFTS, day, encoded, instant, symbol};
+use super::prelude::*;
 use super::table::wide_table;
-use super::text::Text;
 use super::verdicts::SeenVerdict;
-use super::viewer::Viewer;
 use super::{bullet, figure, gyro_attributes};
 use crate::config::JudgedMethod;
-use crate::core::access::Role;
 use crate::core::changes::{ChangeCause, HistoryDiagnosis, NamedCause};
 use crate::core::judge::{
     Coefficient, Event, Finding, Load, Measured, Rule, Standpoint, Status, Suggestion, Verdict, suggest,

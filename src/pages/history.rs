@@ -1,11 +1,8 @@
 //! What happened to a gyro: events, changes of seat and station, results that count no more.
 
-use maud::{Markup, html};
-
 use super::corrections;
 use super::layout::instant;
-use super::text::Text;
-use super::viewer::Viewer;
+use super::prelude::*;
 use crate::core::figures::Figures;
 use crate::core::time::UtcMicros;
 use crate::pipeline::{Course, EventItem, Names};

@@ -2,16 +2,13 @@
 
 use std::collections::HashMap;
 
-use maud::{Markup, html};
-
 use super::chart::{Across, Ahead, Chart, Dot, Flag, Level, Segment, Track, bounds, millis, widened};
 use super::history::{event_label, seat};
 use super::layout::{DRIFTS, clock, symbol};
+use super::prelude::*;
 use super::status::sign;
-use super::text::Text;
 use super::verdicts::SeenVerdict;
 use super::view::{Shown, View};
-use super::viewer::Viewer;
 use super::{bullet, figure};
 use crate::config::JudgedMethod;
 use crate::core::bench::BenchMethod;

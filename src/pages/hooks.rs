@@ -3,17 +3,13 @@
 mod actions;
 mod deliveries;
 
-use maud::{Markup, html};
-
-use super::layout::{Page, Section, written};
+use super::layout::written;
+use super::prelude::*;
+use super::status;
 use super::table::wide_table;
-use super::viewer::{Viewer, Visit};
-use super::{Pages, status};
-use crate::core::access::Role;
 use crate::core::id::Id;
 use crate::core::judge::{Rule, Severity, Status};
 use crate::wire::hook::{FilterBody, HookBody};
-use crate::wire::problem::Problem;
 
 pub(super) use crate::pages::hooks::actions::{DeleteHook, add, ask_add, redeliver, redeliver_dead, switch, test};
 pub(super) use deliveries::page as one;

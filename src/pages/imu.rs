@@ -2,16 +2,12 @@
 
 use std::collections::HashMap;
 
-use axum::extract::Path;
-use maud::{Markup, html};
-
 use super::alerts::{self, is_open};
-use super::layout::{DRIFTS, Page, Section, encoded, instant, label, symbol};
+use super::layout::{DRIFTS, encoded, instant, label, symbol};
 use super::parameters::{self, Parameters};
+use super::prelude::*;
 use super::table::wide_table;
-use super::text::Text;
-use super::viewer::{Viewer, Visit};
-use super::{Pages, bullet, figure, forecast};
+use super::{bullet, figure, forecast};
 use crate::core::alert_filter::AlertFilter;
 use crate::core::effects::Effect;
 use crate::core::id::Id;
@@ -20,7 +16,6 @@ use crate::pages::status;
 use crate::pipeline::{Conclusion, ListedRecord, Seats, Standing, sample_of};
 use crate::wire::alert::AlertBody;
 use crate::wire::campaign::CampaignBody;
-use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
 
 /// Calibrations that are listed.

@@ -38,6 +38,7 @@ mod imu;
 mod layout;
 mod notes;
 mod parameters;
+mod prelude;
 mod reference;
 mod report;
 mod reports;

@@ -1,8 +1,6 @@
 //! Notes on a record: what was noticed when it came.
 
-use maud::{Markup, html};
-
-use super::text::Text;
+use super::prelude::*;
 use crate::wire::note::NoteBody;
 
 pub(super) fn noted(t: &Text, notes: &[NoteBody]) -> Markup {

@@ -3,11 +3,9 @@
 
 use std::collections::BTreeSet;
 
-use maud::{Markup, html};
-
 use super::layout::encoded;
+use super::prelude::*;
 use super::table::wide_table;
-use super::text::Text;
 use super::{figure, status};
 use crate::config::Judging;
 use crate::core::judge::Status;

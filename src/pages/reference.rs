@@ -1,20 +1,17 @@
 //! The gap of a campaign against an earlier calibration of its IMU, split into parameters, structure and noise: a
 //! section of the page of its diagnosis.
 
-use maud::{Markup, html};
 use serde::Deserialize;
 
-use super::Pages;
 use super::figure::{self, short};
 use super::layout::{instant, symbol, written};
+use super::prelude::*;
 use super::table::wide_table;
-use super::text::Text;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::message::Message;
 use crate::pipeline::{ListedRecord, NotSplit, StoredCampaign};
 use crate::wire::diagnosis::DiagnosisBody;
-use crate::wire::problem::Problem;
 use crate::wire::split::{MovedBody, PartsBody, SplitBody};
 
 /// Calibrations of the IMU that are offered.

@@ -4,18 +4,14 @@
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use axum::extract::Path;
-use axum::response::Response;
-use maud::{Markup, html};
 use tokio::time::Instant;
 
 use super::gyro::{agreement, calibration_table, explained};
 use super::gyro_facts::{Facts, MOST_ROWS};
-use super::layout::{DRIFTS, Page, Section, instant, symbol};
+use super::layout::{DRIFTS, instant, symbol};
+use super::prelude::*;
 use super::table::wide_table;
-use super::text::Text;
-use super::viewer::{Viewer, Visit};
-use super::{Pages, before_after, figure, gyro_head, history_plot, imu, verdicts};
+use super::{before_after, figure, gyro_head, history_plot, imu, verdicts};
 use crate::core::id::Id;
 use crate::core::judge::{Event, Limits, Rule};
 use crate::core::kind::Kind;
@@ -23,7 +19,6 @@ use crate::core::time::UtcMicros;
 use crate::pages::history;
 use crate::pages::view::View;
 use crate::pipeline::{ExplainedHistory, Names};
-use crate::wire::problem::Problem;
 use crate::{system, words};
 
 /// Calibrations that a report on a gyro lists; all are in its pictures.

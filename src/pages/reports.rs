@@ -1,14 +1,9 @@
 //! `/reports`: the reports on several gyros, each on sheets of its own.
 
-use axum::response::Response;
-use maud::html;
 use tokio::time::Instant;
 
-use super::layout::{Page, Section};
+use super::prelude::*;
 use super::report;
-use super::viewer::Visit;
-use crate::pages::sent::Query;
-use crate::wire::problem::Problem;
 
 /// Gyros of one page.
 const MOST: usize = 30;

@@ -1,11 +1,10 @@
 //! Residuals dwell by dwell, and gyro by dwell, as pictures without a script.
 
-use maud::{Markup, html};
 use nalgebra::Vector3;
 
 use super::chart::{Across, Chart, Dot, Level, Track, bounds, widened};
 use super::figure::short;
-use super::text::Text;
+use super::prelude::*;
 use crate::core::campaign::{Campaign, Dwell, Phase};
 use crate::wire::diagnosis::{ResidualBody, TableBody};
 

@@ -1,11 +1,9 @@
 //! What was separated from one calibration: D_I, D_S and the closure by both methods, angles and branches.
 
-use maud::{Markup, html};
-
 use super::figure;
 use super::layout::{DRIFTS, encoded, label, symbol};
+use super::prelude::*;
 use super::table::wide_table;
-use super::text::Text;
 use crate::core::mounting::Slot;
 use crate::wire::answer::{FigureBody, SeparationBody, UncertaintiesBody, UncertaintyBody};
 

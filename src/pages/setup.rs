@@ -1,19 +1,15 @@
 //! `/setup`: the limits in force and where each comes from; who may use the service, and what was done with it.
 
-use maud::{Markup, html};
-
-use super::layout::{DRIFTS, Page, Section, instant, symbol};
+use super::figure;
+use super::layout::{DRIFTS, instant, symbol};
+use super::prelude::*;
 use super::table::wide_table;
-use super::text::Text;
-use super::viewer::Visit;
-use super::{Pages, figure};
 use crate::config::{Config, Layer};
-use crate::core::access::{AuditEntry, AuditFilter, Role};
+use crate::core::access::{AuditEntry, AuditFilter};
 use crate::core::judge::limits::{Bounds, LimitKey, Requirement};
 use crate::core::judge::{Limit, Rule};
 use crate::core::mounting::Slot;
 use crate::pipeline::Token;
-use crate::wire::problem::Problem;
 
 /// Lines of the audit trail that are shown.
 const LINES: u32 = 50;

@@ -5,17 +5,11 @@ use std::net::SocketAddr;
 use axum::extract::{ConnectInfo, State as Held};
 use axum::http::header::{LOCATION, RETRY_AFTER, SET_COOKIE, USER_AGENT};
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
-use axum::response::{IntoResponse, Response};
-use maud::html;
 use serde::Deserialize;
 
-use super::Pages;
-use super::layout::{Page, Section};
-use super::viewer::{Viewer, is_local};
-use crate::core::access::Role;
-use crate::pages::sent::{Form, Query};
+use super::prelude::*;
+use super::viewer::is_local;
 use crate::pipeline::{Caller, Denied, SESSION_COOKIE};
-use crate::wire::problem::Problem;
 
 #[derive(Debug, Deserialize)]
 pub(super) struct SignInQuery {

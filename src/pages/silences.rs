@@ -1,25 +1,18 @@
 //! Silences of many alerts: those that hold, on the page of alerts; begun and ended on pages of their own.
 
-use axum::response::Response;
-use maud::{Markup, html};
 use serde::Deserialize;
 
-use super::Pages;
 use super::form::{ActionForm, ItemAction, Word, rule_choice, see_other};
-use super::layout::{Page, Section, remark, written};
+use super::layout::{remark, written};
+use super::prelude::*;
 use super::table::wide_table;
-use super::text::Text;
-use super::viewer::{Viewer, Visit};
-use crate::core::access::Role;
 use crate::core::alert_filter::Matchers;
 use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::judge::Rule;
 use crate::core::message::Message;
 use crate::core::time::UtcMicros;
-use crate::pages::sent::Form;
 use crate::pipeline::SilenceOrder;
-use crate::wire::problem::Problem;
 use crate::wire::silence::MatchersBody;
 use crate::wire::text;
 

@@ -1,16 +1,11 @@
 //! `/stations/{name}`: one station by what the gyros of the fleet share there.
 
-use axum::extract::Path;
-use maud::{Markup, html};
-
 use super::alerts::is_open_of;
 use super::bullet::percent;
 use super::course::Course;
-use super::layout::{DRIFTS, Page, Section, day, encoded, instant, symbol};
-use super::text::Text;
-use super::viewer::{Viewer, Visit};
+use super::layout::{DRIFTS, day, encoded, instant, symbol};
+use super::prelude::*;
 use super::{alerts, figure};
-use crate::core::access::Role;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{FleetStations, Shared, Spread, StationColumn, StationFigures};
 use crate::core::judge::Measured;
@@ -18,7 +13,6 @@ use crate::core::suspect_window::SuspectWindow;
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::wire::alert::AlertBody;
-use crate::wire::problem::Problem;
 use crate::wire::time;
 
 pub(super) async fn page(Visit(ref pages, ref viewer): Visit, Path(ref name): Path<String>) -> Result<Page, Problem> {

@@ -1,18 +1,14 @@
 //! `/stations`: what each station does to results, the one that is furthest out first.
 
-use maud::{Markup, html};
-
 use super::alerts::is_open_of;
 use super::bullet;
-use super::layout::{DRIFTS, Page, Section, day, encoded, label, symbol};
+use super::layout::{DRIFTS, day, encoded, label, symbol};
+use super::prelude::*;
 use super::station::changes;
 use super::table::wide_table;
-use super::text::Text;
-use super::viewer::Visit;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{Shared, StationFigures};
 use crate::core::judge::{Measured, Status};
-use crate::wire::problem::Problem;
 
 pub(super) async fn page(Visit(ref pages, ref viewer): Visit) -> Result<Page, Problem> {
     let t = viewer.text();

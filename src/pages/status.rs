@@ -1,8 +1,6 @@
 //! A status as a badge: told by its shape and word as well as by its colour.
 
-use maud::{Markup, html};
-
-use super::text::Text;
+use super::prelude::*;
 use crate::core::judge::{Event, Status};
 
 /// The sign of a status about the origin, in badges, pictures and legends alike: a disc is in order, a circle waits for

@@ -1,20 +1,14 @@
 //! `/stations/{name}/suspect` and `/stations/{name}/trust`: what a station measured in a window of time does not count,
 //! and counts again.
 
-use axum::extract::Path;
-use axum::response::Response;
-use maud::html;
 use serde::Deserialize;
 
-use super::Pages;
 use super::form::{ActionForm, Word, see_other, typed_time};
-use super::layout::{Page, Section, encoded};
-use super::viewer::{Viewer, Visit};
+use super::layout::encoded;
+use super::prelude::*;
 use crate::core::fault::Faults;
 use crate::core::suspect_window::{Mark, SuspectWindow};
-use crate::pages::sent::{Form, Query};
 use crate::pipeline::{Actor, WindowMark};
-use crate::wire::problem::Problem;
 use crate::wire::text;
 
 #[derive(Debug, Default, Deserialize)]

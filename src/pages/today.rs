@@ -6,31 +6,26 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use axum::http::Uri;
-use axum::response::{IntoResponse, Redirect, Response};
-use maud::{Markup, html};
+use axum::response::Redirect;
 use serde::Deserialize;
 
 use super::alerts::{self, done_to_alerts, is_open, open_ones};
 use super::fleet::{Filters, as_day, bad_parameter, slopes, violated};
-use super::layout::{DRIFTS, Page, Section, day, encoded, symbol, written_day};
+use super::layout::{DRIFTS, day, encoded, symbol, written_day};
+use super::prelude::*;
 use super::station::changes;
-use super::text::Text;
-use super::viewer::{Viewer, Visit};
-use super::{Pages, bullet, figure};
-use crate::core::access::Role;
+use super::{bullet, figure};
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{FleetStations, Shared};
 use crate::core::judge::{Measured, Rule, Status};
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::pages::sent::Query;
 use crate::pages::status as badges;
 use crate::pipeline::{
     CommonShift, DueDate, DueImu, FirstOf, FleetFilter, FleetPage, LINES, Names, Standing, Today, Together, Violation,
     today,
 };
 use crate::wire::alert::AlertBody;
-use crate::wire::problem::Problem;
 use crate::wire::time;
 
 /// Gyros that drift whose dates are asked for.

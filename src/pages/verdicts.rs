@@ -1,13 +1,9 @@
 //! Verdicts in words: the worst first, what has passed folded away.
 
-use maud::{Markup, html};
-
 use super::figure;
 use super::layout::{encoded, remark, symbol, written};
+use super::prelude::*;
 use super::table::wide_table;
-use super::text::Text;
-use super::viewer::Viewer;
-use crate::core::access::Role;
 use crate::core::judge::{Coefficient, Finding, Rule, Status, Unit, Verdict, digits, sd_digits};
 use crate::message;
 use crate::pages::status;

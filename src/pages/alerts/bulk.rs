@@ -1,23 +1,18 @@
 //! One word for many alerts: of the gyros that are ticked, or of those that are named.
 
 use axum::http::StatusCode;
-use axum::response::{IntoResponse, Response};
-use maud::{Markup, html};
 
 use super::table::{known, open_ones, table};
 use crate::core::alert_decision::Standing;
 use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
 use crate::message;
-use crate::pages::Pages;
 use crate::pages::form::{fault_list, see_other};
-use crate::pages::layout::{Page, Section};
-use crate::pages::sent::{Form, Query};
+use crate::pages::prelude::*;
 use crate::pages::silences::{days_field, silent_until};
-use crate::pages::viewer::{Viewer, Visit, is_local};
+use crate::pages::viewer::is_local;
 use crate::pipeline::{AlertChange, AlertOrder};
 use crate::wire::alert::AlertBody;
-use crate::wire::problem::Problem;
 use crate::wire::text;
 
 /// Alerts of one form, and gyros that are looked through for them.

@@ -1,19 +1,14 @@
 //! `/alerts/{id}`: one alert, what became of it step by step, and what people said.
 
-use axum::extract::Path;
-use maud::html;
-
 use super::table::table;
-use crate::core::access::Role;
 use crate::core::alert_decision::Action;
 use crate::core::id::Id;
 use crate::core::judge::Rule;
 use crate::pages::history::event_name;
-use crate::pages::layout::{Page, Section, encoded, instant, symbol};
+use crate::pages::layout::{encoded, instant, symbol};
+use crate::pages::prelude::*;
 use crate::pages::table::wide_table;
-use crate::pages::viewer::Visit;
 use crate::pipeline::{AlertStep, EventItem};
-use crate::wire::problem::Problem;
 use crate::wire::time;
 
 pub(in crate::pages) async fn page(

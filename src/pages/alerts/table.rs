@@ -1,18 +1,14 @@
 //! One table of alerts, wherever some are shown.
 
-use maud::{Markup, html};
-
 use crate::core::alert_decision::Standing;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::id::Id;
 use crate::core::judge::{Rule, Severity};
 use crate::pages::layout::{symbol, written};
-use crate::pages::text::Text;
+use crate::pages::prelude::*;
+use crate::pages::status;
 use crate::pages::verdicts::{actions, remarks};
-use crate::pages::viewer::Viewer;
-use crate::pages::{Pages, status};
 use crate::wire::alert::AlertBody;
-use crate::wire::problem::Problem;
 
 /// Alerts of one gyro, one for each coefficient and rule: never more than so many.
 const MOST_OF_A_GYRO: u32 = 200;

@@ -3,19 +3,15 @@
 
 use std::time::Duration;
 
-use maud::{Markup, html};
-
 use crate::core::effects::Effect;
 use crate::core::mounting::Slot;
 use crate::pages::calibration::stored_campaign;
-use crate::pages::layout::{Page, Section, encoded, instant, symbol};
+use crate::pages::layout::{encoded, instant, symbol};
+use crate::pages::prelude::*;
 use crate::pages::table::wide_table;
-use crate::pages::text::Text;
-use crate::pages::viewer::Viewer;
-use crate::pages::{Pages, figure, residuals};
+use crate::pages::{figure, residuals};
 use crate::pipeline::{DiagnosisAnswer, StoredCampaign};
 use crate::wire::calibration::GyroFitBody;
-use crate::wire::problem::Problem;
 
 /// How long the page waits for a diagnosis that is being made.
 const PATIENCE: Duration = Duration::from_secs(2);

@@ -1,7 +1,5 @@
 //! Gyros over one another: deviations from their own baselines on one scale.
 
-use maud::{Markup, html};
-
 use crate::core::id::Id;
 use crate::core::judge::{Finding, Measured, Rule, Status};
 use crate::core::time::UtcMicros;
@@ -9,16 +7,14 @@ use crate::pages::chart::{Across, Chart, Dot, Flag, Level, Track, bounds, millis
 use crate::pages::gyro_facts::Facts;
 use crate::pages::history::event_label;
 use crate::pages::history_plot::{MOST_FLAGS, epoch_of, list};
-use crate::pages::layout::{DRIFTS, Page, Section, encoded, label, symbol};
+use crate::pages::layout::{DRIFTS, encoded, label, symbol};
+use crate::pages::prelude::*;
 use crate::pages::table::wide_table;
-use crate::pages::text::Text;
 use crate::pages::verdicts::SeenVerdict;
 use crate::pages::view::View;
-use crate::pages::viewer::Viewer;
-use crate::pages::{Pages, bullet, figure, history, status};
+use crate::pages::{bullet, figure, history, status};
 use crate::pipeline::{EventItem, Names, StoredRecord, sample_of};
 use crate::wire::answer::{FigureBody, VerdictBody};
-use crate::wire::problem::Problem;
 
 /// Records of one gyro that are drawn, the newest.
 const MOST_RECORDS: usize = 200;

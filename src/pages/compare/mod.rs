@@ -4,15 +4,9 @@
 mod campaigns;
 mod gyros;
 
-use axum::response::Response;
-use maud::html;
-
-use super::layout::Page;
+use super::prelude::*;
 use super::report;
-use super::viewer::Visit;
 use crate::message;
-use crate::pages::sent::Query;
-use crate::wire::problem::Problem;
 
 /// Gyros at the most: more lines than that are told apart by nobody.
 const MOST_GYROS: usize = 8;

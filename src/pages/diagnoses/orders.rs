@@ -1,24 +1,19 @@
 //! Orders to diagnose many campaigns: how they go, a form to begin one, a button to cancel one.
 
-use axum::extract::{Path, State as Held};
-use axum::response::Response;
-use maud::{Markup, html};
+use axum::extract::State as Held;
 use serde::Deserialize;
 
 use super::fields::{beginning, end, said};
-use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::judge::Status;
 use crate::pages::form::{fault_list, see_other};
 use crate::pages::layout::written;
+use crate::pages::prelude::*;
+use crate::pages::status;
 use crate::pages::table::wide_table;
-use crate::pages::text::Text;
-use crate::pages::viewer::Viewer;
-use crate::pages::{Pages, status};
 use crate::pipeline::DiagnosisOrder;
 use crate::wire::diagnoses::{FailureBody, JobBody, WhichBody};
-use crate::wire::problem::Problem;
 
 /// Orders that are shown, and failures of each.
 const ORDERS: u32 = 10;

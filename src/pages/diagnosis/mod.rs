@@ -6,27 +6,19 @@ pub(super) mod sections;
 
 use std::time::Duration;
 
-use axum::extract::Path;
 use axum::http::StatusCode;
 use axum::http::header::REFRESH;
-use axum::response::{IntoResponse, Response};
-use maud::{Markup, html};
 
 pub use report::{Subject, report};
 
-use super::Pages;
 use super::calibration::stored_campaign;
-use super::layout::{Page, Section, encoded, instant};
+use super::layout::{encoded, instant};
+use super::prelude::*;
 use super::residuals::Setting;
-use super::text::Text;
-use super::viewer::{Viewer, Visit};
-use crate::core::access::Role;
 use crate::pages::reference;
 use crate::pages::reference::Against;
-use crate::pages::sent::Query;
 use crate::pipeline::{DiagnosisAnswer, StoredCampaign};
 use crate::wire::campaign;
-use crate::wire::problem::Problem;
 use crate::words;
 
 pub(super) async fn page(

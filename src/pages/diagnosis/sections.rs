@@ -1,13 +1,11 @@
 //! A diagnosis, section by section: of its page, and of the report that `diagnose --report` writes.
 
-use maud::{Markup, html};
-
 use crate::core::effects::{Effect, regressor_unit};
 use crate::pages::figure::{percent, short};
 use crate::pages::layout::{effect_named, effect_word};
+use crate::pages::prelude::*;
 use crate::pages::residuals::Setting;
 use crate::pages::table::wide_table;
-use crate::pages::text::Text;
 use crate::pages::{figure, forecast, layout, residuals};
 use crate::wire::diagnosis::{
     CandidateBody, DiagnosisBody, EffectBody, EstimateBody, HeldOutBody, ImpactBody, TableBody,

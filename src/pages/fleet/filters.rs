@@ -2,8 +2,6 @@
 
 use axum::http::HeaderValue;
 use axum::http::header::HeaderName;
-use axum::response::Response;
-use maud::{Markup, html};
 use serde::Deserialize;
 
 use crate::core::fleet_order::FleetOrder;
@@ -13,9 +11,8 @@ use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pages::form::rule_choice;
 use crate::pages::layout::encoded;
-use crate::pages::viewer::Viewer;
+use crate::pages::prelude::*;
 use crate::pipeline::{BEYOND, FleetFilter, FleetPage};
-use crate::wire::problem::Problem;
 use crate::wire::time;
 
 /// Stations that the form offers.

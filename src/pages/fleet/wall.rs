@@ -1,15 +1,11 @@
 //! The fleet by IMU: a card an IMU, a row a slot, a cell a coefficient, each with its load; for a screen on a wall.
 
-use maud::{Markup, html};
-
 use super::filters::Filters;
 use crate::core::judge::Status;
-use crate::pages::layout::{DRIFTS, Page, Section, encoded, symbol};
-use crate::pages::text::Text;
-use crate::pages::viewer::Viewer;
-use crate::pages::{Pages, bullet, status as badges};
+use crate::pages::layout::{DRIFTS, encoded, symbol};
+use crate::pages::prelude::*;
+use crate::pages::{bullet, status as badges};
 use crate::pipeline::Standing;
-use crate::wire::problem::Problem;
 
 /// IMUs on one page.
 const IMUS: usize = 60;

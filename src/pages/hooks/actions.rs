@@ -1,9 +1,7 @@
 //! What is done about hooks: set up, tried, switched, deleted; and what they were told, sent again.
 
-use axum::extract::{Path, State as Held};
+use axum::extract::State as Held;
 use axum::http::StatusCode;
-use axum::response::{IntoResponse, Response};
-use maud::html;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
@@ -14,13 +12,9 @@ use crate::core::id::Id;
 use crate::core::judge::{Severity, Status};
 use crate::core::message::text;
 use crate::message;
-use crate::pages::Pages;
 use crate::pages::form::{ActionForm, ItemAction, Word, choice, see_other};
-use crate::pages::layout::{Page, Section};
-use crate::pages::sent::Form;
-use crate::pages::viewer::{Viewer, Visit};
+use crate::pages::prelude::*;
 use crate::pipeline::{DeliveryPage, HookKind, Order};
-use crate::wire::problem::Problem;
 
 /// Dead letters that are sent again together.
 const MOST_AT_ONCE: u32 = 1000;

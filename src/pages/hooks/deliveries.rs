@@ -1,24 +1,19 @@
 //! `/hooks/{id}`: what one hook was told, newest first, with the dead letters.
 
-use axum::extract::Path;
 use axum::http::header::REFRESH;
-use axum::response::{IntoResponse, Response};
-use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::{buttons, filter, known, state, written};
 use crate::core::delivery::DeliveryState;
 use crate::core::id::Id;
 use crate::core::judge::{Rule, Status};
-use crate::pages::layout::{Page, Section, symbol};
-use crate::pages::sent::Query;
+use crate::pages::layout::symbol;
+use crate::pages::prelude::*;
 use crate::pages::status;
 use crate::pages::table::wide_table;
-use crate::pages::viewer::{Viewer, Visit};
 use crate::pipeline::DeliveryPage;
 use crate::wire::alert::AlertBody;
 use crate::wire::hook::{DeliveryBody, HookBody};
-use crate::wire::problem::Problem;
 
 /// Deliveries on one page.
 const ROWS: usize = 60;

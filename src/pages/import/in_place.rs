@@ -1,7 +1,6 @@
 //! A document of the import page takes the place of the one that is stored for its IMU and time.
 
 use axum::Extension;
-use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
 
 use super::logs::Sent;
@@ -11,10 +10,8 @@ use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::message;
 use crate::pages::form::{Word, fault_list, see_other};
-use crate::pages::sent::Form;
-use crate::pages::viewer::Visit;
+use crate::pages::prelude::*;
 use crate::pipeline::{Accepted, Actor, Caller, Corrected, Correction, ReadDocument, Submission};
-use crate::wire::problem::Problem;
 
 /// The right document, and which one it replaces.
 #[derive(Deserialize)]

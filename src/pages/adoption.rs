@@ -42,12 +42,10 @@ impl ItemAction for Adopt {
                 (found(t, &diagnosis))
                 p { (t.adopt_what) }
             },
-            fields: html! {},
             action: format!("/campaigns/{number}/adopt"),
             button: t.adopt,
             back: word.back_or(&format!("/campaigns/{number}/diagnosis")).to_owned(),
-            reasoned: true,
-            is_final: false,
+            ..ActionForm::default()
         };
         Ok((number, form))
     }
@@ -93,12 +91,10 @@ impl ItemAction for UndoModel {
                 p.lead { (t.in_force_again) ": " code translate="no" { (held(t, &model)) } }
                 p { (t.undo_model_what) }
             },
-            fields: html! {},
             action: format!("/imus/{}/model/undo", encoded(imu)),
             button: t.undo_model,
             back: word.back_or(&format!("/imus/{}#models", encoded(imu))).to_owned(),
-            reasoned: true,
-            is_final: false,
+            ..ActionForm::default()
         };
         Ok(((imu.to_owned(), model), form))
     }

@@ -111,7 +111,7 @@ pub(super) async fn page(
                 }
             }
         }
-        (search(viewer, filters))
+        (search(t, filters))
         p.note { (t.alerts_note) }
         @for (word, alerts) in [(t.stations_alerts, &stations), (t.batches_alerts, &batches), (t.imus_alerts, &imus)] {
             @if !alerts.is_empty() {
@@ -138,8 +138,7 @@ pub(super) async fn page(
     Ok(Page { title: t.alerts.into(), section: Section::Alerts, body })
 }
 
-fn search(viewer: &Viewer, filters: &Filters) -> Markup {
-    let t = viewer.text();
+fn search(t: &Text, filters: &Filters) -> Markup {
     html! {
         form.search role="search" action="/alerts" method="get" {
             input type="hidden" name="state" value=(filters.state());
@@ -372,7 +371,6 @@ fn form(viewer: &Viewer, alert: &AlertBody, doing: Doing, said: &AlertForm) -> A
         action: format!("/alerts/{}/{}", alert.id, doing.name()),
         button,
         back: said.word.back_or("/alerts").to_owned(),
-        reasoned: true,
-        is_final: false,
+        ..ActionForm::default()
     }
 }

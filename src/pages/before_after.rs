@@ -12,8 +12,7 @@ use crate::pages::status;
 use crate::pipeline::{Course, Tested, sample_of};
 
 /// By the judged method, the newest test first; nothing for a gyro that was never tested.
-pub(super) fn section(viewer: &Viewer, course: &Course, method: JudgedMethod) -> Markup {
-    let t = viewer.text();
+pub(super) fn section(t: &Text, course: &Course, method: JudgedMethod) -> Markup {
     html! {
         @if !course.tests.is_empty() {
             section #tests {
@@ -22,14 +21,13 @@ pub(super) fn section(viewer: &Viewer, course: &Course, method: JudgedMethod) ->
                 (wide_table("cards", html! {
                     th { (t.event(Event::EnvironmentalTest)) } th { (t.coefficient) } th.n { (t.last_before) } th.n { (t.first_after) }
                     th.n { (t.difference) } th.n { (t.limit) } th { (t.status_word) }
-                }, html! { @for test in course.tests.iter().rev() { @for column in 0..2 { (line(viewer, course, test, (method, column))) } } }))
+                }, html! { @for test in course.tests.iter().rev() { @for column in 0..2 { (line(t, course, test, (method, column))) } } }))
             }
         }
     }
 }
 
-fn line(viewer: &Viewer, course: &Course, test: &Tested, (method, column): (JudgedMethod, usize)) -> Markup {
-    let t = viewer.text();
+fn line(t: &Text, course: &Course, test: &Tested, (method, column): (JudgedMethod, usize)) -> Markup {
     let of = |figures: &Option<Figures>| figures.as_ref().map(|figures| sample_of(figures, method).d[column]);
     let (before, after) = (of(&test.before), of(&test.after));
     let difference = before.zip(after).map(|(before, after)| Measured {

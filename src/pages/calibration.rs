@@ -66,7 +66,7 @@ async fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> R
         @if let Some(note) = &body.note { p translate="no" { (note) } }
         (standing.said)
         (noted(t, &answer.notes))
-        (judged(viewer, serials.iter().map(|(slot, serial)| (*slot, &**serial)), (&answer.verdicts, seen), standing.counts))
+        (judged(t, serials.iter().map(|(slot, serial)| (*slot, &**serial)), (&answer.verdicts, seen), standing.counts))
         section { h2 { (t.separated) } (separation::tables(t, &answer.separations)) }
         (closure(t, item.id, closures, &serials, &answer.verdicts))
         section { h2 { (t.parameters) } (parameters::tables(t, &gyros, parameters::required(&pages.config.judging, &body.imu, &body.geometry))) }
@@ -157,7 +157,7 @@ pub(super) async fn campaign(Visit(ref pages, ref viewer): Visit, Path(ref id): 
         }
         p { a.action href={ "/campaigns/" (item.id) "/diagnosis" } { (t.diagnose) } }
         (standing.said)
-        (judged(viewer, fits.iter().map(|gyro| (gyro.slot, gyro.serial.as_str())), (&answer.verdicts, seen), standing.counts))
+        (judged(t, fits.iter().map(|gyro| (gyro.slot, gyro.serial.as_str())), (&answer.verdicts, seen), standing.counts))
         section {
             h2 { (t.separated) }
             (separation::tables(t, &answer.separations))
@@ -166,8 +166,8 @@ pub(super) async fn campaign(Visit(ref pages, ref viewer): Visit, Path(ref id): 
         section { h2 { (t.parameters) } (parameters::tables(t, &gyros, parameters::required(&pages.config.judging, &body.imu, &body.geometry))) }
         section {
             h2 { (t.fit_quality) }
-            (quality(viewer, fits))
-            @for gyro in fits { (blind_directions(viewer, gyro)) }
+            (quality(t, fits))
+            @for gyro in fits { (blind_directions(t, gyro)) }
             @for note in &answer.notes { p.note { (note.detail) } }
         }
         section {
@@ -180,7 +180,7 @@ pub(super) async fn campaign(Visit(ref pages, ref viewer): Visit, Path(ref id): 
                     (residuals::strip(t, standardised, extent))
                 } @else { p { (t.no_noise) } }
             }
-            (residual_table(viewer, fits))
+            (residual_table(t, fits))
         }
     };
     Ok(Page { title, section: Section::Fleet, body: markup })
@@ -191,12 +191,11 @@ fn unreadable(id: &Id) -> Problem {
 }
 
 fn judged<'a>(
-    viewer: &Viewer,
+    t: &Text,
     gyros: impl Iterator<Item = (Slot, &'a str)>,
     (bodies, seen): (&[VerdictBody], &[Option<Verdict>]),
     counts: bool,
 ) -> Markup {
-    let t = viewer.text();
     html! {
         section.uncounted[!counts] {
             h2 { (t.verdicts_of_record) }
@@ -204,14 +203,13 @@ fn judged<'a>(
             @for (slot, serial) in gyros {
                 @let own = SeenVerdict::of_gyro(serial, bodies, seen);
                 h3 { (slot.name()) " " a href={ "/gyros/" (encoded(serial)) } { (serial) } }
-                @if own.is_empty() { p.quiet { (t.not_judged) } } @else { (verdicts::list(viewer, &own)) }
+                @if own.is_empty() { p.quiet { (t.not_judged) } } @else { (verdicts::list(t, &own)) }
             }
         }
     }
 }
 
-fn quality(viewer: &Viewer, fits: &[GyroFitBody]) -> Markup {
-    let t = viewer.text();
+fn quality(t: &Text, fits: &[GyroFitBody]) -> Markup {
     let short = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), figure::short);
     html! {
         (wide_table("cards", html! {
@@ -231,8 +229,7 @@ fn quality(viewer: &Viewer, fits: &[GyroFitBody]) -> Markup {
 }
 
 /// What no dwell can see, and by which condition it was fixed.
-fn blind_directions(viewer: &Viewer, gyro: &GyroFitBody) -> Markup {
-    let t = viewer.text();
+fn blind_directions(t: &Text, gyro: &GyroFitBody) -> Markup {
     html! {
         @for null in &gyro.null_directions {
             p.note {
@@ -246,8 +243,7 @@ fn blind_directions(viewer: &Viewer, gyro: &GyroFitBody) -> Markup {
     }
 }
 
-fn residual_table(viewer: &Viewer, fits: &[GyroFitBody]) -> Markup {
-    let t = viewer.text();
+fn residual_table(t: &Text, fits: &[GyroFitBody]) -> Markup {
     let dwells = fits.iter().map(|gyro| gyro.residuals.pulse_per_s.len()).max().unwrap_or(0);
     html! {
         details {

@@ -38,12 +38,10 @@ impl ItemAction for ConfirmTime {
                 (noted(t, &note::read(item.notes.as_deref())))
                 p.lead { (t.confirm_what) }
             },
-            fields: html! {},
             action: format!("/records/{number}/confirm"),
             button: t.confirm_time,
             back: word.back_or(&format!("/records/{number}")).to_owned(),
-            reasoned: true,
-            is_final: false,
+            ..ActionForm::default()
         };
         Ok((number, form))
     }

@@ -108,12 +108,11 @@ fn form(t: &Text, title: &'static str, shown: &Markup, (action, back): (&str, &s
         section: Section::Fleet,
         title: title.into(),
         what: html! { (shown) p.lead { (t.void_what) } },
-        fields: html! {},
         action: action.to_owned(),
         button: t.void,
         back: back.to_owned(),
-        reasoned: true,
         is_final: true,
+        ..ActionForm::default()
     }
 }
 
@@ -132,7 +131,7 @@ pub(super) async fn standing(pages: &Pages, viewer: &Viewer, kind: Kind, id: Id)
     let (counts, aside) = (status.counts(), status.set_aside);
     let place = if kind == Kind::Campaign { "campaigns" } else { "records" };
     let said = html! {
-        @for row in &status.corrections { (remark(viewer, row, id)) }
+        @for row in &status.corrections { (remark(t, row, id)) }
         @if let Some(row) = &status.confirmation {
             p.sound { strong { (t.was_confirmed) } " " (instant(row.at)) " · " (t.said_by) " " span translate="no" { (row.author) ": " (row.reason) } }
         }
@@ -151,8 +150,7 @@ pub(super) async fn standing(pages: &Pages, viewer: &Viewer, kind: Kind, id: Id)
     Ok(Standing { counts, said })
 }
 
-fn remark(viewer: &Viewer, row: &CorrectionItem, id: Id) -> Markup {
-    let t = viewer.text();
+fn remark(t: &Text, row: &CorrectionItem, id: Id) -> Markup {
     html! {
         p.(if row.item == id { "fault" } else { "sound" }) {
             @match row.replaced_by {
@@ -170,8 +168,7 @@ fn said(by: &str, row: &CorrectionItem) -> Markup {
 }
 
 /// A record that is set aside, as a line of a gyro's course.
-pub(super) fn aside(viewer: &Viewer, id: Id, at: UtcMicros) -> Markup {
-    let t = viewer.text();
+pub(super) fn aside(t: &Text, id: Id, at: UtcMicros) -> Markup {
     html! {
         td { strong { (t.set_aside) } }
         td { (t.calibration_of) " " a href={ "/records/" (id) } { (instant(at)) } }
@@ -179,8 +176,7 @@ pub(super) fn aside(viewer: &Viewer, id: Id, at: UtcMicros) -> Markup {
 }
 
 /// What does not count any more, as a line of a gyro's course: what it was, who said so and why.
-pub(super) fn happening(viewer: &Viewer, correction: &CorrectedResult) -> Markup {
-    let t = viewer.text();
+pub(super) fn happening(t: &Text, correction: &CorrectedResult) -> Markup {
     let row = &correction.correction;
     html! {
         td { strong { (if row.replaced_by.is_some() { t.revised } else { t.voided }) } }

@@ -86,7 +86,7 @@ async fn build(
         @if let Some(faults) = &unusable { (fault_list(t, faults)) }
         @else { (shown(t, &summary, filters)) }
         (orders)
-        @if viewer.may(Role::Engineer) { (orders::form(viewer, wanted, wrong)) }
+        @if viewer.may(Role::Engineer) { (orders::form(t, wanted, wrong)) }
     };
     let status = if wrong.is_some() {
         StatusCode::UNPROCESSABLE_ENTITY

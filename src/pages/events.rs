@@ -63,7 +63,7 @@ pub(super) async fn ask(
     Path(serial): Path<String>,
     Query(said): Query<EventForm>,
 ) -> Result<Page, Problem> {
-    Ok(form(viewer, &known(pages, &serial)?, &said).fresh(viewer, &said.word))
+    Ok(form(viewer.text(), &known(pages, &serial)?, &said).fresh(viewer, &said.word))
 }
 
 fn known(pages: &Pages, serial: &str) -> Result<Name, Problem> {
@@ -96,7 +96,7 @@ pub(super) async fn act(
         read_test(event, at, (filled(&said.to).map(|to| typed_time(&to)), filled(&said.kind)), &mut faults)
     });
     let Some((event, (until, test))) = event.zip(test).filter(|_| faults.is_empty()) else {
-        return Ok(form(viewer, &name, said).again(viewer, &said.word, &faults));
+        return Ok(form(viewer.text(), &name, said).again(viewer, &said.word, &faults));
     };
     let Word { by, reason, .. } = said.word.clone();
     let (fixed, author, by) = ([None; 2], Some(by), Actor::by_caller());
@@ -112,8 +112,7 @@ pub(super) async fn act(
     }
 }
 
-fn form(viewer: &Viewer, serial: &Name, said: &EventForm) -> ActionForm {
-    let t = viewer.text();
+fn form(t: &Text, serial: &Name, said: &EventForm) -> ActionForm {
     let about = About::of(Event::from_name(&said.event));
     let title = about.title(t);
     let path = format!("/gyros/{}", encoded(serial.as_str()));
@@ -135,19 +134,17 @@ fn form(viewer: &Viewer, serial: &Name, said: &EventForm) -> ActionForm {
     ActionForm {
         section: Section::Fleet,
         title: format!("{title}: {serial}"),
-        what: what_it_resets(viewer, about),
+        what: what_it_resets(t, about),
         fields,
         action: format!("{path}/events/new"),
         button: title,
         back: path,
-        reasoned: true,
-        is_final: false,
+        ..ActionForm::default()
     }
 }
 
 /// What the rules will no longer compare with what came before.
-fn what_it_resets(viewer: &Viewer, about: About) -> Markup {
-    let t = viewer.text();
+fn what_it_resets(t: &Text, about: About) -> Markup {
     let resets = |event: Event| -> Vec<&str> { event.rules_reset().map(|rule| t.rule(rule)).collect() };
     html! {
         p.lead { (if about == About::Decision { t.decision_what } else { t.event_what }) }

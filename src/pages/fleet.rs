@@ -47,13 +47,13 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
         if filters.sort == BY_DATE {
             by_date(&mut rows);
         }
-        html! { (table(viewer, pages, filters, &rows, now)) }
+        html! { (table(t, pages, filters, &rows, now)) }
     };
     let body = html! {
         @if !gyros.is_empty() { a.skip href="#first" { (t.skip_to_first) } }
         h1 { (t.fleet) }
-        (filters.tiles(viewer, &found))
-        (filters.form(viewer, &found))
+        (filters.tiles(t, &found))
+        (filters.form(t, &found))
         @if found.total == 0 {
             p.lead { (t.nothing_yet) }
         } @else if gyros.is_empty() {
@@ -63,7 +63,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
             (table)
             @if filters.sort == BY_DATE && found.last > 0 { p.note { (t.by_date_note) } }
             @if undated > 0 { p.note { (t.dates_of_others) " " (t.count_of_gyros(undated)) } }
-            (filters.pager(viewer, found.number, found.last))
+            (filters.pager(t, found.number, found.last))
             (selection(viewer))
         }
     };
@@ -102,8 +102,7 @@ fn by_date(rows: &mut [Row<'_>]) {
     rows.sort_by_key(|row| (row.due.is_none(), row.due.map(|due| due.at)));
 }
 
-fn table(viewer: &Viewer, pages: &Pages, filters: &Filters, rows: &[Row<'_>], now: UtcMicros) -> Markup {
-    let t = viewer.text();
+fn table(t: &Text, pages: &Pages, filters: &Filters, rows: &[Row<'_>], now: UtcMicros) -> Markup {
     let head = |sort: &str, name: Markup| filters.head(sort, &name);
     html! {
         div.scroll tabindex="0" {
@@ -120,15 +119,15 @@ fn table(viewer: &Viewer, pages: &Pages, filters: &Filters, rows: &[Row<'_>], no
                     th { (t.since) }
                     (head("age", html! { (t.calibrated) }))
                 } }
-                tbody { @for (k, row) in rows.iter().enumerate() { (line(viewer, pages, row, k == 0, now)) } }
+                tbody { @for (k, row) in rows.iter().enumerate() { (line(t, pages, row, k == 0, now)) } }
             }
         }
     }
 }
 
 /// `first`: whether it is the first of the page, which the keyboard skips to.
-fn line(viewer: &Viewer, pages: &Pages, row: &Row<'_>, first: bool, now: UtcMicros) -> Markup {
-    let (t, standing) = (viewer.text(), row.standing);
+fn line(t: &Text, pages: &Pages, row: &Row<'_>, first: bool, now: UtcMicros) -> Markup {
+    let (t, standing) = (t, row.standing);
     let newest = standing.newest.as_ref().map(|figures| sample_of(figures, pages.config.judging.method));
     let is_worse = standing.status.is_some_and(|status| status >= Status::Drifting);
     html! {
@@ -154,7 +153,7 @@ fn line(viewer: &Viewer, pages: &Pages, row: &Row<'_>, first: bool, now: UtcMicr
             td data-label=(t.slope_or_date) { (slopes(t, standing)) (reaches(t, row.due)) }
             td data-label=(t.violates) { (violated(t, &besides(&standing.violations))) }
             td data-label=(t.since) { @if let Some(since) = standing.since.filter(|_| is_worse) { (day(since)) } }
-            td data-label=(t.calibrated) { @if let Some(figures) = &standing.newest { (age(viewer, figures.at, now, &row.station)) } }
+            td data-label=(t.calibrated) { @if let Some(figures) = &standing.newest { (age(t, figures.at, now, &row.station)) } }
         }
     }
 }
@@ -226,8 +225,7 @@ pub(super) fn violated(t: &Text, violations: &[Violation]) -> Markup {
     }
 }
 
-fn age(viewer: &Viewer, at: UtcMicros, now: UtcMicros, station: &str) -> Markup {
-    let t = viewer.text();
+fn age(t: &Text, at: UtcMicros, now: UtcMicros, station: &str) -> Markup {
     html! {
         span.nowrap title=(as_day(at)) {
             (figure::whole_days(now.days_since(at))) " " (t.days_short) " " span.quiet { "· " span.id { (station) } }

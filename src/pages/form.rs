@@ -49,6 +49,7 @@ impl Word {
 
 /// Something that changes what is stored, on a page of its own: what it does, who does it and why; and that it is
 /// meant, where it cannot be undone.
+#[derive(Default)]
 pub(super) struct ActionForm {
     pub section: Section,
     pub title: String,
@@ -60,8 +61,8 @@ pub(super) struct ActionForm {
     pub button: &'static str,
     /// Where to go on if it is not done.
     pub back: String,
-    /// Whether it asks who and why.
-    pub reasoned: bool,
+    /// Whether it asks neither who nor why.
+    pub unreasoned: bool,
     /// Whether it cannot be undone.
     pub is_final: bool,
 }
@@ -83,7 +84,7 @@ impl ActionForm {
             form.deed action=(self.action) method="post" {
                 input type="hidden" name="back" value=(self.back);
                 (self.fields)
-                @if self.reasoned {
+                @if !self.unreasoned {
                     label { (t.who) input name="by" value=(by) required maxlength="128" autocomplete="name"; }
                     label { (t.reason_word) textarea name="reason" rows="3" required maxlength="4096" { (word.reason) } }
                 }
@@ -99,7 +100,7 @@ impl ActionForm {
     /// The form again where something that it asks for is missing; none where all of it was sent.
     fn incomplete(&self, viewer: &Viewer, word: &Word) -> Option<Response> {
         let mut faults = Faults::default();
-        if self.reasoned {
+        if !self.unreasoned {
             word.check(&mut faults);
         }
         if self.is_final {

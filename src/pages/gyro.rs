@@ -35,6 +35,7 @@ pub(super) async fn page(
     Path(ref serial): Path<String>,
     Query(ref asked): Query<GyroQuery>,
 ) -> Result<Page, Problem> {
+    let t = viewer.text();
     let number = pages.gyro_number(serial)?;
     let judged = pages.config.judging.method;
     let view = View::asked(&asked.view, judged);
@@ -44,13 +45,13 @@ pub(super) async fn page(
     let names = pages.pipeline.queries.names();
     let judges = !facts.verdicts.is_empty() || !facts.alerts.is_empty();
     let body = html! {
-        @if judges { a.skip href="#verdicts" { (viewer.text().skip_to_verdicts) } }
+        @if judges { a.skip href="#verdicts" { (t.skip_to_verdicts) } }
         (gyro_head::head(viewer, serial, &facts, judged, explained.as_ref(), &names))
-        (history(viewer, serial, &view, &facts, &names))
+        (history(t, serial, &view, &facts, &names))
         @if judges { (verdict_section(viewer, &facts)) }
-        (before_after::section(viewer, &facts.course, judged))
-        (agreement(viewer, serial, &facts.comparison))
-        (history::happenings(viewer, &facts.course, &names))
+        (before_after::section(t, &facts.course, judged))
+        (agreement(t, serial, &facts.comparison))
+        (history::happenings(t, &facts.course, &names))
         (benches(viewer, &facts.course))
         (calibrations(viewer, serial, (&view, skip), &facts, &names))
         (gyro_attributes::edit(viewer, serial))
@@ -85,9 +86,8 @@ fn verdict_section(viewer: &Viewer, facts: &Facts) -> Markup {
     }
 }
 
-fn history(viewer: &Viewer, serial: &str, view: &View, facts: &Facts, names: &Names<'_>) -> Markup {
-    let t = viewer.text();
-    let plots = history_plot::plots(viewer, serial, *view, facts.seen(), names, "");
+fn history(t: &Text, serial: &str, view: &View, facts: &Facts, names: &Names<'_>) -> Markup {
+    let plots = history_plot::plots(t, serial, *view, facts.seen(), names, "");
     let to = |view: View| format!("{}#history", view.address());
     let whole = View { from: None, to: None, ..*view };
     let year = facts.course.figures.last().map(|newest| newest.at.plus_days(-365.0));
@@ -136,8 +136,7 @@ fn history(viewer: &Viewer, serial: &str, view: &View, facts: &Facts, names: &Na
 }
 
 /// Results side by side in the form of the paper's Table 5.
-pub(super) fn agreement(viewer: &Viewer, serial: &str, comparison: &Comparison) -> Markup {
-    let t = viewer.text();
+pub(super) fn agreement(t: &Text, serial: &str, comparison: &Comparison) -> Markup {
     html! {
         section {
             h2 { (t.agreement) }
@@ -172,7 +171,7 @@ pub(super) fn agreement(viewer: &Viewer, serial: &str, comparison: &Comparison) 
                     } }
                 } }
                 @let verdicts: Vec<_> = comparison.verdicts.iter().map(|v| SeenVerdict { body: VerdictBody::of(serial, v), seen: Some(*v) }).collect();
-                (verdicts::list(viewer, &verdicts))
+                (verdicts::list(t, &verdicts))
             }
         }
     }

@@ -55,7 +55,7 @@ pub(super) async fn ask(Visit(ref pages, ref viewer): Visit, Path(ref serial): P
     let GyroAttributes { batch, r#type, unit } = standing.attributes;
     let [batch, r#type, unit] = [batch, r#type, unit].map(Option::unwrap_or_default);
     let said = Attributes { word: Word::default(), batch, r#type, unit };
-    Ok(form(viewer, serial, &said).fresh(viewer, &said.word))
+    Ok(form(viewer.text(), serial, &said).fresh(viewer, &said.word))
 }
 
 pub(super) async fn act(
@@ -73,7 +73,7 @@ pub(super) async fn act(
     let [batch, r#type, unit] = [("batch", &said.batch), ("type", &said.r#type), ("unit", &said.unit)]
         .map(|(pointer, said)| word(pointer, said));
     if !faults.is_empty() {
-        return Ok(form(viewer, serial, said).again(viewer, &said.word, &faults));
+        return Ok(form(viewer.text(), serial, said).again(viewer, &said.word, &faults));
     }
     let patch = GyroAttributesPatch { batch, r#type, unit };
     let order = AttributesOrder { serial: name, patch, by: Actor::by_caller() };
@@ -81,8 +81,7 @@ pub(super) async fn act(
     Ok(see_other(&format!("/gyros/{}", encoded(serial))))
 }
 
-fn form(viewer: &Viewer, serial: &str, said: &Attributes) -> ActionForm {
-    let t = viewer.text();
+fn form(t: &Text, serial: &str, said: &Attributes) -> ActionForm {
     let home = format!("/gyros/{}", encoded(serial));
     ActionForm {
         section: Section::Fleet,
@@ -96,7 +95,7 @@ fn form(viewer: &Viewer, serial: &str, said: &Attributes) -> ActionForm {
         action: format!("{home}/attributes"),
         button: t.edit_attributes,
         back: home,
-        reasoned: false,
-        is_final: false,
+        unreasoned: true,
+        ..ActionForm::default()
     }
 }

@@ -23,26 +23,25 @@ pub(super) async fn page(Visit(ref pages, ref viewer): Visit, Path(ref serial): 
             " · " a href={ "/v1/gyros/" (encoded(serial)) "/diagnosis" } { "JSON" }
         }
         @for (answer, budget) in explained.coefficients.iter().zip(explained.budgets) {
-            (section(viewer, serial, (answer, budget), &explained))
+            (section(t, serial, (answer, budget), &explained))
         }
     };
     Ok(Page { title: format!("{serial}: {}", t.history_diagnosis), section: Section::Fleet, body })
 }
 
 fn section(
-    viewer: &Viewer,
+    t: &Text,
     serial: &str,
     (answer, budget): (&HistoryDiagnosis, Option<DriftBudget>),
     explained: &ExplainedHistory,
 ) -> Markup {
-    let t = viewer.text();
     let name = answer.coefficient.name();
     html! {
         section id=(name) {
             h2 { (symbol(name)) }
             p.lead.capital { (named(t, answer)) (t.words(&answer.opening())) }
             @for said in answer.besides(explained.as_of).into_iter().chain(answer.looked_at(explained.as_of.records)) { p { (t.words(&said)) } }
-            (drawn(viewer, serial, answer, budget))
+            (drawn(t, serial, answer, budget))
             @if !answer.causes.is_empty() {
                 (wide_table("cards", html! {
                     th { (t.cause) } th { (t.tied_to) } th.n { (t.estimate) } th { (t.unit_word) }
@@ -76,8 +75,7 @@ fn section(
 }
 
 /// The records about their baseline, what explains them, and what the stations did under it.
-fn drawn(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis, budget: Option<DriftBudget>) -> Markup {
-    let t = viewer.text();
+fn drawn(t: &Text, serial: &str, answer: &HistoryDiagnosis, budget: Option<DriftBudget>) -> Markup {
     let n = answer.course.len().max(1) as f64;
     let mean = answer.course.iter().map(|one| one.measured.value).sum::<f64>() / n;
     let zero = budget.map_or(mean, |budget| budget.baseline);

@@ -48,8 +48,7 @@ pub(super) fn event_name(t: &Text, event: &EventItem) -> Markup {
 }
 
 /// Events and changes in the order of time, newest first.
-pub(super) fn happenings(viewer: &Viewer, course: &Course, names: &Names<'_>) -> Markup {
-    let t = viewer.text();
+pub(super) fn happenings(t: &Text, course: &Course, names: &Names<'_>) -> Markup {
     let changes = changes(course, names);
     let mut all: Vec<(UtcMicros, Markup)> = course
         .events
@@ -68,8 +67,8 @@ pub(super) fn happenings(viewer: &Viewer, course: &Course, names: &Names<'_>) ->
             let what = if change.seat { t.moved } else { t.other_station };
             (change.at, html! { td { (what) } td { (change.from) " → " (change.to) } })
         }))
-        .chain(course.corrections.iter().map(|one| (one.correction.at, corrections::happening(viewer, one))))
-        .chain(course.set_aside.iter().map(|&(id, at)| (at, corrections::aside(viewer, id, at))))
+        .chain(course.corrections.iter().map(|one| (one.correction.at, corrections::happening(t, one))))
+        .chain(course.set_aside.iter().map(|&(id, at)| (at, corrections::aside(t, id, at))))
         .collect();
     all.sort_by_key(|(at, _)| std::cmp::Reverse(*at));
     html! {

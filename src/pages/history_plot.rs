@@ -136,7 +136,7 @@ pub(super) fn epoch_of(epochs: &[Epoch], at: UtcMicros) -> Option<&Epoch> {
 
 /// What the pictures of one view have in common.
 struct Drawing<'a> {
-    t: &'static Text,
+    t: &'a Text,
     serial: &'a str,
     view: View,
     seen: Seen<'a>,
@@ -148,15 +148,7 @@ struct Drawing<'a> {
 }
 
 /// `place` keeps apart what stands on one page for several gyros.
-pub(super) fn plots(
-    viewer: &Viewer,
-    serial: &str,
-    view: View,
-    seen: Seen<'_>,
-    names: &Names<'_>,
-    place: &str,
-) -> Plots {
-    let t = viewer.text();
+pub(super) fn plots(t: &Text, serial: &str, view: View, seen: Seen<'_>, names: &Names<'_>, place: &str) -> Plots {
     let rows = in_view(seen.course, &view);
     let drawing = Drawing {
         t,

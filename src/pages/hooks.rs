@@ -32,24 +32,24 @@ pub(super) async fn page(Visit(ref pages, ref viewer): Visit) -> Result<Page, Pr
 }
 
 fn line(viewer: &Viewer, hook: &HookBody) -> Markup {
+    let t = viewer.text();
     html! {
         tr {
             th scope="row" translate="no" { a href={ "/hooks/" (hook.id) } { (hook.name) } }
             td.nowrap { (hook.kind) }
-            td.words { code { (hook.url) } (filter(viewer, &hook.filter)) }
-            td { (state(viewer, hook)) }
-            td.n data-label=(viewer.text().open_deliveries) {
+            td.words { code { (hook.url) } (filter(t, &hook.filter)) }
+            td { (state(t, hook)) }
+            td.n data-label=(t.open_deliveries) {
                 (hook.queue.open)
                 @if let Some(oldest) = &hook.queue.oldest_open { br; span.quiet { (written(oldest)) } }
             }
-            td.n data-label=(viewer.text().dead_letters) { @if hook.queue.dead > 0 { a href={ "/hooks/" (hook.id) "?state=dead" } { (hook.queue.dead) } } @else { "0" } }
+            td.n data-label=(t.dead_letters) { @if hook.queue.dead > 0 { a href={ "/hooks/" (hook.id) "?state=dead" } { (hook.queue.dead) } } @else { "0" } }
             td { (buttons(viewer, hook)) }
         }
     }
 }
 
-fn state(viewer: &Viewer, hook: &HookBody) -> Markup {
-    let t = viewer.text();
+fn state(t: &Text, hook: &HookBody) -> Markup {
     html! {
         @if hook.enabled { (status::said(Some(Status::InTolerance), t.enabled)) }
         @else { (status::said(Some(Status::OutOfTolerance), t.disabled)) }
@@ -58,8 +58,7 @@ fn state(viewer: &Viewer, hook: &HookBody) -> Markup {
 }
 
 /// What it is told of, where that is not everything.
-fn filter(viewer: &Viewer, filter: &FilterBody) -> Markup {
-    let t = viewer.text();
+fn filter(t: &Text, filter: &FilterBody) -> Markup {
     let rules: Vec<&str> =
         filter.rules.iter().map(|name| Rule::from_name(name).map_or(name.as_str(), |rule| t.rule(rule))).collect();
     let is_of_confirmed = filter.min_severity.as_deref() == Some(Severity::Critical.name());

@@ -54,7 +54,7 @@ use logs::{Looked, Sent};
 const MOST_SHOWN: usize = 200;
 
 pub(super) async fn page(viewer: Viewer) -> Page {
-    framed(&viewer, &Sent::default(), html! {})
+    framed(viewer.text(), &Sent::default(), html! {})
 }
 
 /// What the text says, or what is wrong with it. Stores nothing.
@@ -68,7 +68,7 @@ pub(super) async fn preview(
         Err(status) if status == StatusCode::PAYLOAD_TOO_LARGE => {
             let most = pages.config.server.max_body_bytes;
             let fault = message!("log_too_large", most, key = "server.max_body_bytes");
-            return Ok((status, unread(&viewer, Sent::default(), &Looked::Faulty(fault))).into_response());
+            return Ok((status, unread(viewer.text(), Sent::default(), &Looked::Faulty(fault))).into_response());
         }
         Err(_) => return Err(Problem::new(400, "title_broken_off", message!("body_broke_off"))),
     };
@@ -96,7 +96,7 @@ pub(super) async fn preview(
         Ok(looked) => looked,
         Err(unreadable) => {
             let (sent, looked) = *unreadable;
-            return Ok(unread(&viewer, sent, &looked).into_response());
+            return Ok(unread(viewer.text(), sent, &looked).into_response());
         }
     };
     let prospects = previews(&pages.pipeline, read).await?;
@@ -116,8 +116,7 @@ struct Source {
 }
 
 /// A log that needs a map, or a file that is none.
-fn unread(viewer: &Viewer, mut sent: Sent, looked: &Looked) -> Page {
-    let t = viewer.text();
+fn unread(t: &Text, mut sent: Sent, looked: &Looked) -> Page {
     let mut said: Option<&Message> = None;
     match looked {
         Looked::Guessed(map) => sent.map.clone_from(map),
@@ -133,7 +132,7 @@ fn unread(viewer: &Viewer, mut sent: Sent, looked: &Looked) -> Page {
             }
         }
     };
-    framed(viewer, &sent, body)
+    framed(t, &sent, body)
 }
 
 /// Where the faults are of the first that have some.
@@ -196,7 +195,7 @@ pub(super) async fn store(Visit(pages, viewer): Visit, Extension(caller): Extens
     let pipeline = pages.pipeline.clone();
     let read = off_the_loop(move || read_all(&pipeline, &caller, &Sent::of(&form).text)).await;
     let outcomes = submit(&pages.pipeline, read).await;
-    outcome(&viewer, &outcomes)
+    outcome(viewer.text(), &outcomes)
 }
 
 /// What a piece says, if this caller may send it.
@@ -264,7 +263,7 @@ fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], source: &Source) 
             }
         }
     };
-    framed(viewer, &source.sent, body)
+    framed(t, &source.sent, body)
 }
 
 /// What one document has come to.
@@ -327,8 +326,7 @@ async fn settle(pipeline: &Pipeline, reply: Reply, origin: &Origin) -> Result<(I
     Ok((id, matches!(accepted, Accepted::Stored { .. })))
 }
 
-fn outcome(viewer: &Viewer, outcomes: &[(usize, Outcome)]) -> Page {
-    let t = viewer.text();
+fn outcome(t: &Text, outcomes: &[(usize, Outcome)]) -> Page {
     let at = |line: usize| place_of(t, line, outcomes.len());
     let body = html! {
         section.preview {
@@ -345,11 +343,10 @@ fn outcome(viewer: &Viewer, outcomes: &[(usize, Outcome)]) -> Page {
             }
         }
     };
-    framed(viewer, &Sent::default(), body)
+    framed(t, &Sent::default(), body)
 }
 
-fn framed(viewer: &Viewer, sent: &Sent, after: Markup) -> Page {
-    let t = viewer.text();
+fn framed(t: &Text, sent: &Sent, after: Markup) -> Page {
     let body = html! {
         h1 { (t.import) }
         p.lead { (t.import_note) }

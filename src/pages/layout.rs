@@ -42,7 +42,7 @@ pub(super) struct Page {
     pub body: Markup,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Section {
     Today,
     Fleet,
@@ -54,6 +54,7 @@ pub(super) enum Section {
     Book,
     Api,
     Setup,
+    #[default]
     None,
 }
 

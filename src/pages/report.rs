@@ -47,14 +47,14 @@ pub(super) async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str, until:
         None => None,
     };
     let names = pages.pipeline.queries.names();
-    let plots = history_plot::plots(viewer, serial, view, facts.seen(), &names, "");
+    let plots = history_plot::plots(t, serial, view, facts.seen(), &names, "");
     let count = facts.course.figures.len();
     let body = html! {
         article.report {
             section.decide {
                 h1 { (t.report_of_gyro) " " (serial) " " (facts.badge(t)) }
-                (as_of(pages, viewer))
-                (identity(viewer, serial, &view, &facts, &names))
+                (as_of(pages, t))
+                (identity(t, serial, &view, &facts, &names))
                 (gyro_head::loads(t, &facts.stands(view.judged)))
                 div.causes { (gyro_head::causes(t, &facts, explained.as_ref())) }
                 (conclusion(t, &facts, explained.as_ref()))
@@ -66,9 +66,9 @@ pub(super) async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str, until:
             @if let Some(parameters) = parameters { section { h2 { (t.newest_parameters) } (parameters) } }
             section { h2 { (t.verdicts) } (verdicts::table(viewer, &facts.verdicts, &facts.alerts, None)) }
             section { h2 { (symbol("D_O")) ": " (t.meaning_d_o) } (plots.of(&[2])) }
-            (before_after::section(viewer, &facts.course, view.judged))
-            (agreement(viewer, serial, &facts.comparison))
-            (history::happenings(viewer, &facts.course, &names))
+            (before_after::section(t, &facts.course, view.judged))
+            (agreement(t, serial, &facts.comparison))
+            (history::happenings(t, &facts.course, &names))
             section {
                 h2 { (t.calibrations) }
                 p.note {
@@ -193,7 +193,7 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
     let body = html! {
         article.report {
             h1 { (t.report_of_imu) " " (name) }
-            (as_of(pages, viewer))
+            (as_of(pages, t))
             section {
                 h2 { (t.identity) }
                 dl.facts {
@@ -212,25 +212,24 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
                     (conclusion(t, facts, explained.as_ref()))
                     (limits(t, &facts.course.limits))
                     (verdicts::table(viewer, &facts.verdicts, &facts.alerts, None))
-                    @let plots = history_plot::plots(viewer, serial, view, facts.seen(), &names, &format!("-{serial}"));
+                    @let plots = history_plot::plots(t, serial, view, facts.seen(), &names, &format!("-{serial}"));
                     (plots.of(&[0, 1, 2])) (plots.signs(t))
-                    (before_after::section(viewer, &facts.course, pages.config.judging.method))
-                    (agreement(viewer, serial, &facts.comparison))
-                    (history::happenings(viewer, &facts.course, &names))
+                    (before_after::section(t, &facts.course, pages.config.judging.method))
+                    (agreement(t, serial, &facts.comparison))
+                    (history::happenings(t, &facts.course, &names))
                 }
             }
-            (signature(viewer))
+            (signature(t))
         }
     };
     Ok(Page { title: format!("{} {name}", t.report_of_imu), section: Section::Fleet, body })
 }
 
-pub(super) fn as_of(pages: &Pages, viewer: &Viewer) -> Markup {
-    html! { p.note { (viewer.text().printed_at) " " (instant(pages.clock.now())) " · gyrowatch " (env!("CARGO_PKG_VERSION")) } }
+pub(super) fn as_of(pages: &Pages, t: &Text) -> Markup {
+    html! { p.note { (t.printed_at) " " (instant(pages.clock.now())) " · gyrowatch " (env!("CARGO_PKG_VERSION")) } }
 }
 
-fn identity(viewer: &Viewer, serial: &str, view: &View, facts: &Facts, names: &Names<'_>) -> Markup {
-    let t = viewer.text();
+fn identity(t: &Text, serial: &str, view: &View, facts: &Facts, names: &Names<'_>) -> Markup {
     html! {
         dl.facts {
             dt { (t.serial) } dd { (serial) }
@@ -245,6 +244,6 @@ fn identity(viewer: &Viewer, serial: &str, view: &View, facts: &Facts, names: &N
     }
 }
 
-fn signature(viewer: &Viewer) -> Markup {
-    html! { p.signature { (viewer.text().signature) ":" } }
+fn signature(t: &Text) -> Markup {
+    html! { p.signature { (t.signature) ":" } }
 }

@@ -27,7 +27,7 @@ pub(super) async fn ask<const TRUSTED: bool>(
     Query(window): Query<Window>,
 ) -> Result<Page, Problem> {
     known(pages, &name).await?;
-    Ok(form(viewer, &name, &window, TRUSTED).fresh(viewer, &window.word))
+    Ok(form(viewer.text(), &name, &window, TRUSTED).fresh(viewer, &window.word))
 }
 
 async fn known(pages: &Pages, name: &str) -> Result<(), Problem> {
@@ -45,7 +45,7 @@ pub(super) async fn act<const TRUSTED: bool>(
     said.word.check(&mut faults);
     let span = text::span(("from", &typed_time(&said.from)), ("to", &typed_time(&said.to)), &mut faults);
     if !faults.is_empty() {
-        return Ok(form(viewer, name, said, TRUSTED).again(viewer, &said.word, &faults));
+        return Ok(form(viewer.text(), name, said, TRUSTED).again(viewer, &said.word, &faults));
     }
     let Word { by: author, reason, .. } = said.word.clone();
     let mark = Mark { window: SuspectWindow { span, author, reason }, trusted: TRUSTED };
@@ -56,8 +56,7 @@ pub(super) async fn act<const TRUSTED: bool>(
     }
 }
 
-fn form(viewer: &Viewer, name: &str, said: &Window, trusted: bool) -> ActionForm {
-    let t = viewer.text();
+fn form(t: &Text, name: &str, said: &Window, trusted: bool) -> ActionForm {
     let (title, what, path) =
         if trusted { (t.trust_window, t.trust_what, "trust") } else { (t.suspect_window, t.suspect_what, "suspect") };
     let home = format!("/stations/{}", encoded(name));
@@ -72,7 +71,6 @@ fn form(viewer: &Viewer, name: &str, said: &Window, trusted: bool) -> ActionForm
         action: format!("{home}/{path}"),
         button: title,
         back: home,
-        reasoned: true,
-        is_final: false,
+        ..ActionForm::default()
     }
 }

@@ -52,13 +52,12 @@ impl SeenVerdict {
 }
 
 /// What is the matter in full, the worst first; the rest folded.
-pub(super) fn list(viewer: &Viewer, verdicts: &[SeenVerdict]) -> Markup {
-    let t = viewer.text();
+pub(super) fn list(t: &Text, verdicts: &[SeenVerdict]) -> Markup {
     let (rest, grave): (Vec<&SeenVerdict>, Vec<&SeenVerdict>) =
         sorted(verdicts).into_iter().partition(|said| said.is_calm());
     html! {
-        ul.verdicts { @for verdict in grave { (one(viewer, verdict)) } }
-        (folded(t, &rest, &html! { ul.verdicts { @for verdict in &rest { (one(viewer, verdict)) } } }))
+        ul.verdicts { @for verdict in grave { (one(t, verdict)) } }
+        (folded(t, &rest, &html! { ul.verdicts { @for verdict in &rest { (one(t, verdict)) } } }))
     }
 }
 
@@ -228,8 +227,8 @@ fn sorted(verdicts: &[SeenVerdict]) -> Vec<&SeenVerdict> {
     sorted
 }
 
-fn one(viewer: &Viewer, said: &SeenVerdict) -> Markup {
-    let (t, verdict) = (viewer.text(), &said.body);
+fn one(t: &Text, said: &SeenVerdict) -> Markup {
+    let verdict = &said.body;
     let rule = Rule::from_name(&verdict.rule);
     let coefficient = Coefficient::from_name(&verdict.coefficient);
     html! {

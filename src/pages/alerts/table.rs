@@ -37,8 +37,7 @@ pub(super) fn violated(t: &Text, alert: &AlertBody) -> Markup {
     html! { (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule))) }
 }
 
-fn heading(viewer: &Viewer, gyros: bool) -> Markup {
-    let t = viewer.text();
+fn heading(t: &Text, gyros: bool) -> Markup {
     html! {
         thead { tr {
             th { (t.status_word) }
@@ -58,7 +57,7 @@ pub(in crate::pages) fn table<'a>(
 ) -> Markup {
     html! {
         div.scroll tabindex="0" { table.alerts {
-            (heading(viewer, gyros))
+            (heading(viewer.text(), gyros))
             tbody { @for alert in alerts { (line(viewer, alert, gyros, here)) } }
         } }
     }

@@ -31,6 +31,6 @@ pub(super) async fn page(
         [] if (2..=MOST_GYROS).contains(&gyros.len()) => gyros::page(pages, viewer, &gyros, aligned).await?,
         _ => return Err(Problem::new(400, "title_bad_query", message!("compare_what", most = MOST_GYROS))),
     };
-    let body = html! { (page.body) div.on-paper { (report::as_of(pages, viewer)) } };
+    let body = html! { (page.body) div.on-paper { (report::as_of(pages, viewer.text())) } };
     Ok(viewer.show_for_paper(&Page { body, ..page.clone() }, &[&page.title]))
 }

@@ -134,8 +134,7 @@ fn failures(t: &Text, failures: &[FailureBody]) -> Markup {
 }
 
 /// A form that begins an order, with what was written into it.
-pub(super) fn form(viewer: &Viewer, wanted: &Wanted, wrong: Option<&Faults>) -> Markup {
-    let t = viewer.text();
+pub(super) fn form(t: &Text, wanted: &Wanted, wrong: Option<&Faults>) -> Markup {
     html! {
         section {
             h2 { (t.new_order) }

@@ -27,12 +27,11 @@ pub(super) async fn page(
     Query(asked): Query<reference::ReferenceQuery>,
 ) -> Result<Response, Problem> {
     let page = build(pages, viewer, &id, &asked).await?;
-    Ok(page.map_or_else(|| waiting(viewer), IntoResponse::into_response))
+    Ok(page.map_or_else(|| waiting(viewer.text()), IntoResponse::into_response))
 }
 
 /// Others are being made: the browser asks again by itself.
-fn waiting(viewer: &Viewer) -> Response {
-    let t = viewer.text();
+fn waiting(t: &Text) -> Response {
     let body = html! { h1 { (t.diagnosis) } p.lead #waiting { (t.diagnosis_waiting) } };
     let page = Page { title: t.diagnosis.into(), section: Section::Fleet, body };
     (StatusCode::ACCEPTED, [(REFRESH, "3")], page).into_response()

@@ -48,8 +48,7 @@ pub(in crate::pages) struct Filters {
 
 impl Filters {
     /// How many of those that the other filters find have each status; each leads to them.
-    pub fn tiles(&self, viewer: &Viewer, fleet: &FleetPage) -> Markup {
-        let t = viewer.text();
+    pub fn tiles(&self, t: &Text, fleet: &FleetPage) -> Markup {
         let of_status = |status: Status| (status.name(), t.status(status), fleet.of_status[status as usize]);
         let there = |(name, _, count): &(&str, &str, usize)| *count > 0 || self.status == *name;
         let counts = Status::ALL.into_iter().rev().map(of_status).filter(there);
@@ -164,8 +163,7 @@ impl Filters {
         }
     }
 
-    pub fn form(&self, viewer: &Viewer, found: &FleetPage) -> Markup {
-        let t = viewer.text();
+    pub fn form(&self, t: &Text, found: &FleetPage) -> Markup {
         let kept = [
             ("status", &self.status),
             ("state", &self.state),
@@ -184,7 +182,7 @@ impl Filters {
                 }
                 button { (t.search) }
                 @if is_narrowed { a href="/fleet" { (t.clear_filters) } }
-                (self.views(viewer))
+                (self.views(t))
                 details.filters open[has_more] {
                     summary { (t.more_filters) }
                     div.fields {
@@ -208,8 +206,7 @@ impl Filters {
     }
 
     /// As a list, or by IMU.
-    fn views(&self, viewer: &Viewer) -> Markup {
-        let t = viewer.text();
+    fn views(&self, t: &Text) -> Markup {
         html! {
             span.views {
                 a href=(self.with(&[("view", ""), ("refresh", "")])) aria-current=[(!self.is_wall()).then_some("true")] { (t.as_list) }
@@ -218,8 +215,7 @@ impl Filters {
         }
     }
 
-    pub fn pager(&self, viewer: &Viewer, number: usize, last: usize) -> Markup {
-        let t = viewer.text();
+    pub fn pager(&self, t: &Text, number: usize, last: usize) -> Markup {
         html! {
             @if last > 0 {
                 p.on-paper { (t.printed_part) " " (number + 1) " / " (last + 1) }

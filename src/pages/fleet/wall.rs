@@ -17,13 +17,13 @@ pub(super) async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> 
     let wall = fleet.wall(&filter, filters.page, IMUS).await?;
     let body = html! {
         h1 { (t.fleet) " · " (t.by_imu) }
-        (filters.tiles(viewer, &counted))
-        (filters.form(viewer, &counted))
+        (filters.tiles(t, &counted))
+        (filters.form(t, &counted))
         @if wall.imus.is_empty() { p.lead { (t.none_found) } }
         @else {
             p.note { (wall.found) " " (t.imus_worst_first) }
             div.wall { @for (imu, gyros) in &wall.imus { (card(t, imu, gyros)) } }
-            (filters.pager(viewer, wall.number, wall.last))
+            (filters.pager(t, wall.number, wall.last))
         }
     };
     Ok(Page { title: t.fleet.into(), section: Section::Fleet, body })

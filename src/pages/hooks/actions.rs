@@ -81,7 +81,7 @@ impl NewHook {
 
 pub(crate) async fn ask_add(viewer: Viewer) -> Page {
     let new = NewHook { batch: "true".into(), ..NewHook::default() };
-    form(&viewer, &new).fresh(&viewer, &new.word)
+    form(viewer.text(), &new).fresh(&viewer, &new.word)
 }
 
 pub(crate) async fn add(
@@ -92,19 +92,18 @@ pub(crate) async fn add(
     let read = new.document().and_then(|hook| pages.pipeline.hooks.read(hook.to_string().as_bytes()));
     let read = read.map_err(|wrong| faults.absorb("", wrong)).ok().filter(|_| faults.is_empty());
     let Some(hook) = read else {
-        return Ok(form(viewer, new).again(viewer, &new.word, &faults));
+        return Ok(form(viewer.text(), new).again(viewer, &new.word, &faults));
     };
     let drawn = hook.drawn();
     let id = pages.pipeline.hooks.order(Order::Create(hook)).await?;
     let hook = pages.pipeline.hooks.get(id, drawn.as_ref()).await?;
     match hook.and_then(|hook| hook.secret) {
-        Some(secret) => Ok((StatusCode::CREATED, shown_once(viewer, id, &new.name, &secret)).into_response()),
+        Some(secret) => Ok((StatusCode::CREATED, shown_once(viewer.text(), id, &new.name, &secret)).into_response()),
         None => Ok(see_other(&format!("/hooks/{id}"))),
     }
 }
 
-fn shown_once(viewer: &Viewer, id: Id, name: &str, secret: &str) -> Page {
-    let t = viewer.text();
+fn shown_once(t: &Text, id: Id, name: &str, secret: &str) -> Page {
     let body = html! {
         h1 { (t.hook_set_up) }
         p.lead { (t.hook_secret_shown) }
@@ -115,8 +114,7 @@ fn shown_once(viewer: &Viewer, id: Id, name: &str, secret: &str) -> Page {
     Page { title: t.hook_set_up.into(), section: Section::Hooks, body }
 }
 
-fn form(viewer: &Viewer, new: &NewHook) -> ActionForm {
-    let t = viewer.text();
+fn form(t: &Text, new: &NewHook) -> ActionForm {
     let fields = html! {
         label { (t.hook_name) input name="name" value=(new.name) maxlength="128"; }
         label { (t.kind) select name="kind" {
@@ -141,8 +139,8 @@ fn form(viewer: &Viewer, new: &NewHook) -> ActionForm {
         action: "/hooks/new".into(),
         button: t.add_hook,
         back: "/hooks".into(),
-        reasoned: false,
-        is_final: false,
+        unreasoned: true,
+        ..ActionForm::default()
     }
 }
 
@@ -158,12 +156,12 @@ impl ItemAction for DeleteHook {
             section: Section::Hooks,
             title: t.delete_hook_title.into(),
             what: html! { p { code { (hook.url) } } p.lead { (t.delete_hook_what) } },
-            fields: html! {},
             action: format!("/hooks/{id}/delete"),
             button: t.delete_hook,
             back: "/hooks".into(),
-            reasoned: false,
+            unreasoned: true,
             is_final: true,
+            ..ActionForm::default()
         };
         Ok((id, form))
     }

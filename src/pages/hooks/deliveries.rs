@@ -50,8 +50,8 @@ pub(in crate::pages) async fn page(
     let alerts = pages.pipeline.alerts.of(&alerts).await?;
     let to = |state: &str, before: &str| format!("/hooks/{id}?state={state}&before={before}");
     let body = html! {
-        h1 { span translate="no" { (hook.name) } " " (state(viewer, &hook)) }
-        p { (hook.kind) " · " code { (hook.url) } (filter(viewer, &hook.filter)) }
+        h1 { span translate="no" { (hook.name) } " " (state(t, &hook)) }
+        p { (hook.kind) " · " code { (hook.url) } (filter(t, &hook.filter)) }
         (buttons(viewer, &hook))
         h2 { (t.deliveries) }
         nav.tabs aria-label=(t.status_word) {
@@ -60,8 +60,8 @@ pub(in crate::pages) async fn page(
                 a href=(to(state, "")) aria-current=[(filters.state == state).then_some("true")] { (t.delivery(state)) }
             }
         }
-        (replay(viewer, &hook))
-        @if deliveries.is_empty() { p { (t.no_deliveries) } } @else { (table(viewer, id, &deliveries, &alerts)) }
+        (replay(t, &hook))
+        @if deliveries.is_empty() { p { (t.no_deliveries) } } @else { (table(t, id, &deliveries, &alerts)) }
         @if more && let Some(last) = deliveries.last() {
             nav.pager aria-label=(t.deliveries) { a rel="next" href=(to(&filters.state, &last.id)) { (t.older) } }
         }
@@ -70,8 +70,7 @@ pub(in crate::pages) async fn page(
     Ok((refresh, Page { title: hook.name.clone(), section: Section::Hooks, body }).into_response())
 }
 
-fn replay(viewer: &Viewer, hook: &HookBody) -> Markup {
-    let t = viewer.text();
+fn replay(t: &Text, hook: &HookBody) -> Markup {
     html! {
         @if hook.queue.dead > 0 && hook.enabled {
             form action={ "/hooks/" (hook.id) "/redeliver" } method="post" { button { (t.redeliver_dead) " (" (hook.queue.dead) ")" } }
@@ -79,20 +78,18 @@ fn replay(viewer: &Viewer, hook: &HookBody) -> Markup {
     }
 }
 
-fn table(viewer: &Viewer, hook: &str, deliveries: &[DeliveryBody], alerts: &[AlertBody]) -> Markup {
-    let t = viewer.text();
+fn table(t: &Text, hook: &str, deliveries: &[DeliveryBody], alerts: &[AlertBody]) -> Markup {
     html! {
         (wide_table("cards", html! {
             th { (t.message) } th { (t.serial) } th { (t.queued) } th { (t.status_word) } th.n { (t.attempts) } th { (t.last_attempt) } th { (t.actions_word) }
         }, html! { @for delivery in deliveries {
             @let alert = alerts.iter().find(|alert| Some(&alert.id) == delivery.alert.as_ref());
-            (line(viewer, hook, delivery, alert))
+            (line(t, hook, delivery, alert))
         } }))
     }
 }
 
-fn line(viewer: &Viewer, hook: &str, delivery: &DeliveryBody, alert: Option<&AlertBody>) -> Markup {
-    let t = viewer.text();
+fn line(t: &Text, hook: &str, delivery: &DeliveryBody, alert: Option<&AlertBody>) -> Markup {
     let shape = match delivery.state {
         "delivered" => Some(Status::InTolerance),
         "dead" => Some(Status::OutOfTolerance),

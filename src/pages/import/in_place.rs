@@ -47,7 +47,7 @@ pub(in crate::pages) async fn act(
     let unknown = || Problem::no_such_record(&order.id);
     let (id, Some(new), true) = (order.id.parse::<Id>().map_err(|_| unknown())?, new, faults.is_empty()) else {
         let sent = Sent { text: order.text, ..Sent::default() };
-        return Ok(framed(viewer, &sent, fault_list(viewer.text(), &faults)).into_response());
+        return Ok(framed(viewer.text(), &sent, fault_list(viewer.text(), &faults)).into_response());
     };
     let place = if new.kind == Kind::Campaign { "campaigns" } else { "records" };
     let item = Corrected::Calibration { id, kind: None };

@@ -10,6 +10,7 @@ use super::viewer::is_local;
 use crate::core::fault::Faults;
 use crate::core::judge::Rule;
 use crate::core::message::Message;
+use crate::routes::{Least, Routes};
 use crate::wire::{text, time};
 
 /// Goes on with another page, which may be loaded again without sending the form again.
@@ -135,7 +136,14 @@ pub(super) trait ItemAction {
     ) -> impl Future<Output = Result<Response, Problem>> + Send;
 }
 
-pub(super) async fn ask<A: ItemAction>(
+impl Routes<Pages> {
+    /// The page that asks, and what its form is sent to.
+    pub(super) fn action<A: ItemAction + 'static>(self, least: Least, path: &str) -> Self {
+        self.get(least, path, ask::<A>).post(least, path, act::<A>)
+    }
+}
+
+async fn ask<A: ItemAction>(
     Visit(ref pages, ref viewer): Visit,
     Path(id): Path<String>,
     Query(word): Query<Word>,
@@ -144,7 +152,7 @@ pub(super) async fn ask<A: ItemAction>(
     Ok(form.fresh(viewer, &word))
 }
 
-pub(super) async fn act<A: ItemAction>(
+async fn act<A: ItemAction>(
     Visit(ref pages, ref viewer): Visit,
     Path(id): Path<String>,
     Form(word): Form<Word>,

@@ -1,4 +1,5 @@
-//! `/gyros/{serial}/report` and `/imus/{imu}/report`: one to put into the acceptance file. Whole without scripts, its
+//! `/gyros/{serial}/report` and `/imus/{imu}/report`: one to put into the acceptance file; `/reports`: those on several
+//! gyros, each on sheets of its own. Whole without scripts, its
 //! plots drawn by the service; the style sheet keeps what belongs together on one sheet of paper.
 
 use std::collections::BTreeSet;
@@ -7,24 +8,22 @@ use std::time::Duration;
 use tokio::time::Instant;
 
 use super::gyro::{agreement, calibration_table, explained};
-use super::gyro_facts::{Facts, MOST_ROWS};
+use super::gyro_facts::{Facts, MOST_ROWS as ROWS};
 use super::layout::{DRIFTS, instant, symbol};
 use super::prelude::*;
 use super::table::wide_table;
 use super::{before_after, figure, gyro_head, history_plot, imu, verdicts};
-use crate::core::id::Id;
 use crate::core::judge::{Event, Limits, Rule};
 use crate::core::kind::Kind;
-use crate::core::time::UtcMicros;
 use crate::pages::history;
 use crate::pages::view::View;
 use crate::pipeline::{ExplainedHistory, Names};
-use crate::{system, words};
+use crate::system;
 
-/// Calibrations that a report on a gyro lists; all are in its pictures.
-const ROWS: usize = MOST_ROWS;
+/// Gyros of one page.
+const MOST_GYROS: usize = 30;
 /// How long a report waits for the diagnoses of all its histories: paper has no page to turn to.
-pub(super) const PATIENCE: Duration = Duration::from_secs(10);
+const PATIENCE: Duration = Duration::from_secs(10);
 
 pub(super) async fn gyro(Visit(ref pages, ref viewer): Visit, Path(serial): Path<String>) -> Result<Response, Problem> {
     Ok(viewer.show_for_paper(&of_gyro(pages, viewer, &serial, Instant::now() + PATIENCE).await?, &[&serial]))
@@ -34,14 +33,34 @@ pub(super) async fn imu(Visit(ref pages, ref viewer): Visit, Path(imu): Path<Str
     Ok(viewer.show_for_paper(&of_imu(pages, viewer, &imu).await?, &[&imu]))
 }
 
+pub(super) async fn several(
+    Visit(ref pages, ref viewer): Visit,
+    Query(asked): Query<Vec<(String, String)>>,
+) -> Result<Response, Problem> {
+    let serials = asked.iter().filter(|(name, _)| name == "gyro").map(|(_, serial)| serial.as_str());
+    let serials: Vec<&str> = serials.take(MOST_GYROS).collect();
+    let t = viewer.text();
+    let until = Instant::now() + PATIENCE;
+    let mut sheets = Vec::new();
+    for serial in &serials {
+        sheets.push(of_gyro(pages, viewer, serial, until).await?.body);
+    }
+    let body = html! {
+        @if sheets.is_empty() { h1 { (t.reports) } p.lead { (t.none_selected) } }
+        @for (k, sheet) in sheets.iter().enumerate() { section.{ "about" (k) }.sheet[k > 0] { (sheet) } }
+    };
+    let page = Page { title: t.reports.into(), section: Section::Fleet, body };
+    Ok(viewer.show_for_paper(&page, &serials))
+}
+
 /// Of one gyro, with the cause of its changes where that is found by `until`.
-pub(super) async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str, until: Instant) -> Result<Page, Problem> {
+async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str, until: Instant) -> Result<Page, Problem> {
     let t = viewer.text();
     let number = pages.gyro_number(serial)?;
     let view = View::whole(pages.config.judging.method);
     let facts = Facts::of(pages, number, serial, &view, 0).await?;
     let explained = explained(pages, number, serial, &facts, until).await?;
-    let rested_on = rested_on(pages, &facts).await?;
+    let hashes = hashes(pages, t, &facts).await?;
     let parameters = match facts.course.figures.last() {
         Some(newest) => imu::parameters_of(pages, t, newest.record, Some(serial)).await?,
         None => None,
@@ -60,7 +79,7 @@ pub(super) async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str, until:
                 (conclusion(t, &facts, explained.as_ref()))
                 (plots.of(&[0, 1]))
                 (plots.signs(t))
-                div.beside { (limits(t, &facts.course.limits)) (hashes(t, &rested_on)) }
+                div.beside { (limits(t, &facts.course.limits)) (hashes) }
                 (boxes(t))
             }
             @if let Some(parameters) = parameters { section { h2 { (t.newest_parameters) } (parameters) } }
@@ -83,46 +102,29 @@ pub(super) async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str, until:
     Ok(Page { title: format!("{} {serial}", t.report_of_gyro), section: Section::Fleet, body })
 }
 
-/// A record that the verdicts rest on, and what it is for.
-struct RestedOn {
-    what: &'static str,
-    id: Id,
-    at: UtcMicros,
-    sha256: String,
-}
-
 /// The newest record and those that made the baseline of D_I, as they were sent.
-async fn rested_on(pages: &Pages, facts: &Facts) -> Result<Vec<RestedOn>, Problem> {
-    let t = words::asked().text();
+async fn hashes(pages: &Pages, t: &Text, facts: &Facts) -> Result<Markup, Problem> {
     let rows = &facts.course.figures;
     let made = facts.epochs[0].last().and_then(|epoch| epoch.made);
     let of_baseline = rows.iter().filter(|row| made.is_some_and(|(from, until)| from <= row.at && row.at <= until));
     let newest = rows.last().map(|row| (t.newest_record, row));
-    let mut found = Vec::new();
+    let mut lines = Vec::new();
     for (what, row) in newest.into_iter().chain(of_baseline.map(|row| (t.baseline_record, row))) {
         if let Some(item) = pages.pipeline.queries.records.sent(row.record).await? {
-            found.push(RestedOn {
-                what,
-                id: row.record,
-                at: row.at,
-                sha256: hex::encode(system::sha256(item.body.as_bytes())),
-            });
+            let sha256 = hex::encode(system::sha256(item.body.as_bytes()));
+            lines.push(html! { tr {
+                td { (what) } td { (instant(row.at)) }
+                td { a href={ "/records/" (row.record) } { code { (row.record) } } } td { code { (sha256) } }
+            } });
         }
     }
-    Ok(found)
-}
-
-fn hashes(t: &Text, rested_on: &[RestedOn]) -> Markup {
-    html! {
-        @if !rested_on.is_empty() {
+    Ok(html! {
+        @if !lines.is_empty() {
             (wide_table("small", html! {
                 th { (t.records_judged) } th { (t.calibrated) } th { (t.identifier) } th { "SHA-256" }
-            }, html! { @for one in rested_on { tr {
-                td { (one.what) } td { (instant(one.at)) }
-                td { a href={ "/records/" (one.id) } { code { (one.id) } } } td { code { (one.sha256) } }
-            } } }))
+            }, html! { @for line in &lines { (line) } }))
         }
-    }
+    })
 }
 
 /// What the verdicts suggest, and what was decided.

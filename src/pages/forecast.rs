@@ -175,29 +175,24 @@ fn ladder(t: &Text, caption: &str, compared: &ComparedBody) -> Markup {
 pub(super) fn rungs(t: &Text, caption: &str, steps: &[(String, f64)], floor: f64) -> Markup {
     let most = steps.iter().map(|(_, size)| *size).fold(floor, f64::max).max(f64::MIN_POSITIVE);
     let width = |size: f64| format!("{:.1}%", 100.0 * size / most);
+    let row = |name: &str, size: f64, has_bar: bool| {
+        html! {
+            tr {
+                th scope="row" { (name) }
+                td { svg.rung width="100%" height="18" aria-hidden="true" {
+                    @if has_bar { rect x="0" y="3" height="12" width=(width(size)) {} }
+                    line x1=(width(floor)) x2=(width(floor)) y1="0" y2="18" {}
+                } }
+                td.n { (short(size)) " " (t.rate_unit) }
+            }
+        }
+    };
     html! {
         table.ladder {
             caption { (caption) }
             tbody {
-                @for (name, size) in steps {
-                    tr {
-                        th scope="row" { (name) }
-                        td { svg.rung width="100%" height="18" aria-hidden="true" {
-                            rect x="0" y="3" height="12" width=(width(*size)) {}
-                            line x1=(width(floor)) x2=(width(floor)) y1="0" y2="18" {}
-                        } }
-                        td.n { (short(*size)) " " (t.rate_unit) }
-                    }
-                }
-                tr {
-                    th scope="row" { (t.noise_floor) }
-                    td {
-                        svg.rung width="100%" height="18" aria-hidden="true" {
-                            line x1=(width(floor)) x2=(width(floor)) y1="0" y2="18" {}
-                        }
-                    }
-                    td.n { (short(floor)) " " (t.rate_unit) }
-                }
+                @for (name, size) in steps { (row(name, *size, true)) }
+                (row(t.noise_floor, floor, false))
             }
         }
     }

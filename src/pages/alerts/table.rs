@@ -7,6 +7,7 @@ use crate::core::judge::{Rule, Severity};
 use crate::pages::layout::{symbol, written};
 use crate::pages::prelude::*;
 use crate::pages::status;
+use crate::pages::table::wide_table;
 use crate::pages::verdicts::{actions, remarks};
 use crate::wire::alert::AlertBody;
 
@@ -37,16 +38,6 @@ pub(super) fn violated(t: &Text, alert: &AlertBody) -> Markup {
     html! { (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule))) }
 }
 
-fn heading(t: &Text, gyros: bool) -> Markup {
-    html! {
-        thead { tr {
-            th { (t.status_word) }
-            @if gyros { th { (t.serial) } }
-            th { (t.violates) } th { (t.reason_word) } th { (t.since) } th { (t.fired) } th { (t.handling) }
-        } }
-    }
-}
-
 /// `gyros`: whether each line names its gyro. `here`: where to come back to from what is done; none where nothing can
 /// be.
 pub(in crate::pages) fn table<'a>(
@@ -55,11 +46,13 @@ pub(in crate::pages) fn table<'a>(
     gyros: bool,
     here: Option<&str>,
 ) -> Markup {
+    let t = viewer.text();
     html! {
-        div.scroll tabindex="0" { table.alerts {
-            (heading(viewer.text(), gyros))
-            tbody { @for alert in alerts { (line(viewer, alert, gyros, here)) } }
-        } }
+        (wide_table("alerts", html! {
+            th { (t.status_word) }
+            @if gyros { th { (t.serial) } }
+            th { (t.violates) } th { (t.reason_word) } th { (t.since) } th { (t.fired) } th { (t.handling) }
+        }, html! { @for alert in alerts { (line(viewer, alert, gyros, here)) } }))
     }
 }
 

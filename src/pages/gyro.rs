@@ -222,40 +222,31 @@ pub(super) fn calibration_table<'a>(
             th { (t.calibrated) } th { (t.imu) } th { (t.station) }
             th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (t.status_word) }
             @if deeds { th.no-print { (t.actions_word) } }
-        }, html! { @for figures in rows { (calibration(viewer, shown, figures, (statuses, names), deeds)) } }))
+        }, html! { @for figures in rows { tr {
+            td { a href={ "/records/" (figures.record) } { (instant(figures.at)) } }
+            td { (history::seat(figures, names)) }
+            td { (names.station(figures.station)) }
+            @for (measured, name) in sample_of(figures, shown.separation()).d.iter().zip(DRIFTS) {
+                td.n { (label("", name)) (figure::drift(measured.value, measured.sd)) }
+            }
+            td { (judged(t, statuses, figures)) }
+            @if deeds { td.no-print { (void_link(viewer, "records", figures.record, figures.at)) } }
+        } } }))
     }
 }
 
-fn calibration(
-    viewer: &Viewer,
-    shown: Shown,
-    figures: &Figures,
-    (statuses, names): (&Statuses, &Names<'_>),
-    deeds: bool,
-) -> Markup {
-    let t = viewer.text();
-    let sample = sample_of(figures, shown.separation());
+/// Each status that speaks, the gravest first, with its coefficients; else the one of the record.
+fn judged(t: &Text, statuses: &Statuses, figures: &Figures) -> Markup {
     let worst = statuses.worst(figures);
     let grave = Status::ALL.into_iter().rev().filter(|status| *status > Status::NotEnoughData && *status <= worst);
     let of_status = |status: Status| (0..3).filter(move |&column| statuses.get(figures, column) == status);
     html! {
-        tr {
-            td { a href={ "/records/" (figures.record) } { (instant(figures.at)) } }
-            td { (history::seat(figures, names)) }
-            td { (names.station(figures.station)) }
-            @for (measured, name) in sample.d.iter().zip(DRIFTS) {
-                td.n { (label("", name)) (figure::drift(measured.value, measured.sd)) }
+        @for status in grave {
+            @if of_status(status).next().is_some() {
+                (status::badge(t, Some(status))) " " @for column in of_status(status) { (symbol(DRIFTS[column])) " " }
             }
-            td {
-                @for status in grave {
-                    @if of_status(status).next().is_some() {
-                        (status::badge(t, Some(status))) " " @for column in of_status(status) { (symbol(DRIFTS[column])) " " }
-                    }
-                }
-                @if worst <= Status::NotEnoughData { (status::badge(t, Some(worst))) }
-            }
-            @if deeds { td.no-print { (void_link(viewer, "records", figures.record, figures.at)) } }
         }
+        @if worst <= Status::NotEnoughData { (status::badge(t, Some(worst))) }
     }
 }
 

@@ -7,7 +7,7 @@ use axum::http::StatusCode;
 use serde::Deserialize;
 
 use super::figure::percent;
-use super::form::{fault_list, see_other};
+use super::form::{choice, fault_list, see_other};
 use super::layout::{effect_named, encoded, symbol, written};
 use super::prelude::*;
 use super::residuals::closure_bar;
@@ -103,12 +103,7 @@ fn search(t: &Text, filters: &Filters) -> Markup {
         form.search role="search" action="/diagnoses" method="get" {
             input type="search" name="imu" value=(filters.imu) placeholder=(t.imu) aria-label=(t.imu);
             input type="search" name="station" value=(filters.station) placeholder=(t.station) aria-label=(t.station);
-            label { (t.effect) " " select name="effect" {
-                option value="" { (t.any) }
-                @for entry in CATALOGUE {
-                    option value=(entry.id) selected[entry.id == filters.effect] { (t.effect(entry.effect)) }
-                }
-            } }
+            (choice(t, t.effect, "effect", CATALOGUE.iter().map(|entry| (entry.id, t.effect(entry.effect))), &filters.effect))
             label { (t.measured_since) " " input type="date" name="since" value=(filters.since); }
             button { (t.search) }
         }

@@ -4,11 +4,10 @@ use std::borrow::Cow;
 
 use axum::response::Redirect;
 
-use super::layout::{encoded, instant, label, symbol};
-use super::notes::noted;
+use super::layout::{encoded, instant, label, noted, symbol};
 use super::parameters::{self, Parameters};
 use super::prelude::*;
-use super::table::wide_table;
+use super::table::{tall_table, wide_table};
 use super::verdicts::{self, SeenVerdict};
 use super::{corrections, figure, residuals, separation};
 use crate::core::diagnose::{ClosureDiagnosis, GyroClosure};
@@ -248,17 +247,16 @@ fn residual_table(t: &Text, fits: &[GyroFitBody]) -> Markup {
     html! {
         details {
             summary { (t.every_residual) }
-            div.scroll.tall tabindex="0" { table {
-                thead { tr { th.n { (t.dwell) } @for gyro in fits { th.n { (gyro.serial) ", " (t.rate_unit) } th.n { "σ" } } } }
-                tbody { @for dwell in 0..dwells { tr {
-                    td.n { (dwell) }
-                    @for gyro in fits {
-                        @let of = |list: &Option<Vec<f64>>| list.as_ref().and_then(|list| list.get(dwell).copied());
-                        td.n { @if let Some(value) = of(&gyro.residuals.deg_per_h) { (figure::short(value)) } }
-                        td.n { @if let Some(value) = of(&gyro.residuals.standardised) { (format!("{value:+.1}")) } }
-                    }
-                } } }
-            } }
+            (tall_table("", html! {
+                th.n { (t.dwell) } @for gyro in fits { th.n { (gyro.serial) ", " (t.rate_unit) } th.n { "σ" } }
+            }, html! { @for dwell in 0..dwells { tr {
+                td.n { (dwell) }
+                @for gyro in fits {
+                    @let of = |list: &Option<Vec<f64>>| list.as_ref().and_then(|list| list.get(dwell).copied());
+                    td.n { @if let Some(value) = of(&gyro.residuals.deg_per_h) { (figure::short(value)) } }
+                    td.n { @if let Some(value) = of(&gyro.residuals.standardised) { (format!("{value:+.1}")) } }
+                }
+            } } }))
         }
     }
 }

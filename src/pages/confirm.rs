@@ -2,8 +2,7 @@
 //! about.
 
 use super::form::{ActionForm, ItemAction, Word, see_other};
-use super::layout::instant;
-use super::notes::noted;
+use super::layout::{instant, noted};
 use super::prelude::*;
 use crate::core::id::Id;
 use crate::core::message::text;

@@ -1,6 +1,5 @@
 //! `/diagnoses`: what the diagnoses of all campaigns say together, and the orders to make them.
 
-mod fields;
 mod orders;
 
 use axum::http::StatusCode;
@@ -19,9 +18,8 @@ use crate::wire::diagnoses::{
     AtStationBody, DoubtBody, FindingBody, OverviewBody, SightingBody, SummaryBody, WhichBody,
 };
 
-use fields::{beginning, said};
-use orders::Wanted;
 pub(super) use orders::cancel;
+use orders::{Wanted, beginning, said};
 
 /// What the summary is narrowed down to; what is empty narrows nothing.
 #[derive(Debug, Default, Clone, Deserialize)]

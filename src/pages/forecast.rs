@@ -5,7 +5,7 @@ use super::chart::{Across, Chart, Dot, Track, bounds, millis, widened};
 use super::figure::{self, short};
 use super::layout::{effect_word, encoded, instant, symbol, written};
 use super::prelude::*;
-use super::table::wide_table;
+use super::table::{tall_table, wide_table};
 use crate::core::augmented::AugmentedModel;
 use crate::core::judge::Status;
 use crate::core::time::UtcMicros;
@@ -28,13 +28,10 @@ pub(super) fn series(t: &Text, points: &[ForecastPointBody]) -> Markup {
                     (picture(t, points))
                     (ladder(t, &format!("{} · {}", &newest.measured_at[..10], t.forecast_ladder), compared))
                 }
-                div.scroll.tall tabindex="0" { table {
-                    thead { tr {
-                        th { (t.measured_at) } th { (t.forecast) } th.n { (t.error_in_sd) } th { (t.effects_close) }
-                        th { (t.foretold_by) }
-                    } }
-                    tbody { @for point in points.iter().rev() { (line(t, point)) } }
-                } }
+                (tall_table("", html! {
+                    th { (t.measured_at) } th { (t.forecast) } th.n { (t.error_in_sd) } th { (t.effects_close) }
+                    th { (t.foretold_by) }
+                }, html! { @for point in points.iter().rev() { (line(t, point)) } }))
             }
         }
     }

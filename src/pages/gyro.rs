@@ -7,7 +7,7 @@ use tokio::time::Instant;
 
 use super::layout::{DRIFTS, encoded, instant, label, symbol};
 use super::prelude::*;
-use super::table::wide_table;
+use super::table::{tall_table, wide_table};
 use super::verdicts::{self, SeenVerdict};
 use super::{before_after, figure, gyro_attributes};
 use crate::core::figures::Figures;
@@ -258,19 +258,16 @@ fn benches(viewer: &Viewer, course: &Course) -> Markup {
             @let may_void = viewer.may(Role::Engineer);
             section #benches {
                 h2 { (t.bench_results) }
-                div.scroll.tall tabindex="0" { table.cards {
-                    thead { tr {
-                        th { (t.date) } th { (t.method) } th { (t.station) }
-                        th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } @if may_void { th.no-print { (t.actions_word) } }
-                    } }
-                    tbody { @for row in course.benches.iter().rev() { tr {
-                        td { (instant(row.measured_at)) }
-                        td { (t.method(row.method.name())) }
-                        td { (row.station) }
-                        @for i in 0..2 { td.n { (label("", DRIFTS[i])) (figure::drift(row.d[i], row.sd[i])) } }
-                        @if may_void { td.no-print { (void_link(viewer, "bench-results", row.id, row.measured_at)) } }
-                    } } }
-                } }
+                (tall_table("cards", html! {
+                    th { (t.date) } th { (t.method) } th { (t.station) }
+                    th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } @if may_void { th.no-print { (t.actions_word) } }
+                }, html! { @for row in course.benches.iter().rev() { tr {
+                    td { (instant(row.measured_at)) }
+                    td { (t.method(row.method.name())) }
+                    td { (row.station) }
+                    @for i in 0..2 { td.n { (label("", DRIFTS[i])) (figure::drift(row.d[i], row.sd[i])) } }
+                    @if may_void { td.no-print { (void_link(viewer, "bench-results", row.id, row.measured_at)) } }
+                } } }))
             }
         }
     }

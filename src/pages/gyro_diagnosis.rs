@@ -85,16 +85,14 @@ fn drawn(t: &Text, serial: &str, answer: &HistoryDiagnosis, budget: Option<Drift
     let explained = (!answer.causes.is_empty()).then_some(("explained", explained));
     let course = Course {
         symbol: answer.coefficient.name(),
-        unit: t.unit,
         name: serial,
         budget: budget.map(|budget| budget.limit),
-        of_budget: t.percent_of_budget,
         points: answer.course.iter().map(|one| (one.at, one.measured.value - zero, one.measured.sd)).collect(),
         lines: explained.into_iter().chain(station.map(|line| ("station", line))).collect(),
         marks: answer.outliers.iter().map(|one| (one.at, t.outlier.to_owned())).collect(),
     };
     html! {
-        (course.markup())
+        (course.markup(t))
         @if !answer.course.is_empty() {
             p.note {
                 @if budget.is_none() { (t.about_mean) }

@@ -19,8 +19,7 @@ use axum::http::StatusCode;
 
 use self::multipart::Upload;
 use super::fleet::violated;
-use super::layout::{DRIFTS, day, encoded, instant, symbol};
-use super::notes::noted;
+use super::layout::{DRIFTS, day, encoded, instant, noted, symbol};
 use super::prelude::*;
 use super::table::wide_table;
 use super::{bullet, figure, off_the_loop, status};

@@ -6,7 +6,7 @@ use super::alerts::{self, is_open};
 use super::layout::{DRIFTS, encoded, instant, label, symbol};
 use super::parameters::{self, Parameters};
 use super::prelude::*;
-use super::table::wide_table;
+use super::table::{tall_table, wide_table};
 use super::{bullet, figure, forecast};
 use crate::core::alert_filter::AlertFilter;
 use crate::core::effects::Effect;
@@ -163,22 +163,21 @@ fn list(t: &Text, records: &[ListedRecord], concluded: &HashMap<Id, Conclusion>)
     let choice = newest.len() == 2;
     html! {
         form action="/compare" method="get" {
-            div.scroll.tall tabindex="0" { table {
-                thead { tr { @if choice { th { (t.compare) } } th { (t.calibrated) } th { (t.station) } th { (t.kind) } th { (t.diagnosis) } } }
-                tbody { @for head in records {
-                    @let campaign = head.kind == Kind::Campaign;
-                    tr {
-                        @if choice { td { @if campaign {
-                            input type="checkbox" name="campaign" value=(head.id) checked[newest.contains(&head.id)]
-                                aria-label={ (t.compare) " " (head.calibrated_at.date()) };
-                        } } }
-                        td { a href={ (if campaign { "/campaigns/" } else { "/records/" }) (head.id) } { (instant(head.calibrated_at)) } }
-                        td { (head.station) }
-                        td { @if campaign { (t.kind_campaign) } @else { (t.kind_record) } }
-                        td.words { @if campaign { (conclusion(t, head.id, concluded.get(&head.id))) } }
-                    }
-                } }
-            } }
+            (tall_table("", html! {
+                @if choice { th { (t.compare) } } th { (t.calibrated) } th { (t.station) } th { (t.kind) } th { (t.diagnosis) }
+            }, html! { @for head in records {
+                @let campaign = head.kind == Kind::Campaign;
+                tr {
+                    @if choice { td { @if campaign {
+                        input type="checkbox" name="campaign" value=(head.id) checked[newest.contains(&head.id)]
+                            aria-label={ (t.compare) " " (head.calibrated_at.date()) };
+                    } } }
+                    td { a href={ (if campaign { "/campaigns/" } else { "/records/" }) (head.id) } { (instant(head.calibrated_at)) } }
+                    td { (head.station) }
+                    td { @if campaign { (t.kind_campaign) } @else { (t.kind_record) } }
+                    td.words { @if campaign { (conclusion(t, head.id, concluded.get(&head.id))) } }
+                }
+            } }))
             @if choice { p { button { (t.compare_chosen) } } }
         }
     }

@@ -21,6 +21,7 @@ use crate::core::effects::Effect;
 use crate::core::judge::Coefficient;
 use crate::core::time::UtcMicros;
 use crate::system;
+use crate::wire::note::NoteBody;
 use crate::wire::problem::Problem;
 pub(super) use crate::wire::text::encoded;
 use crate::wire::time;
@@ -258,6 +259,18 @@ pub(super) fn written_day(text: &str) -> Markup {
 pub(super) fn remark(said_by: &str, by: &str, reason: &str) -> Markup {
     let reason = if reason.is_empty() { String::new() } else { format!(": {reason}") };
     html! { br; span.quiet { (said_by) " " span translate="no" { (by) (reason) } } }
+}
+
+/// What was noticed of a record when it came.
+pub(super) fn noted(t: &Text, notes: &[NoteBody]) -> Markup {
+    html! {
+        @if !notes.is_empty() {
+            section.notes {
+                h3 { (t.notes) }
+                ul { @for note in notes { li { (note.detail) } } }
+            }
+        }
+    }
 }
 
 /// What is separated, in the order of the figures.

@@ -36,7 +36,6 @@ mod hooks;
 mod import;
 mod imu;
 mod layout;
-mod notes;
 mod parameters;
 mod prelude;
 mod reference;

@@ -120,10 +120,8 @@ fn section(
     let t = viewer.text();
     let course = Course {
         symbol: coefficient,
-        unit: t.unit,
         name,
         budget: Some(budget),
-        of_budget: t.percent_of_budget,
         points: column.course.iter().map(|point| (point.at, point.value, Some(point.sd))).collect(),
         lines: Vec::new(),
         marks: changes(column).into_iter().map(|(from, until, _)| (from, found(t, until).to_owned())).collect(),
@@ -131,7 +129,7 @@ fn section(
     html! {
         section id=(coefficient) {
             h2 { (symbol(coefficient)) }
-            (course.markup())
+            (course.markup(t))
             dl.facts {
                 dt { (t.repeatability) } dd { (said(column.repeatability.as_ref())) }
                 @if let Some(offset) = &column.offset {

@@ -37,9 +37,10 @@ const COLUMNS: f64 = 320.0;
 const MOST_BARS: usize = 400;
 
 /// What stands along the x axis.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(super) enum Across {
     /// Milliseconds since 1970.
+    #[default]
     Time,
     /// A figure, with its unit or name.
     Figure(String),
@@ -123,7 +124,7 @@ pub(super) struct Ahead {
 }
 
 /// One picture.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Chart {
     /// For those who do not see it, and above it.
     pub label: String,
@@ -151,24 +152,7 @@ pub(super) struct Chart {
 
 impl Chart {
     pub fn new(label: String, caption: Markup, across: Across, x: (f64, f64)) -> Self {
-        Self {
-            label,
-            caption,
-            across,
-            x,
-            around: 0.0,
-            range: None,
-            whole: None,
-            signed: false,
-            levels: Vec::new(),
-            tracks: Vec::new(),
-            lines: Vec::new(),
-            lanes: Vec::new(),
-            flags: Vec::new(),
-            ahead: None,
-            height: 170.0,
-            clips: false,
-        }
+        Self { label, caption, across, x, height: 170.0, ..Self::default() }
     }
 
     fn dots(&self) -> impl Iterator<Item = &Dot> {

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use serde::Deserialize;
 
 use super::form::{ActionForm, Word, choice, rule_choice, see_other};
-use super::layout::{encoded, written, written_day};
+use super::layout::{encoded, query, written, written_day};
 use super::prelude::*;
 use super::silences::{days_field, silent_until};
 use super::{bullet, silences};
@@ -58,9 +58,7 @@ impl Filters {
             ("severity", &self.severity),
             ("page", &page),
         ];
-        let given = all.iter().filter(|(_, value)| !value.is_empty());
-        let query: Vec<String> = given.map(|(key, value)| format!("{key}={}", encoded(value))).collect();
-        format!("/alerts?{}", query.join("&"))
+        format!("/alerts?{}", query(all))
     }
 }
 

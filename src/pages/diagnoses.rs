@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::figure::percent;
 use super::form::{choice, fault_list, see_other};
-use super::layout::{effect_named, encoded, symbol, written};
+use super::layout::{effect_named, encoded, query, symbol, written};
 use super::prelude::*;
 use super::residuals::closure_bar;
 use super::table::wide_table;
@@ -41,10 +41,9 @@ impl Filters {
     /// The same summary from the interface.
     fn csv(&self) -> String {
         let since = beginning(&self.since).unwrap_or_default();
-        let all = [("imu", &self.imu), ("station", &self.station), ("effect", &self.effect), ("since", &since)];
-        let given = all.into_iter().filter(|(_, value)| !value.trim().is_empty());
-        let query: String = given.map(|(key, value)| format!("&{key}={}", encoded(value.trim()))).collect();
-        format!("/v1/diagnoses/summary?format=csv{query}")
+        let (imu, station, effect) = (self.imu.trim(), self.station.trim(), self.effect.trim());
+        let all = [("format", "csv"), ("imu", imu), ("station", station), ("effect", effect), ("since", &since)];
+        format!("/v1/diagnoses/summary?{}", query(all))
     }
 }
 

@@ -48,7 +48,12 @@ pub(super) async fn page(
         @if judges { a.skip href="#verdicts" { (t.skip_to_verdicts) } }
         (gyro_head::head(viewer, serial, &facts, judged, explained.as_ref(), &names))
         (history(t, serial, &view, &facts, &names))
-        @if judges { (verdict_section(viewer, &facts)) }
+        @if judges {
+            section #verdicts {
+                h2 { (t.verdicts) }
+                (verdicts::table(viewer, &facts.verdicts, &facts.alerts, Some(&viewer.here)))
+            }
+        }
         (before_after::section(t, &facts.course, judged))
         (agreement(t, serial, &facts.comparison))
         (history::happenings(t, &facts.course, &names))
@@ -75,15 +80,6 @@ pub(super) async fn explained(
     }
     let explained = tokio::time::timeout_at(until, pages.pipeline.queries.histories.explain(number, serial)).await;
     Ok(explained.ok().transpose()?)
-}
-
-fn verdict_section(viewer: &Viewer, facts: &Facts) -> Markup {
-    html! {
-        section #verdicts {
-            h2 { (viewer.text().verdicts) }
-            (verdicts::table(viewer, &facts.verdicts, &facts.alerts, Some(&viewer.here)))
-        }
-    }
 }
 
 fn history(t: &Text, serial: &str, view: &View, facts: &Facts, names: &Names<'_>) -> Markup {

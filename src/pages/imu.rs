@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::alerts::{self, is_open};
-use super::layout::{DRIFTS, encoded, instant, label, symbol};
+use super::layout::{DRIFTS, encoded, instant, label, query, symbol};
 use super::parameters::{self, Parameters};
 use super::prelude::*;
 use super::table::{tall_table, wide_table};
@@ -68,8 +68,8 @@ pub(super) async fn page(Visit(ref pages, ref viewer): Visit, Path(ref imu): Pat
         p.actions {
             a.action href={ "/imus/" (encoded(imu)) "/report" } { (t.report) }
             @if seats.now.len() > 1 {
-                @let gyros = seats.now.iter().map(|gyro| format!("gyro={}", encoded(&gyro.serial)));
-                a.action href={ "/compare?" (gyros.collect::<Vec<_>>().join("&")) } { (t.compare_gyros) }
+                @let gyros = seats.now.iter().map(|gyro| ("gyro", &*gyro.serial));
+                a.action href={ "/compare?" (query(gyros)) } { (t.compare_gyros) }
             }
         }
         @if !open.is_empty() { (alerts::table(viewer, open.into_iter(), false, None)) }

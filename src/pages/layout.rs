@@ -255,6 +255,12 @@ pub(super) fn written_day(text: &str) -> Markup {
     time::parse(text).map_or_else(|_| html! { (text) }, day)
 }
 
+/// `a=1&b=2`: those that have a value.
+pub(super) fn query<'a>(all: impl IntoIterator<Item = (&'a str, &'a str)>) -> String {
+    let given = all.into_iter().filter(|(_, value)| !value.is_empty());
+    given.map(|(key, value)| format!("{key}={}", encoded(value))).collect::<Vec<_>>().join("&")
+}
+
 /// Who said something, and why, where they said that.
 pub(super) fn remark(said_by: &str, by: &str, reason: &str) -> Markup {
     let reason = if reason.is_empty() { String::new() } else { format!(": {reason}") };

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::chart::{Across, Chart, Dot, Level, Track, bounds, widened};
-use super::figure::short;
+use super::figure::{percent, short};
 use super::prelude::*;
 use crate::core::campaign::{Campaign, Dwell, Phase};
 use crate::wire::diagnosis::{ResidualBody, TableBody};
@@ -54,13 +54,12 @@ pub(super) fn before_and_after(t: &Text, all: &[ResidualBody], slot: &str, exten
 }
 
 fn track(class: &str, values: impl Iterator<Item = (usize, f64)>, unit: &str, t: &Text) -> Track {
-    let dot = |(dwell, y): (usize, f64)| Dot {
-        x: dwell as f64,
-        y,
-        said: format!("{} {dwell}: {} {unit}", t.dwell, short(y)),
-        ..Dot::default()
-    };
-    Track { class: class.into(), dots: values.map(dot).collect(), ..Track::default() }
+    let dots = values.map(|(dwell, y)| Dot { x: dwell as f64, y, said: said(t, dwell, y, unit), ..Dot::default() });
+    Track { class: class.into(), dots: dots.collect(), ..Track::default() }
+}
+
+fn said(t: &Text, dwell: usize, y: f64, unit: &str) -> String {
+    format!("{} {dwell}: {} {unit}", t.dwell, short(y))
 }
 
 /// Dwells across; a band to either side of zero; the y axis reaches to `extent` on either side.
@@ -109,7 +108,7 @@ pub(super) fn evidence(t: &Text, all: &[Evidence]) -> Markup {
             x: point.x,
             y: point.y,
             sd: Some(point.sd),
-            said: format!("{} {}: {} {unit}", t.dwell, point.dwell, short(point.y)),
+            said: said(t, point.dwell, point.y, unit),
             ..Dot::default()
         };
         Chart {
@@ -273,7 +272,7 @@ fn shade(ratio: f64) -> String {
 pub(super) fn closure_bar(closure: f64, interval: Option<[f64; 2]>) -> Markup {
     let x = |share: f64| 2.0 + 156.0 * share.clamp(0.0, 1.0);
     html! {
-        svg.closure viewBox="0 0 160 14" role="img" aria-label=(super::figure::percent(closure)) {
+        svg.closure viewBox="0 0 160 14" role="img" aria-label=(percent(closure)) {
             rect.frame x="2" y="3" width="156" height="8" {}
             rect.filled x="2" y="3" width=(tenth(x(closure) - 2.0)) height="8" {}
             @if let Some([low, high]) = interval {

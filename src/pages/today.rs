@@ -275,15 +275,10 @@ fn violating<'a>(
     }
 }
 
-/// A gyro on its way to its budget.
-struct Approach<'a> {
-    standing: &'a Standing,
-    due: DueDate,
-}
-
+/// Gyros on their way to their budgets.
 struct Approaching<'a> {
-    /// The first to reach it first.
-    first: Vec<Approach<'a>>,
+    /// The first to reach it first, and when.
+    first: Vec<(&'a Standing, DueDate)>,
     of: usize,
     all: Option<String>,
 }
@@ -296,16 +291,13 @@ impl<'a> Approaching<'a> {
         dues: &HashMap<u32, DueDate>,
         now: UtcMicros,
     ) -> Self {
-        let dated = drifting
-            .iter()
-            .filter_map(|standing| dues.get(&standing.number).map(|due| Approach { standing, due: *due }));
+        let dated = drifting.iter().filter_map(|standing| Some((standing, *dues.get(&standing.number)?)));
+        let is_by_history = |(standing, _): &(&Standing, _)| standing.outlook.reach.is_none_or(|reach| reach.at < now);
+        let by_history_alone = dated.clone().filter(is_by_history).count();
         let others = by_trend.first.iter().filter(|standing| !dues.contains_key(&standing.number));
-        let others = others.filter_map(|standing| Some(Approach { standing, due: DueDate::by_trend(standing)? }));
-        let by_history_alone = drifting.iter().filter(|standing| dues.contains_key(&standing.number));
-        let by_history_alone =
-            by_history_alone.filter(|standing| standing.outlook.reach.is_none_or(|reach| reach.at < now)).count();
-        let mut first: Vec<Approach<'_>> = dated.chain(others).collect();
-        first.sort_by_key(|one| one.due.at);
+        let others = others.filter_map(|standing| Some((standing, DueDate::by_trend(standing)?)));
+        let mut first: Vec<(&Standing, DueDate)> = dated.chain(others).collect();
+        first.sort_by_key(|(_, due)| due.at);
         first.truncate(LINES);
         let more = by_trend.of > by_trend.first.len();
         let all = more.then(|| Filters { sort: "eta".into(), ..Filters::default() }.at_page(0));
@@ -315,8 +307,7 @@ impl<'a> Approaching<'a> {
     /// `undated`: how many gyros drift of which no date was asked for.
     fn shown(&self, t: &Text, undated: usize, names: &Names<'_>) -> Markup {
         let rows = html! {
-            div.scroll tabindex="0" { table.lines { tbody { @for one in &self.first {
-                @let Approach { standing, due } = one;
+            div.scroll tabindex="0" { table.lines { tbody { @for (standing, due) in &self.first {
                 tr {
                     td {
                         strong.nowrap { (day(due.at)) @if due.provisional { " ?" } }

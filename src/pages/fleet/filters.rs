@@ -10,7 +10,7 @@ use crate::core::message::Message;
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pages::form::rule_choice;
-use crate::pages::layout::encoded;
+use crate::pages::layout::query;
 use crate::pages::prelude::*;
 use crate::pipeline::{BEYOND, FleetFilter, FleetPage};
 use crate::wire::time;
@@ -136,12 +136,9 @@ impl Filters {
             ("refresh", &self.refresh),
             ("page", ""),
         ];
-        let of = |(key, value): (&'static str, &str)| {
-            let value = other.iter().find(|(name, _)| *name == key).map_or(value, |(_, value)| *value);
-            (!value.is_empty()).then(|| format!("{key}={}", encoded(value)))
-        };
-        let query: Vec<String> = all.into_iter().filter_map(of).collect();
-        if query.is_empty() { "/fleet".into() } else { format!("/fleet?{}", query.join("&")) }
+        let of = |(key, value)| (key, other.iter().find(|(name, _)| *name == key).map_or(value, |(_, value)| *value));
+        let query = query(all.map(of));
+        if query.is_empty() { "/fleet".into() } else { format!("/fleet?{query}") }
     }
 
     pub fn of_status(&self, status: &str) -> String {

@@ -1,14 +1,12 @@
 //! What a gyro was before and after each environmental test.
 
-use super::figure;
+use super::history::event_name;
 use super::layout::{DRIFTS, instant, symbol};
 use super::prelude::*;
-use super::table::wide_table;
+use super::{figure, status};
 use crate::config::JudgedMethod;
 use crate::core::figures::Figures;
 use crate::core::judge::{Event, Limit, Measured, Rule, Status};
-use crate::pages::history::event_name;
-use crate::pages::status;
 use crate::pipeline::{Course, Tested, sample_of};
 
 /// By the judged method, the newest test first; nothing for a gyro that was never tested.

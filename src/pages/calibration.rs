@@ -7,7 +7,6 @@ use axum::response::Redirect;
 use super::layout::{encoded, instant, label, noted, symbol};
 use super::parameters::{self, Parameters};
 use super::prelude::*;
-use super::table::{tall_table, wide_table};
 use super::verdicts::{self, SeenVerdict};
 use super::{corrections, figure, residuals, separation};
 use crate::core::diagnose::{ClosureDiagnosis, GyroClosure};

@@ -5,7 +5,6 @@ use super::figure;
 use super::form::{ActionForm, ItemAction, Word, see_other};
 use super::layout::{DRIFTS, encoded, instant, label, symbol};
 use super::prelude::*;
-use super::table::wide_table;
 use crate::core::correction::{CorrectedResult, CorrectionItem};
 use crate::core::id::Id;
 use crate::core::kind::Kind;

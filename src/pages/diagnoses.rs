@@ -10,7 +10,6 @@ use super::form::{choice, fault_list, see_other};
 use super::layout::{effect_named, encoded, query, symbol, written};
 use super::prelude::*;
 use super::residuals::closure_bar;
-use super::table::wide_table;
 use crate::core::effects::CATALOGUE;
 use crate::core::fault::Faults;
 use crate::pipeline::DiagnosisOrder;

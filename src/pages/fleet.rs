@@ -8,10 +8,9 @@ use std::time::Duration;
 
 use super::layout::{DRIFTS, day, encoded, label, symbol};
 use super::prelude::*;
-use super::{bullet, figure, spark};
+use super::{bullet, figure, spark, status as badges};
 use crate::core::judge::{Coefficient, Measured, Rule, Status};
 use crate::core::time::{Span, UtcMicros};
-use crate::pages::status as badges;
 use crate::pipeline::{BEYOND, DueDate, Names, RecentValues, Standing, Violation, sample_of};
 pub(super) use filters::{Filters, as_day, bad_parameter};
 

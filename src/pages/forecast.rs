@@ -5,7 +5,6 @@ use super::chart::{Across, Chart, Dot, Track, bounds, millis, widened};
 use super::figure::{self, short};
 use super::layout::{effect_word, encoded, instant, symbol, written};
 use super::prelude::*;
-use super::table::{tall_table, wide_table};
 use crate::core::augmented::AugmentedModel;
 use crate::core::judge::Status;
 use crate::core::time::UtcMicros;

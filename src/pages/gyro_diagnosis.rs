@@ -6,7 +6,6 @@ use super::figure;
 use super::gyro_head::{named, own_first};
 use super::layout::{encoded, symbol};
 use super::prelude::*;
-use super::table::wide_table;
 use crate::core::changes::{DriftBudget, HistoryDiagnosis};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ExplainedHistory;

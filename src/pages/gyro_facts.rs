@@ -2,14 +2,13 @@
 
 use std::sync::Arc;
 
-use super::alerts;
+use super::history_plot::{self, Epochs, Seen};
 use super::prelude::*;
 use super::verdicts::SeenVerdict;
+use super::view::View;
+use super::{alerts, status};
 use crate::core::figures::Figures;
 use crate::core::judge::State;
-use crate::pages::history_plot::{self, Epochs, Seen};
-use crate::pages::status;
-use crate::pages::view::View;
 use crate::pipeline::{Comparison, Course, Standing, Statuses};
 use crate::wire::alert::AlertBody;
 

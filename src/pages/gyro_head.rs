@@ -5,9 +5,8 @@ use super::history::seat;
 use super::history_plot::epoch_of;
 use super::layout::{DRIFTS, day, encoded, instant, symbol};
 use super::prelude::*;
-use super::table::wide_table;
 use super::verdicts::SeenVerdict;
-use super::{bullet, figure, gyro_attributes};
+use super::{bullet, figure, gyro_attributes, status};
 use crate::config::JudgedMethod;
 use crate::core::changes::{ChangeCause, HistoryDiagnosis, NamedCause};
 use crate::core::judge::{
@@ -16,7 +15,6 @@ use crate::core::judge::{
 use crate::core::message::text;
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::pages::status;
 use crate::pipeline::{EventItem, ExplainedHistory, Names, Violation, sample_of};
 use crate::wire::time;
 

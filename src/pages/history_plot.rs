@@ -9,14 +9,13 @@ use super::prelude::*;
 use super::status::sign;
 use super::verdicts::SeenVerdict;
 use super::view::{Shown, View};
-use super::{bullet, figure};
+use super::{bullet, downsample, figure};
 use crate::config::JudgedMethod;
 use crate::core::bench::BenchMethod;
 use crate::core::figures::Figures;
 use crate::core::judge::limits::DEFAULT_BUDGET;
 use crate::core::judge::{Finding, Measured, Rule, Sample, Status};
 use crate::core::time::UtcMicros;
-use crate::pages::downsample;
 use crate::pipeline::{Baseline, BenchItem, Course, Names, Statuses, sample_of};
 use crate::wire::time;
 

@@ -6,7 +6,6 @@ mod deliveries;
 use super::layout::written;
 use super::prelude::*;
 use super::status;
-use super::table::wide_table;
 use crate::core::id::Id;
 use crate::core::judge::{Rule, Severity, Status};
 use crate::wire::hook::{FilterBody, HookBody};

@@ -21,7 +21,7 @@ use self::multipart::Upload;
 use super::fleet::violated;
 use super::layout::{DRIFTS, day, encoded, instant, noted, symbol};
 use super::prelude::*;
-use super::table::wide_table;
+use super::upload_parts::{Piece, pieces};
 use super::{bullet, figure, off_the_loop, status};
 use crate::core::alert_decision::Late;
 use crate::core::fault::{Fault, Faults};
@@ -33,7 +33,6 @@ use crate::core::note::Note;
 use crate::logs::campaign::Made;
 use crate::logs::report;
 use crate::message;
-use crate::pages::upload_parts::{Piece, pieces};
 use crate::pipeline::{
     Accepted, Calibration, Caller, Forecast, Foreseen, Origin, Pipeline, Preview, ReadDocument, Refused, Reply,
     StorageError, Submission,

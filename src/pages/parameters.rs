@@ -5,7 +5,6 @@ use std::collections::BTreeSet;
 
 use super::layout::encoded;
 use super::prelude::*;
-use super::table::wide_table;
 use super::{figure, status};
 use crate::config::Judging;
 use crate::core::judge::Status;

@@ -6,7 +6,6 @@ use serde::Deserialize;
 use super::figure::{self, short};
 use super::layout::{instant, symbol, written};
 use super::prelude::*;
-use super::table::wide_table;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::message::Message;

@@ -11,12 +11,10 @@ use super::gyro::{agreement, calibration_table, explained};
 use super::gyro_facts::{Facts, MOST_ROWS as ROWS};
 use super::layout::{DRIFTS, instant, symbol};
 use super::prelude::*;
-use super::table::wide_table;
-use super::{before_after, figure, gyro_head, history_plot, imu, verdicts};
+use super::view::View;
+use super::{before_after, figure, gyro_head, history, history_plot, imu, verdicts};
 use crate::core::judge::{Event, Limits, Rule};
 use crate::core::kind::Kind;
-use crate::pages::history;
-use crate::pages::view::View;
 use crate::pipeline::{ExplainedHistory, Names};
 use crate::system;
 

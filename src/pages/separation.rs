@@ -3,7 +3,6 @@
 use super::figure;
 use super::layout::{DRIFTS, encoded, label, symbol};
 use super::prelude::*;
-use super::table::wide_table;
 use crate::core::mounting::Slot;
 use crate::wire::answer::{FigureBody, SeparationBody, UncertaintiesBody, UncertaintyBody};
 

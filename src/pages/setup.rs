@@ -3,7 +3,6 @@
 use super::figure;
 use super::layout::{DRIFTS, instant, symbol};
 use super::prelude::*;
-use super::table::wide_table;
 use crate::config::{Config, Layer};
 use crate::core::access::{AuditEntry, AuditFilter};
 use crate::core::judge::limits::{Bounds, LimitKey, Requirement};

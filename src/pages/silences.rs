@@ -5,7 +5,6 @@ use serde::Deserialize;
 use super::form::{ActionForm, ItemAction, Word, rule_choice, see_other};
 use super::layout::{remark, written};
 use super::prelude::*;
-use super::table::wide_table;
 use crate::core::alert_filter::Matchers;
 use crate::core::fault::Faults;
 use crate::core::id::Id;

@@ -5,7 +5,6 @@ use super::bullet;
 use super::layout::{DRIFTS, day, encoded, label, symbol};
 use super::prelude::*;
 use super::station::changes;
-use super::table::wide_table;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{Shared, StationFigures};
 use crate::core::judge::{Measured, Status};

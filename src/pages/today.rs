@@ -14,13 +14,12 @@ use super::fleet::{Filters, as_day, bad_parameter, slopes, violated};
 use super::layout::{DRIFTS, day, encoded, symbol, written_day};
 use super::prelude::*;
 use super::station::changes;
-use super::{bullet, figure};
+use super::{bullet, figure, status as badges};
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{FleetStations, Shared};
 use crate::core::judge::{Measured, Rule, Status};
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::pages::status as badges;
 use crate::pipeline::{
     CommonShift, DueDate, DueImu, FirstOf, FleetFilter, FleetPage, LINES, Names, Standing, Today, Together, Violation,
     today,

@@ -1,12 +1,10 @@
 //! Verdicts in words: the worst first, what has passed folded away.
 
-use super::figure;
 use super::layout::{encoded, remark, symbol, written};
 use super::prelude::*;
-use super::table::wide_table;
+use super::{figure, status};
 use crate::core::judge::{Coefficient, Finding, Rule, Status, Unit, Verdict, digits, sd_digits};
 use crate::message;
-use crate::pages::status;
 use crate::pipeline::Violation;
 use crate::wire::alert::AlertBody;
 use crate::wire::answer::VerdictBody;

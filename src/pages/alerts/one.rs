@@ -7,7 +7,6 @@ use crate::core::judge::Rule;
 use crate::pages::history::event_name;
 use crate::pages::layout::{encoded, instant, symbol};
 use crate::pages::prelude::*;
-use crate::pages::table::wide_table;
 use crate::pipeline::{AlertStep, EventItem};
 use crate::wire::time;
 

@@ -7,7 +7,6 @@ use crate::core::judge::{Rule, Severity};
 use crate::pages::layout::{symbol, written};
 use crate::pages::prelude::*;
 use crate::pages::status;
-use crate::pages::table::wide_table;
 use crate::pages::verdicts::{actions, remarks};
 use crate::wire::alert::AlertBody;
 

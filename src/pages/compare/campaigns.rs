@@ -8,7 +8,6 @@ use crate::core::mounting::Slot;
 use crate::pages::calibration::stored_campaign;
 use crate::pages::layout::{encoded, instant, symbol};
 use crate::pages::prelude::*;
-use crate::pages::table::wide_table;
 use crate::pages::{figure, residuals};
 use crate::pipeline::{DiagnosisAnswer, StoredCampaign};
 use crate::wire::calibration::GyroFitBody;

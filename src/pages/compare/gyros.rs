@@ -9,7 +9,6 @@ use crate::pages::history::event_label;
 use crate::pages::history_plot::{MOST_FLAGS, epoch_of, list};
 use crate::pages::layout::{DRIFTS, encoded, label, symbol};
 use crate::pages::prelude::*;
-use crate::pages::table::wide_table;
 use crate::pages::verdicts::SeenVerdict;
 use crate::pages::view::View;
 use crate::pages::{bullet, figure, history, status};

@@ -11,7 +11,6 @@ use crate::pages::form::{fault_list, see_other};
 use crate::pages::layout::written;
 use crate::pages::prelude::*;
 use crate::pages::status;
-use crate::pages::table::wide_table;
 use crate::pipeline::DiagnosisOrder;
 use crate::wire::diagnoses::{FailureBody, JobBody, WhichBody};
 

@@ -14,9 +14,8 @@ pub use report::{Subject, report};
 use super::calibration::stored_campaign;
 use super::layout::{encoded, instant};
 use super::prelude::*;
+use super::reference::{Against, ReferenceQuery};
 use super::residuals::Setting;
-use crate::pages::reference;
-use crate::pages::reference::Against;
 use crate::pipeline::{DiagnosisAnswer, StoredCampaign};
 use crate::wire::campaign;
 use crate::words;
@@ -24,7 +23,7 @@ use crate::words;
 pub(super) async fn page(
     Visit(ref pages, ref viewer): Visit,
     Path(id): Path<String>,
-    Query(asked): Query<reference::ReferenceQuery>,
+    Query(asked): Query<ReferenceQuery>,
 ) -> Result<Response, Problem> {
     let page = build(pages, viewer, &id, &asked).await?;
     Ok(page.map_or_else(|| waiting(viewer.text()), IntoResponse::into_response))
@@ -41,12 +40,7 @@ fn waiting(t: &Text) -> Response {
 pub(super) const PATIENCE: Duration = Duration::from_secs(10);
 
 /// The page; none while the diagnosis waits for others.
-async fn build(
-    pages: &Pages,
-    viewer: &Viewer,
-    id: &str,
-    asked: &reference::ReferenceQuery,
-) -> Result<Option<Page>, Problem> {
+async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &ReferenceQuery) -> Result<Option<Page>, Problem> {
     let t = viewer.text();
     let stored = stored_campaign(pages, id).await?;
     let diagnosis = match pages.pipeline.diagnoses.of_campaign(stored.item.id, PATIENCE).await? {

@@ -5,7 +5,6 @@ use crate::pages::figure::{percent, short};
 use crate::pages::layout::{effect_named, effect_word};
 use crate::pages::prelude::*;
 use crate::pages::residuals::Setting;
-use crate::pages::table::wide_table;
 use crate::pages::{figure, forecast, layout, residuals};
 use crate::wire::diagnosis::{
     CandidateBody, DiagnosisBody, EffectBody, EstimateBody, HeldOutBody, ImpactBody, TableBody,

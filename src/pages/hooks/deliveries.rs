@@ -10,7 +10,6 @@ use crate::core::judge::{Rule, Status};
 use crate::pages::layout::symbol;
 use crate::pages::prelude::*;
 use crate::pages::status;
-use crate::pages::table::wide_table;
 use crate::pipeline::DeliveryPage;
 use crate::wire::alert::AlertBody;
 use crate::wire::hook::{DeliveryBody, HookBody};

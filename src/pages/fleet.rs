@@ -44,9 +44,10 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
         let row = |(standing, recent)| Row::of(standing, recent, &by_history, &names);
         let mut rows: Vec<Row<'_>> = gyros.iter().copied().zip(&recent_values).map(row).collect();
         if filters.sort == BY_DATE {
-            by_date(&mut rows);
+            // A page was chosen by the dates of the rule `trend`, which is all that the fleet can be put in order by.
+            rows.sort_by_key(|row| (row.due.is_none(), row.due.map(|due| due.at)));
         }
-        html! { (table(t, pages, filters, &rows, now)) }
+        table(t, pages, filters, &rows, now)
     };
     let body = html! {
         @if !gyros.is_empty() { a.skip href="#first" { (t.skip_to_first) } }
@@ -95,38 +96,27 @@ impl<'a> Row<'a> {
     }
 }
 
-/// Dates as they are shown, the first one first. A page was chosen by the dates of the rule `trend`, which is all that
-/// the fleet can be put in order by.
-fn by_date(rows: &mut [Row<'_>]) {
-    rows.sort_by_key(|row| (row.due.is_none(), row.due.map(|due| due.at)));
-}
-
 fn table(t: &Text, pages: &Pages, filters: &Filters, rows: &[Row<'_>], now: UtcMicros) -> Markup {
     let head = |sort: &str, name: Markup| filters.head(sort, &name);
     html! {
-        div.scroll tabindex="0" {
-            table.fleet {
-                thead { tr {
-                    th.no-print { span.hidden { (t.choose) } }
-                    (head("", html! { (t.status_word) }))
-                    (head("serial", html! { (t.serial) }))
-                    th { (t.imu) }
-                    (head("load", html! { (symbol("D_I")) (t.of_budget_unit) }))
-                    th { (symbol("D_S")) (t.of_budget_unit) }
-                    (head(BY_DATE, html! { (t.slope_or_date) }))
-                    th { (t.violates_besides) }
-                    th { (t.since) }
-                    (head("age", html! { (t.calibrated) }))
-                } }
-                tbody { @for (k, row) in rows.iter().enumerate() { (line(t, pages, row, k == 0, now)) } }
-            }
-        }
+        (wide_table("fleet", html! {
+            th.no-print { span.hidden { (t.choose) } }
+            (head("", html! { (t.status_word) }))
+            (head("serial", html! { (t.serial) }))
+            th { (t.imu) }
+            (head("load", html! { (symbol("D_I")) (t.of_budget_unit) }))
+            th { (symbol("D_S")) (t.of_budget_unit) }
+            (head(BY_DATE, html! { (t.slope_or_date) }))
+            th { (t.violates_besides) }
+            th { (t.since) }
+            (head("age", html! { (t.calibrated) }))
+        }, html! { @for (k, row) in rows.iter().enumerate() { (line(t, pages, row, k == 0, now)) } }))
     }
 }
 
 /// `first`: whether it is the first of the page, which the keyboard skips to.
 fn line(t: &Text, pages: &Pages, row: &Row<'_>, first: bool, now: UtcMicros) -> Markup {
-    let (t, standing) = (t, row.standing);
+    let standing = row.standing;
     let newest = standing.newest.as_ref().map(|figures| sample_of(figures, pages.config.judging.method));
     let is_worse = standing.status.is_some_and(|status| status >= Status::Drifting);
     html! {

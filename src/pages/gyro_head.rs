@@ -5,7 +5,7 @@ use super::history::seat;
 use super::history_plot::epoch_of;
 use super::layout::{DRIFTS, day, encoded, instant, symbol};
 use super::prelude::*;
-use super::verdicts::SeenVerdict;
+use super::verdicts::{SeenVerdict, seen};
 use super::{bullet, figure, gyro_attributes, status};
 use crate::config::JudgedMethod;
 use crate::core::changes::{ChangeCause, HistoryDiagnosis, NamedCause};
@@ -48,8 +48,8 @@ impl Facts {
         let Some(newest) = self.course.figures.last() else { return Vec::new() };
         let sample = sample_of(newest, judged);
         let stand = |column: usize| {
-            let seen = self.verdicts.iter().filter_map(|said| said.seen.as_ref());
-            let of_verdict = seen.filter(|verdict| verdict.coefficient.name() == DRIFTS[column]).find_map(Load::of);
+            let of_verdict =
+                seen(&self.verdicts).filter(|verdict| verdict.coefficient.name() == DRIFTS[column]).find_map(Load::of);
             Stand {
                 column,
                 measured: sample.d[column],
@@ -106,7 +106,6 @@ impl Facts {
             Finding::Trend { until, reach: [Some(early), ..], .. } => Some(early.days_since(until)),
             _ => None,
         };
-        let seen = self.verdicts.iter().filter_map(|said| said.seen.as_ref());
         let due = self.answers(explained, Status::Drifting).filter_map(|answer| answer.due?.calibrate_by);
         suggest(&Standpoint {
             status: standing.status,
@@ -115,7 +114,7 @@ impl Facts {
             stepped_at_event: out.peek().is_some() && out.all(HistoryDiagnosis::is_one_event),
             awaits_baseline: self.verdicts.iter().any(SeenVerdict::awaits_baseline),
             overdue: standing.overdue_days.is_some(),
-            reaches_in_days: seen.filter_map(early).chain(due).min_by(f64::total_cmp),
+            reaches_in_days: seen(&self.verdicts).filter_map(early).chain(due).min_by(f64::total_cmp),
             interval_days: self.course.limits.interval_days.map(|limit| limit.value),
         })
     }
@@ -130,8 +129,7 @@ impl Facts {
     /// When the rule `trend` sees a coefficient reach its budget, where that lies ahead.
     fn reach_by_trend(&self, coefficient: Coefficient) -> Option<UtcMicros> {
         let newest = self.course.figures.last()?.at;
-        let of_it = |verdict: &&Verdict| verdict.coefficient == coefficient;
-        self.verdicts.iter().filter_map(|said| said.seen.as_ref()).filter(of_it).find_map(|verdict| {
+        seen(&self.verdicts).filter(|verdict| verdict.coefficient == coefficient).find_map(|verdict| {
             match verdict.finding {
                 Finding::Trend { reach: [_, at, _], .. } => at.filter(|at| *at > newest),
                 _ => None,

@@ -7,7 +7,7 @@ use super::history::{event_label, seat};
 use super::layout::{DRIFTS, clock, symbol};
 use super::prelude::*;
 use super::status::sign;
-use super::verdicts::SeenVerdict;
+use super::verdicts::{SeenVerdict, seen};
 use super::view::{Shown, View};
 use super::{bullet, downsample, figure};
 use crate::config::JudgedMethod;
@@ -16,7 +16,7 @@ use crate::core::figures::Figures;
 use crate::core::judge::limits::DEFAULT_BUDGET;
 use crate::core::judge::{Finding, Measured, Rule, Sample, Status};
 use crate::core::time::UtcMicros;
-use crate::pipeline::{Baseline, BenchItem, Course, Names, Statuses, sample_of};
+use crate::pipeline::{Baseline, BenchItem, Course, EventItem, Names, Statuses, sample_of};
 use crate::wire::time;
 
 /// Points of one coefficient that are drawn one by one at the most.
@@ -318,12 +318,7 @@ impl Drawing<'_> {
             let load = bullet::percent(Measured { value: y, sd: measured.sd }.in_units_of(budget));
             format!("{} {} {}, {load} %", DRIFTS[column], figure::signed_drift(y, measured.sd), t.unit)
         };
-        [format!("{} {}", at.date(), clock(&utc)), figure]
-            .iter()
-            .map(String::as_str)
-            .chain(more.iter().copied())
-            .collect::<Vec<_>>()
-            .join(" · ")
+        format!("{} {} · {figure} · {}", at.date(), clock(&utc), more.join(" · "))
     }
 
     fn bench(&self, column: usize, k: usize, method: BenchMethod) -> Option<Track> {
@@ -350,9 +345,9 @@ impl Drawing<'_> {
             return None;
         }
         let name = DRIFTS[column];
-        let seen = self.seen.verdicts.iter().filter_map(|said| said.seen.as_ref());
-        let verdict =
-            seen.filter(|verdict| verdict.coefficient.name() == name).find(|verdict| verdict.rule == Rule::Trend)?;
+        let verdict = seen(self.seen.verdicts)
+            .filter(|verdict| verdict.coefficient.name() == name)
+            .find(|verdict| verdict.rule == Rule::Trend)?;
         let Finding::Trend { since, until, per_year, deviation, horizon_days, reach, .. } = verdict.finding else {
             return None;
         };
@@ -425,7 +420,7 @@ fn envelope(times: &[f64], values: &[f64]) -> Vec<[f64; 4]> {
 
 /// What happened, numbered as in the list under the pictures.
 fn flags(t: &Text, course: &Course, view: &View, place: &str) -> Vec<Flag> {
-    let flag = |(k, event): (usize, &crate::pipeline::EventItem)| Flag {
+    let flag = |(k, event): (usize, &EventItem)| Flag {
         x: millis(event.at),
         until: event.until.map(millis),
         number: k + 1,

@@ -49,6 +49,11 @@ impl SeenVerdict {
     }
 }
 
+/// What the rules saw, where that is known.
+pub(super) fn seen(verdicts: &[SeenVerdict]) -> impl Iterator<Item = &Verdict> {
+    verdicts.iter().filter_map(|said| said.seen.as_ref())
+}
+
 /// What is the matter in full, the worst first; the rest folded.
 pub(super) fn list(t: &Text, verdicts: &[SeenVerdict]) -> Markup {
     let (rest, grave): (Vec<&SeenVerdict>, Vec<&SeenVerdict>) =

@@ -159,12 +159,14 @@ impl Chart {
         self.tracks.iter().flat_map(|track| &track.dots)
     }
 
+    fn envelopes(&self) -> impl Iterator<Item = &[f64; 4]> {
+        self.tracks.iter().flat_map(|track| &track.envelope)
+    }
+
     /// How far from zero a point may lie to be drawn where it is.
     fn reach(&self) -> f64 {
         let mut all: Vec<f64> = self.dots().map(|dot| dot.y.abs()).collect();
-        all.extend(
-            self.tracks.iter().flat_map(|track| &track.envelope).map(|[_, low, _, high]| low.abs().max(high.abs())),
-        );
+        all.extend(self.envelopes().map(|[_, low, _, high]| low.abs().max(high.abs())));
         if !self.clips || all.is_empty() {
             return f64::INFINITY;
         }
@@ -185,19 +187,15 @@ impl Chart {
             let sd = dot.sd.unwrap_or(0.0).min(2.0 * self.around.max(dot.y.abs()));
             [dot.y - sd, dot.y + sd]
         });
-        let envelopes =
-            self.tracks.iter().flat_map(|track| &track.envelope).flat_map(|[_, low, _, high]| [*low, *high]);
+        let envelopes = self.envelopes().flat_map(|[_, low, _, high]| [*low, *high]);
         let levels = self.levels.iter().flat_map(|level| {
             let around = LEAST_RANGE * level.budget.unwrap_or(self.around);
             [level.at - around, level.at + around]
         });
         let lines = self.lines.iter().flat_map(|(_, line)| line.iter().map(|(_, y)| *y));
         let all = bars.chain(envelopes.filter(within)).chain(levels).chain(lines);
-        let own = if self.levels.is_empty() && self.signed {
-            vec![-LEAST_RANGE * self.around, LEAST_RANGE * self.around]
-        } else {
-            vec![]
-        };
+        let own = [-LEAST_RANGE, LEAST_RANGE].map(|part| part * self.around);
+        let own = own.into_iter().filter(|_| self.levels.is_empty() && self.signed);
         match bounds(all.chain(own)) {
             Some(found) => widened(found, 0.04, if self.around > 0.0 { self.around } else { 1.0 }),
             None => (-1.0, 1.0),
@@ -302,23 +300,25 @@ impl Chart {
     fn level(&self, scale: &Scale, level: &Level) -> Markup {
         let (x, width) = scale.stretch(level.from, level.until);
         let (x1, x2) = (scale.x(level.from), scale.x(level.until));
+        let between = |half: f64| {
+            let (top, bottom) = (scale.y(level.at + half), scale.y(level.at - half));
+            (place(top), place(bottom - top))
+        };
         let across = |class: &'static str, y: f64| {
             let y = place(scale.y(y));
             html! { line class=(class) x1=(x1) x2=(x2) y1=(y) y2=(y) {} }
         };
         html! {
             @if let Some(shade) = level.shade {
-                @let (top, bottom) = (scale.y(level.at + shade), scale.y(level.at - shade));
-                rect.band x=(x) y=(place(top)) width=(width) height=(place(bottom - top)) {}
+                @let (y, height) = between(shade);
+                rect.band x=(x) y=(y) width=(width) height=(height) {}
             }
             @if let Some(budget) = level.budget {
-                @let (top, bottom) = (scale.y(level.at + budget), scale.y(level.at - budget));
-                rect.band x=(x) y=(place(top)) width=(width) height=(place(bottom - top)) {}
+                @let (y, height) = between(budget);
+                rect.band x=(x) y=(y) width=(width) height=(height) {}
                 @if let Some((from, until)) = level.made {
                     @let (x, width) = scale.stretch(from, until);
-                    rect.made x=(x) y=(place(top)) width=(width) height=(place(bottom - top)) {
-                        title { (level.label) }
-                    }
+                    rect.made x=(x) y=(y) width=(width) height=(height) { title { (level.label) } }
                 }
                 (across("budget", level.at + budget)) (across("budget", level.at - budget))
             }

@@ -9,7 +9,7 @@ use crate::pages::history::event_label;
 use crate::pages::history_plot::{MOST_FLAGS, epoch_of, list};
 use crate::pages::layout::{DRIFTS, encoded, label, symbol};
 use crate::pages::prelude::*;
-use crate::pages::verdicts::SeenVerdict;
+use crate::pages::verdicts::{SeenVerdict, seen};
 use crate::pages::view::View;
 use crate::pages::{bullet, figure, history, status};
 use crate::pipeline::{EventItem, Names, StoredRecord, sample_of};
@@ -195,8 +195,8 @@ fn happened(t: &Text, all: &[Compared<'_>], aligned: bool) -> Vec<Flag> {
 
 /// What the trend rule has established of the newest record, budgets a year.
 fn slope(facts: &Facts, name: &str) -> Option<Measured> {
-    let seen = facts.verdicts.iter().filter_map(|said| said.seen.as_ref());
-    let of_trend = seen.filter(|verdict| verdict.rule == Rule::Trend && verdict.coefficient.name() == name);
+    let of_trend =
+        seen(&facts.verdicts).filter(|verdict| verdict.rule == Rule::Trend && verdict.coefficient.name() == name);
     of_trend.into_iter().find_map(|verdict| match verdict.finding {
         Finding::Trend { per_year: Measured { value, sd }, .. } => {
             Some(Measured { value: value / verdict.limit, sd: sd.map(|sd| sd / verdict.limit) })

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Map, Value};
 
-use super::layout::{encoded, with_symbols};
+use super::layout::{encoded, joined, with_symbols};
 use super::prelude::*;
 use crate::message;
 
@@ -246,17 +246,14 @@ fn kind(schema: &Value) -> Markup {
         return html! { a href={ "#" (name) } { code { (name) } } };
     }
     let either = ["oneOf", "anyOf", "allOf"].iter().find_map(|how| schema[*how].as_array());
-    let joined = |all: &[Value]| html! { @for (k, one) in all.iter().enumerate() { @if k > 0 { " | " } (kind(one)) } };
     let types = match &schema["type"] {
         Value::Array(types) => types.iter().map(word).collect::<Vec<_>>().join(" | "),
         one => word(one).to_owned(),
     };
     let format = schema["format"].as_str().map(|format| format!(" ({format})"));
     match (&schema["enum"], either) {
-        (Value::Array(values), _) => {
-            html! { @for (k, value) in values.iter().enumerate() { @if k > 0 { " | " } code { (value) } } }
-        }
-        (_, Some(all)) => joined(all),
+        (Value::Array(values), _) => joined(" | ", values.iter().map(|value| html! { code { (value) } })),
+        (_, Some(all)) => joined(" | ", all.iter().map(kind)),
         _ if schema.get("items").is_some() => html! { (kind(&schema["items"])) code { "[]" } },
         _ if schema["additionalProperties"].is_object() => {
             html! { code { "{…: " } (kind(&schema["additionalProperties"])) code { "}" } }

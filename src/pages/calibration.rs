@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use axum::response::Redirect;
 
-use super::layout::{encoded, instant, label, noted, symbol};
+use super::layout::{encoded, instant, joined, label, noted, symbol};
 use super::parameters::{self, Parameters};
 use super::prelude::*;
 use super::verdicts::{self, SeenVerdict};
@@ -232,9 +232,7 @@ fn blind_directions(t: &Text, gyro: &GyroFitBody) -> Markup {
         @for null in &gyro.null_directions {
             p.note {
                 (gyro.serial) ": " (t.not_seen) " "
-                @for (i, (name, share)) in null.direction.iter().enumerate() {
-                    @if i > 0 { ", " } (symbol(name)) " " (figure::short(*share))
-                }
+                (joined(", ", null.direction.iter().map(|(name, share)| html! { (symbol(name)) " " (figure::short(*share)) })))
                 @if let Some(gauge) = &null.gauge { "; " (t.fixed_by) " " (gauge) }
             }
         }

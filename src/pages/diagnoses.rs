@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::figure::percent;
 use super::form::{choice, fault_list, see_other};
-use super::layout::{effect_named, encoded, query, symbol, written};
+use super::layout::{effect_named, encoded, joined, query, symbol, written};
 use super::prelude::*;
 use super::residuals::closure_bar;
 use crate::core::effects::CATALOGUE;
@@ -145,7 +145,7 @@ fn overview(t: &Text, effects: &[OverviewBody]) -> Markup {
             th { (t.first_seen) } th { (t.last_seen_in) }
         }, html! { @for one in effects { tr {
             th.words scope="row" { a href={ "/diagnoses?effect=" (encoded(&one.effect)) } { (effect_named(t, &one.effect)) } }
-            td.words { @for (i, imu) in one.imus.iter().enumerate() { @if i > 0 { ", " } (imu_link(imu)) } }
+            td.words { (joined(", ", one.imus.iter().map(|imu| imu_link(imu)))) }
             td.n { (one.gyros) }
             td.words translate="no" { (names(&one.stations)) }
             td.n { (one.campaigns) }
@@ -165,18 +165,18 @@ fn findings(t: &Text, all: &[FindingBody]) -> Markup {
 }
 
 fn finding(t: &Text, one: &FindingBody) -> Markup {
-    let others = || one.class.iter().filter(|id| **id != one.effect).enumerate();
+    let others = || one.class.iter().filter(|id| **id != one.effect);
     html! {
         tr {
             th.words scope="row" {
                 (effect_named(t, &one.effect))
                 @if others().count() > 0 {
-                    br; span.quiet { (t.or_as_well) " " @for (i, id) in others() { @if i > 0 { "; " } (effect_named(t, id)) } }
+                    br; span.quiet { (t.or_as_well) " " (joined("; ", others().map(|id| effect_named(t, id)))) }
                 }
             }
             td translate="no" { a.id href={ "/gyros/" (encoded(&one.serial)) } { (one.serial) } " " (one.slot) }
             td { (imu_link(&one.imu)) }
-            td.words translate="no" { @for (i, station) in one.stations.iter().enumerate() { @if i > 0 { ", " } (at_station(station)) } }
+            td.words translate="no" { (joined(", ", one.stations.iter().map(at_station))) }
             td { @if let Some(clear) = &one.clear_at { (written(clear)) } @else { "–" } }
             td { (sighting(&one.first)) } td { (sighting(&one.last)) }
             td.n { (one.campaigns) " / " (one.of_since) " / " (one.of) }
@@ -201,7 +201,7 @@ fn doubts(t: &Text, all: &[DoubtBody]) -> Markup {
             th scope="row" { (imu_link(&one.imu)) }
             td { (if one.verdict == "unexplained" { t.coverage_unexplained } else { t.coverage_partly_explained }) }
             td.words translate="no" { (names(&one.gyros)) }
-            td.words { @for (i, sign) in one.signs.iter().enumerate() { @if i > 0 { "; " } (t.sign(sign)) } }
+            td.words { (joined("; ", one.signs.iter().map(|sign| t.sign(sign)))) }
             td.words translate="no" { (names(&one.stations)) }
             td.n { (one.campaigns) " / " (one.of) }
             td { (sighting(&one.first)) } td { (sighting(&one.last)) }
@@ -214,7 +214,7 @@ fn imu_link(imu: &str) -> Markup {
 }
 
 fn names(all: &[String]) -> Markup {
-    html! { @for (i, name) in all.iter().enumerate() { @if i > 0 { ", " } span.id { (name) } } }
+    joined(", ", all.iter().map(|name| html! { span.id { (name) } }))
 }
 
 fn at_station(station: &AtStationBody) -> Markup {

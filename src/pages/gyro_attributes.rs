@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use super::form::{ActionForm, Word, see_other};
-use super::layout::encoded;
+use super::layout::{encoded, joined};
 use super::prelude::*;
 use crate::core::fault::Faults;
 use crate::core::gyro_attributes::{GyroAttributes, GyroAttributesPatch};
@@ -28,9 +28,7 @@ pub(super) fn line(t: &Text, attributes: &GyroAttributes) -> Markup {
     html! {
         @if !said.is_empty() {
             p.note {
-                @for (k, (of, word)) in said.iter().enumerate() {
-                    @if k > 0 { " · " } (of) " " span translate="no" { (word) }
-                }
+                (joined(" · ", said.iter().map(|(of, word)| html! { (of) " " span translate="no" { (word) } })))
                 @if let Some(batch) = &attributes.batch {
                     " (" a href={ "/fleet?batch=" (encoded(batch)) } { (t.gyros) } ")"
                 }

@@ -19,7 +19,7 @@ use axum::http::StatusCode;
 
 use self::multipart::Upload;
 use super::fleet::violated;
-use super::layout::{DRIFTS, day, encoded, instant, noted, symbol};
+use super::layout::{DRIFTS, day, encoded, instant, joined, noted, symbol};
 use super::prelude::*;
 use super::upload_parts::{Piece, pieces};
 use super::{bullet, figure, off_the_loop, status};
@@ -397,7 +397,7 @@ fn named(t: &Text, pointer: &str) -> Markup {
         k += if of_list(k).is_some() { 2 } else { 1 };
     }
     html! {
-        @for (k, part) in parts.iter().enumerate() { @if k > 0 { ", " } (part) }
+        (joined(", ", &parts))
         @if !parts.is_empty() { ": " }
     }
 }

@@ -11,7 +11,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 
 use super::assets::{SCRIPT, STYLE};
 use super::text::Text;
@@ -265,6 +265,11 @@ pub(super) fn query<'a>(all: impl IntoIterator<Item = (&'a str, &'a str)>) -> St
 pub(super) fn remark(said_by: &str, by: &str, reason: &str) -> Markup {
     let reason = if reason.is_empty() { String::new() } else { format!(": {reason}") };
     html! { br; span.quiet { (said_by) " " span translate="no" { (by) (reason) } } }
+}
+
+/// One after the other, with something between them.
+pub(super) fn joined(between: &str, all: impl IntoIterator<Item = impl Render>) -> Markup {
+    html! { @for (k, one) in all.into_iter().enumerate() { @if k > 0 { (between) } (one) } }
 }
 
 /// What was noticed of a record when it came.

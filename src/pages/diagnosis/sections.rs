@@ -2,7 +2,7 @@
 
 use crate::core::effects::{Effect, regressor_unit};
 use crate::pages::figure::{percent, short};
-use crate::pages::layout::{effect_named, effect_word};
+use crate::pages::layout::{effect_named, effect_word, joined};
 use crate::pages::prelude::*;
 use crate::pages::residuals::Setting;
 use crate::pages::{figure, forecast, layout, residuals};
@@ -236,8 +236,7 @@ fn one_effect(t: &Text, d: &DiagnosisBody, effect: &EffectBody, gyros: &[(String
 
 /// A class without the effect itself.
 fn others(t: &Text, effect: &EffectBody, class: &[String]) -> Markup {
-    let others = class.iter().filter(|id| **id != effect.effect).enumerate();
-    html! { @for (i, id) in others { @if i > 0 { "; " } (effect_named(t, id)) } }
+    joined("; ", class.iter().filter(|id| **id != effect.effect).map(|id| effect_named(t, id)))
 }
 
 /// How far the error of dwells that were held out shrinks.
@@ -289,11 +288,7 @@ fn candidates(t: &Text, d: &DiagnosisBody) -> Markup {
                 @if !within.is_empty() {
                     details {
                         summary { (t.ruled_out_within) " (" (within.len()) ")" }
-                        p {
-                            @for (k, one) in within.iter().enumerate() {
-                                @if k > 0 { (t.semicolon) } (effect_word(t, &one.effect))
-                            }
-                        }
+                        p { (joined(t.semicolon, within.iter().map(|one| effect_word(t, &one.effect)))) }
                         (listed(t, &within))
                     }
                 }
@@ -397,7 +392,7 @@ fn next(t: &Text, d: &DiagnosisBody) -> Markup {
                 }, html! { @for (table, separates) in &settings { tr {
                     td { (TableBody::direction(table.up)) } td { (TableBody::direction(table.north)) }
                     td.n { (format!("{:.3}", table.rate_deg_s)) }
-                    td.words { @for (i, id) in separates.iter().enumerate() { @if i > 0 { "; " } (effect_named(t, id)) } }
+                    td.words { (joined("; ", separates.iter().map(|id| effect_named(t, id)))) }
                 } } }))
                 details {
                     summary { (t.as_programme) }

@@ -28,7 +28,6 @@ use crate::core::fault::{Fault, Faults};
 use crate::core::history_note::HistoryNote;
 use crate::core::id::Id;
 use crate::core::judge::Measured;
-use crate::core::message::Message;
 use crate::core::note::Note;
 use crate::logs::campaign::Made;
 use crate::logs::report;
@@ -115,19 +114,13 @@ struct Source {
 
 /// A log that needs a map, or a file that is none.
 fn unread(t: &Text, mut sent: Sent, looked: &Looked) -> Page {
-    let mut said: Option<&Message> = None;
-    match looked {
-        Looked::Guessed(map) => sent.map.clone_from(map),
-        Looked::Faulty(fault) => said = Some(fault),
-        Looked::Text(_) | Looked::Made(..) => {}
+    if let Looked::Guessed(map) = looked {
+        sent.map.clone_from(map);
     }
     let body = html! {
         section.preview #preview aria-live="polite" {
             h2 { (t.preview) @if !sent.file.is_empty() { " · " span translate="no" { (sent.file) } } }
-            @match said {
-                Some(fault) => p.fault { (t.words(fault)) },
-                None => p.doubt { (t.log_needs_map) },
-            }
+            @if let Looked::Faulty(fault) = looked { p.fault { (t.words(fault)) } } @else { p.doubt { (t.log_needs_map) } }
         }
     };
     framed(t, &sent, body)

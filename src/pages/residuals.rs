@@ -248,19 +248,25 @@ fn signed_map(t: &Text, all: &[ResidualBody], slots: &[String], settings: &[Sett
                     rect.set x=(x(dwell)) y=(tenth(base - size)) width=(wide) height=(tenth(size)) {}
                 }
             }
-            @let key = height - 4.0;
-            @if order.is_sorted() {
-                text x=(LEFT) y=(tenth(key)) { (t.dwell) " 0" }
-                text x=(WIDTH - RIGHT) y=(tenth(key)) text-anchor="end" { (order.len().saturating_sub(1)) }
-            }
-            @for k in (-6_i32..=6).filter(|k| *k != 0) {
-                @let top = if k < 0 { key - 4.0 } else { key - 10.0 };
-                rect class={ "heat" @if k < 0 { " below" } } x=(tenth(0.5 * WIDTH + 14.0 * f64::from(k))) y=(tenth(top)) width="13" height="6"
-                    fill-opacity=(shade(f64::from(k))) {}
-            }
-            text x=(tenth(0.5 * WIDTH - 90.0)) y=(tenth(key)) text-anchor="end" { "-6 σ" }
-            text x=(tenth(0.5 * WIDTH + 104.0)) y=(tenth(key)) { "+6 σ" }
+            (key(t, order, height - 4.0))
         } }
+    }
+}
+
+/// How many dwells there are, where they stand by time, and what the shades mean; on one line at `y`.
+fn key(t: &Text, order: &[usize], y: f64) -> Markup {
+    html! {
+        @if order.is_sorted() {
+            text x=(LEFT) y=(tenth(y)) { (t.dwell) " 0" }
+            text x=(WIDTH - RIGHT) y=(tenth(y)) text-anchor="end" { (order.len().saturating_sub(1)) }
+        }
+        @for k in (-6_i32..=6).filter(|k| *k != 0) {
+            @let top = if k < 0 { y - 4.0 } else { y - 10.0 };
+            rect class={ "heat" @if k < 0 { " below" } } x=(tenth(0.5 * WIDTH + 14.0 * f64::from(k))) y=(tenth(top)) width="13" height="6"
+                fill-opacity=(shade(f64::from(k))) {}
+        }
+        text x=(tenth(0.5 * WIDTH - 90.0)) y=(tenth(y)) text-anchor="end" { "-6 σ" }
+        text x=(tenth(0.5 * WIDTH + 104.0)) y=(tenth(y)) { "+6 σ" }
     }
 }
 

@@ -12,7 +12,7 @@ use crate::pages::prelude::*;
 use crate::pages::status;
 use crate::pipeline::DeliveryPage;
 use crate::wire::alert::AlertBody;
-use crate::wire::hook::{DeliveryBody, HookBody};
+use crate::wire::hook::DeliveryBody;
 
 /// Deliveries on one page.
 const ROWS: usize = 60;
@@ -59,33 +59,21 @@ pub(in crate::pages) async fn page(
                 a href=(to(state, "")) aria-current=[(filters.state == state).then_some("true")] { (t.delivery(state)) }
             }
         }
-        (replay(t, &hook))
-        @if deliveries.is_empty() { p { (t.no_deliveries) } } @else { (table(t, id, &deliveries, &alerts)) }
+        @if hook.queue.dead > 0 && hook.enabled {
+            form action={ "/hooks/" (hook.id) "/redeliver" } method="post" { button { (t.redeliver_dead) " (" (hook.queue.dead) ")" } }
+        }
+        @if deliveries.is_empty() { p { (t.no_deliveries) } } @else { (wide_table("cards", html! {
+            th { (t.message) } th { (t.serial) } th { (t.queued) } th { (t.status_word) } th.n { (t.attempts) } th { (t.last_attempt) } th { (t.actions_word) }
+        }, html! { @for delivery in &deliveries {
+            @let alert = alerts.iter().find(|alert| Some(&alert.id) == delivery.alert.as_ref());
+            (line(t, id, delivery, alert))
+        } })) }
         @if more && let Some(last) = deliveries.last() {
             nav.pager aria-label=(t.deliveries) { a rel="next" href=(to(&filters.state, &last.id)) { (t.older) } }
         }
     };
     let refresh = is_pending.then_some([(REFRESH, "2")]);
     Ok((refresh, Page { title: hook.name.clone(), section: Section::Hooks, body }).into_response())
-}
-
-fn replay(t: &Text, hook: &HookBody) -> Markup {
-    html! {
-        @if hook.queue.dead > 0 && hook.enabled {
-            form action={ "/hooks/" (hook.id) "/redeliver" } method="post" { button { (t.redeliver_dead) " (" (hook.queue.dead) ")" } }
-        }
-    }
-}
-
-fn table(t: &Text, hook: &str, deliveries: &[DeliveryBody], alerts: &[AlertBody]) -> Markup {
-    html! {
-        (wide_table("cards", html! {
-            th { (t.message) } th { (t.serial) } th { (t.queued) } th { (t.status_word) } th.n { (t.attempts) } th { (t.last_attempt) } th { (t.actions_word) }
-        }, html! { @for delivery in deliveries {
-            @let alert = alerts.iter().find(|alert| Some(&alert.id) == delivery.alert.as_ref());
-            (line(t, hook, delivery, alert))
-        } }))
-    }
 }
 
 fn line(t: &Text, hook: &str, delivery: &DeliveryBody, alert: Option<&AlertBody>) -> Markup {

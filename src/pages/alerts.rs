@@ -12,6 +12,7 @@ use super::form::{ActionForm, Word, choice, rule_choice, see_other};
 use super::layout::{encoded, query, written, written_day};
 use super::prelude::*;
 use super::silences::{days_field, silent_until};
+use super::verdicts::violated;
 use super::{bullet, silences, status};
 use crate::core::alert_decision::Standing;
 use crate::core::alert_filter::AlertFilter;
@@ -21,7 +22,7 @@ use crate::core::named::named;
 use crate::message;
 use crate::pipeline::{self, AlertChange, AlertOrder, BEYOND, Violation};
 use crate::wire::alert::AlertBody;
-use table::{known, violated};
+use table::known;
 
 /// Gyros on one page.
 const ROWS: usize = 30;
@@ -75,17 +76,14 @@ pub(super) async fn page(
         ..AlertFilter::default()
     };
     let nobody = gyro.is_none() && !serial.is_empty();
-    let counts = if nobody { HashMap::new() } else { pages.pipeline.alerts.standings(&any).await? };
+    let pipeline = &pages.pipeline.alerts;
+    let counts = if nobody { HashMap::new() } else { pipeline.standings(&any).await? };
     let of = |standing: Standing| counts.get(&standing).copied().unwrap_or(0);
     let wanted = Standing::from_name(filters.state());
     let filter = AlertFilter { standing: wanted, ..any };
-    let mut found = if nobody {
-        Vec::new()
-    } else {
-        pages.pipeline.alerts.by_gyro(&filter, filters.page.saturating_mul(ROWS), ROWS + 1).await?
-    };
-    let of_no_gyro =
-        if filters.page > 0 || nobody { Vec::new() } else { pages.pipeline.alerts.of_no_gyro(&filter).await? };
+    let above = filters.page.saturating_mul(ROWS);
+    let mut found = if nobody { Vec::new() } else { pipeline.by_gyro(&filter, above, ROWS + 1).await? };
+    let of_no_gyro = if filters.page > 0 || nobody { Vec::new() } else { pipeline.of_no_gyro(&filter).await? };
     let of_subject = |subject: &str| of_no_gyro.iter().filter(|alert| alert.subject == subject).collect::<Vec<_>>();
     let [stations, batches, imus] = [AlertBody::OF_STATION, AlertBody::OF_BATCH, AlertBody::OF_IMU].map(of_subject);
     let more = found.len() > ROWS;

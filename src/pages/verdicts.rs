@@ -165,9 +165,7 @@ fn alert_row(viewer: &Viewer, alert: &AlertBody, here: Option<&str>) -> Markup {
             td { (status::badge(t, alert.status())) }
             th.words scope="row" {
                 details.why {
-                    summary {
-                        (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule)))
-                    }
+                    summary { (violated(t, alert)) }
                     p { (t.reason(&alert.finding.reason)) }
                 }
             }
@@ -177,6 +175,11 @@ fn alert_row(viewer: &Viewer, alert: &AlertBody, here: Option<&str>) -> Markup {
             td { (told(viewer, alert, here)) }
         }
     }
+}
+
+/// What an alert is about: a coefficient and a rule.
+pub(super) fn violated(t: &Text, alert: &AlertBody) -> Markup {
+    html! { (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule))) }
 }
 
 fn certainty(probability: f64) -> String {

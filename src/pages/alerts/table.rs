@@ -4,10 +4,10 @@ use crate::core::alert_decision::Standing;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::id::Id;
 use crate::core::judge::{Rule, Severity};
-use crate::pages::layout::{symbol, written};
+use crate::pages::layout::written;
 use crate::pages::prelude::*;
 use crate::pages::status;
-use crate::pages::verdicts::{actions, remarks};
+use crate::pages::verdicts::{actions, remarks, violated};
 use crate::wire::alert::AlertBody;
 
 /// Alerts of one gyro, one for each coefficient and rule: never more than so many.
@@ -31,10 +31,6 @@ pub(in crate::pages) fn is_open(alert: &AlertBody) -> bool {
 fn is_back_within(alert: &AlertBody) -> bool {
     let of_one_limit = alert.rule != Rule::Requirement.name();
     of_one_limit && alert.finding.value.is_some_and(|value| value <= alert.finding.limit)
-}
-
-pub(super) fn violated(t: &Text, alert: &AlertBody) -> Markup {
-    html! { (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule))) }
 }
 
 /// `gyros`: whether each line names its gyro. `here`: where to come back to from what is done; none where nothing can

@@ -6,10 +6,10 @@ use serde::Deserialize;
 use super::{buttons, filter, known, state, written};
 use crate::core::delivery::DeliveryState;
 use crate::core::id::Id;
-use crate::core::judge::{Rule, Status};
-use crate::pages::layout::symbol;
+use crate::core::judge::Status;
 use crate::pages::prelude::*;
 use crate::pages::status;
+use crate::pages::verdicts::violated;
 use crate::pipeline::DeliveryPage;
 use crate::wire::alert::AlertBody;
 use crate::wire::hook::DeliveryBody;
@@ -89,7 +89,7 @@ fn line(t: &Text, hook: &str, delivery: &DeliveryBody, alert: Option<&AlertBody>
             td data-label=(t.serial) {
                 @if let Some(alert) = alert {
                     a.id href={ "/alerts/" (alert.id) } { (alert.serial) } " "
-                    span.nowrap { (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule))) }
+                    span.nowrap { (violated(t, alert)) }
                 }
             }
             td data-label=(t.queued) { (written(&delivery.queued_at)) }

@@ -1,7 +1,7 @@
 //! What a gyro was before and after each environmental test.
 
 use super::history::event_name;
-use super::layout::{DRIFTS, instant, symbol};
+use super::layout::{DRIFTS, instant, or_dash, symbol};
 use super::prelude::*;
 use super::{figure, status};
 use crate::config::JudgedMethod;
@@ -55,7 +55,7 @@ fn line(t: &Text, course: &Course, test: &Tested, (method, column): (JudgedMetho
                     } @else { "–" }
                 } }
             }
-            td.n data-label=(t.difference) { @if let Some(Measured { value, sd }) = difference { (figure::signed_drift(value, sd)) } @else { "–" } }
+            td.n data-label=(t.difference) { (or_dash(difference.map(|of| figure::signed_drift(of.value, of.sd)))) }
             td.n data-label=(t.limit) { div {
                 @if let Some(verdict) = verdict {
                     (figure::short(verdict.limit)) @if let Some(key) = key(verdict.limit) { br; code.quiet { (key) } }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use axum::response::Redirect;
 
-use super::layout::{encoded, instant, joined, label, noted, symbol};
+use super::layout::{encoded, instant, joined, label, noted, or_dash, symbol};
 use super::parameters::{self, Parameters};
 use super::prelude::*;
 use super::verdicts::{self, SeenVerdict};
@@ -110,10 +110,8 @@ fn closure(
             }, html! { @for gyro in &closures.gyros { tr {
                 th scope="row" { (gyro.slot.name()) " " (serial(gyro.slot)) }
                 td.n { (label("", "D_O")) (figure::signed_drift(gyro.d_o, gyro.sd)) }
-                td.n data-label=(t.adjusted_p) { @if let Some(p) = gyro.p_value { (figure::short(p)) } @else { "–" } }
-                td.n data-label={ (t.if_clocked) ", ′" } {
-                    @if gyro.stands_out { (figure::signed(60.0 * gyro.clocking.to_degrees(), 1)) } @else { "–" }
-                }
+                td.n data-label=(t.adjusted_p) { (or_dash(gyro.p_value.map(figure::short))) }
+                td.n data-label={ (t.if_clocked) ", ′" } { (or_dash(gyro.stands_out.then(|| figure::signed(60.0 * gyro.clocking.to_degrees(), 1)))) }
                 td.n {
                     (label(t.if_clocked, "D_S"))
                     @if gyro.stands_out { (figure::drift(gyro.d_s, gyro.sd)) " → " (figure::drift(gyro.d_s + gyro.d_s_shift, gyro.sd)) } @else { "–" }
@@ -208,7 +206,7 @@ fn judged<'a>(
 }
 
 fn quality(t: &Text, fits: &[GyroFitBody]) -> Markup {
-    let short = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), figure::short);
+    let short = |value: Option<f64>| or_dash(value.map(figure::short));
     html! {
         (wide_table("cards", html! {
             th { (t.serial) } th.n { (t.rank) } th.n { (t.freedom) } th.n { "χ²/" (t.freedom) } th.n { "p, " (t.lack_of_fit) }

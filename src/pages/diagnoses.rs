@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::figure::percent;
 use super::form::{choice, fault_list, see_other};
-use super::layout::{effect_named, encoded, joined, query, symbol, written};
+use super::layout::{effect_named, encoded, joined, or_dash, query, symbol, written};
 use super::prelude::*;
 use super::residuals::closure_bar;
 use crate::core::effects::CATALOGUE;
@@ -177,7 +177,7 @@ fn finding(t: &Text, one: &FindingBody) -> Markup {
             td translate="no" { a.id href={ "/gyros/" (encoded(&one.serial)) } { (one.serial) } " " (one.slot) }
             td { (imu_link(&one.imu)) }
             td.words translate="no" { (joined(", ", one.stations.iter().map(at_station))) }
-            td { @if let Some(clear) = &one.clear_at { (written(clear)) } @else { "–" } }
+            td { (or_dash(one.clear_at.as_deref().map(written))) }
             td { (sighting(&one.first)) } td { (sighting(&one.last)) }
             td.n { (one.campaigns) " / " (one.of_since) " / " (one.of) }
             td.nowrap { (closure_bar(one.closure.median, Some([one.closure.least, one.closure.greatest]))) (percent(one.closure.median)) }

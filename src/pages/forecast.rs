@@ -3,7 +3,7 @@
 
 use super::chart::{Across, Chart, Dot, Track, bounds, millis, widened};
 use super::figure::{self, short};
-use super::layout::{effect_word, encoded, instant, symbol, written};
+use super::layout::{effect_word, encoded, instant, or_dash, symbol, written};
 use super::prelude::*;
 use crate::core::augmented::AugmentedModel;
 use crate::core::judge::Status;
@@ -65,12 +65,7 @@ pub(super) fn versions(viewer: &Viewer, imu: &str, models: &[AdoptedModel]) -> M
                         @if may_undo { " " a href={ "/imus/" (encoded(imu)) "/model/undo" } { (t.undo) } }
                     } }
                     td.words { code translate="no" { (held(t, &one.model)) } }
-                    td.nowrap {
-                        @match one.model.identified.as_ref().and_then(|own| own.reference_c) {
-                            Some(celsius) => { (format!("{celsius:.1} °C")) }
-                            None => { "–" }
-                        }
-                    }
+                    td.nowrap { (or_dash(one.model.identified.as_ref().and_then(|own| own.reference_c).map(|celsius| format!("{celsius:.1} °C")))) }
                     td.n { (one.campaigns) } td { (one.author) } td.words { (one.reason) }
                 } } }))
                 p.note { (t.adopted_models_note) }
@@ -86,7 +81,7 @@ fn line(t: &Text, point: &ForecastPointBody) -> Markup {
             @if let Some(compared) = &point.compared {
                 td { (state(t, compared)) }
                 td.n { (short(compared.rms_over_sd)) }
-                td.nowrap { @if let Some(closing) = compared.closing { (closed(t, closing)) } @else { "–" } }
+                td.nowrap { (or_dash(compared.closing.map(|closing| closed(t, closing)))) }
             } @else { td.words colspan="3" { (point.why_not.as_deref().unwrap_or(t.not_foretold)) } }
             td.words {
                 @if let Some(model) = &point.model {

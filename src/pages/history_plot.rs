@@ -482,6 +482,15 @@ fn legend(t: &Text, charts: &[(usize, Chart)], drawing: &Drawing<'_>) -> Markup 
         html! { svg.key aria-hidden="true" viewBox="-7 -7 14 14" { g class=(class) { (shape) } } }
     };
     let of_status = |status: Status| html! { path class=(status.name()) d=(sign(status)) {} };
+    let has_budget = drawing.budgets.iter().any(Option::is_some);
+    let has_control = any(|chart| chart.levels.iter().any(|level| level.control.is_some()));
+    let has_made = any(|chart| chart.levels.iter().any(|level| level.made.is_some()));
+    let lines = [
+        (has_budget, html! { line.budget x1="-7" x2="7" {} }, t.budget_line),
+        (has_control, html! { line.control x1="-7" x2="7" {} }, t.control_line),
+        (has_made, html! { rect.made x="-7" y="-5" width="14" height="10" {} }, t.baseline_records),
+        (any(|chart| chart.ahead.is_some()), html! { polyline.ahead points="-7,4 7,-4" {} }, t.trend_line),
+    ];
     html! {
         ul.legend {
             @for status in Status::ALL.into_iter().filter(occurs) {
@@ -491,18 +500,7 @@ fn legend(t: &Text, charts: &[(usize, Chart)], drawing: &Drawing<'_>) -> Markup 
                 li { (mark(&format!("bench{k}"), html! { circle.plain r="3" {} })) (t.method(method.name())) }
             }
             @for rule in Rule::ALL.into_iter().filter(speaks) { li { b { (rule.letter()) } " " (t.rule(rule)) } }
-            @if drawing.budgets.iter().any(Option::is_some) {
-                li { (mark("", html! { line.budget x1="-7" x2="7" {} })) (t.budget_line) }
-            }
-            @if any(|chart| chart.levels.iter().any(|level| level.control.is_some())) {
-                li { (mark("", html! { line.control x1="-7" x2="7" {} })) (t.control_line) }
-            }
-            @if any(|chart| chart.levels.iter().any(|level| level.made.is_some())) {
-                li { (mark("", html! { rect.made x="-7" y="-5" width="14" height="10" {} })) (t.baseline_records) }
-            }
-            @if any(|chart| chart.ahead.is_some()) {
-                li { (mark("", html! { polyline.ahead points="-7,4 7,-4" {} })) (t.trend_line) }
-            }
+            @for (_, shape, word) in lines.into_iter().filter(|(occurs, ..)| *occurs) { li { (mark("", shape)) (word) } }
         }
     }
 }

@@ -19,7 +19,7 @@ use axum::http::StatusCode;
 
 use self::multipart::Upload;
 use super::fleet::violated;
-use super::layout::{DRIFTS, day, encoded, instant, joined, noted, symbol};
+use super::layout::{DRIFTS, day, encoded, instant, joined, noted, or_dash, symbol};
 use super::prelude::*;
 use super::upload_parts::{Piece, pieces};
 use super::{bullet, figure, off_the_loop, status};
@@ -541,7 +541,7 @@ fn foreseen(t: &Text, calibration: &Calibration, forecast: &Forecast) -> Markup 
 }
 
 fn share(share: Option<Measured>) -> Markup {
-    html! { @if let Some(share) = share { (bullet::percent(share)) } @else { "–" } }
+    or_dash(share.map(bullet::percent))
 }
 
 /// Where it is not held against what is stored.

@@ -267,6 +267,11 @@ pub(super) fn remark(said_by: &str, by: &str, reason: &str) -> Markup {
     html! { br; span.quiet { (said_by) " " span translate="no" { (by) (reason) } } }
 }
 
+/// A dash for what there is nothing of.
+pub(super) fn or_dash(said: Option<impl Render>) -> Markup {
+    html! { @if let Some(said) = said { (said) } @else { "–" } }
+}
+
 /// One after the other, with something between them.
 pub(super) fn joined(between: &str, all: impl IntoIterator<Item = impl Render>) -> Markup {
     html! { @for (k, one) in all.into_iter().enumerate() { @if k > 0 { (between) } (one) } }

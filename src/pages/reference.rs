@@ -4,7 +4,7 @@
 use serde::Deserialize;
 
 use super::figure::{self, short};
-use super::layout::{instant, symbol, written};
+use super::layout::{instant, or_dash, symbol, written};
 use super::prelude::*;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
@@ -130,7 +130,7 @@ fn moved_row(t: &Text, moved: &MovedBody) -> Markup {
             td { (moved.slot) } td { (symbol(&moved.coefficient)) }
             td.n { (format!("{:.places$}", moved.reference)) } td.n { (format!("{:.places$}", moved.now)) }
             td.n { (format!("{:+.places$}", moved.shift)) }
-            td.n { @if let Some(sd) = moved.sd { (format!("{sd:.places$}")) } @else { "–" } }
+            td.n { (or_dash(moved.sd.map(|sd| format!("{sd:.places$}")))) }
             td { (t.unit_of(&moved.unit)) }
         }
     }

@@ -1,7 +1,7 @@
 //! What was separated from one calibration: D_I, D_S and the closure by both methods, angles and branches.
 
 use super::figure;
-use super::layout::{DRIFTS, encoded, label, symbol};
+use super::layout::{DRIFTS, encoded, label, or_dash, symbol};
 use super::prelude::*;
 use crate::core::mounting::Slot;
 use crate::wire::answer::{FigureBody, SeparationBody, UncertaintiesBody, UncertaintyBody};
@@ -93,9 +93,7 @@ fn budgets(t: &Text, separations: &[SeparationBody]) -> Markup {
                         tr {
                             td { (slot.name()) " " (serial) } td { (symbol(name)) }
                             @for (name, part) in &parts {
-                                td.n data-label=(name) {
-                                    @if let Some(sd) = part(budget) { (figure::short(sd)) } @else { "–" }
-                                }
+                                td.n data-label=(name) { (or_dash(part(budget).map(figure::short))) }
                             }
                             td.n data-label=(t.combined) { strong { (figure::short(budget.combined)) } }
                         }

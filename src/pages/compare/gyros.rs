@@ -1,13 +1,14 @@
 //! Gyros over one another: deviations from their own baselines on one scale.
 
 use crate::core::id::Id;
+use crate::core::judge::limits::DEFAULT_BUDGET;
 use crate::core::judge::{Finding, Measured, Rule, Status};
 use crate::core::time::UtcMicros;
 use crate::pages::chart::{Across, Chart, Dot, Flag, Level, Track, bounds, millis, widened};
 use crate::pages::gyro_facts::Facts;
 use crate::pages::history::event_label;
 use crate::pages::history_plot::{MOST_FLAGS, epoch_of, list};
-use crate::pages::layout::{DRIFTS, encoded, label, symbol};
+use crate::pages::layout::{DRIFTS, encoded, label, or_dash, symbol};
 use crate::pages::prelude::*;
 use crate::pages::verdicts::{SeenVerdict, seen};
 use crate::pages::view::View;
@@ -106,6 +107,7 @@ fn row(t: &Text, view: &View, one: &Compared<'_>, names: &Names<'_>) -> Markup {
     let stands = facts.stands(view.judged);
     let newest = facts.course.figures.last();
     let of_scatter = |said: &&SeenVerdict| said.body.rule == Rule::RmsSuccessive.name();
+    let share = |of: Option<Measured>| or_dash(of.map(|of| format!("{} %", bullet::percent(of))));
     let scatter = |name: &str| facts.verdicts.iter().filter(of_scatter).find(|said| said.body.coefficient == name);
     html! {
         tr {
@@ -114,25 +116,9 @@ fn row(t: &Text, view: &View, one: &Compared<'_>, names: &Names<'_>) -> Markup {
             td data-label=(t.station) { @if let Some(figures) = newest { (names.station(figures.station)) } }
             td data-label=(t.status_word) { (status::badge(t, facts.standing.as_ref().and_then(|standing| standing.status))) }
             @for (column, name) in DRIFTS.iter().enumerate() {
-                td.n {
-                    (label("", name))
-                    @if let Some(load) = stands.get(column).and_then(|stand| stand.load) {
-                        (bullet::percent(load.share())) " %"
-                    } @else {
-                        "–"
-                    }
-                }
+                td.n { (label("", name)) (share(stands.get(column).and_then(|stand| Some(stand.load?.share())))) }
             }
-            @for name in &DRIFTS[..2] {
-                td.n {
-                    (label(t.trend_a_year, name))
-                    @if let Some(slope) = slope(facts, name) {
-                        (bullet::percent(slope)) " %"
-                    } @else {
-                        "–"
-                    }
-                }
-            }
+            @for name in &DRIFTS[..2] { td.n { (label(t.trend_a_year, name)) (share(slope(facts, name))) } }
             @for name in &DRIFTS[..2] {
                 td.n {
                     (label(t.scatter, name))
@@ -244,7 +230,7 @@ fn chart(t: &Text, view: &View, all: &[Compared<'_>], column: usize, aligned: bo
     let serials: Vec<&str> = all.iter().map(|one| one.serial).collect();
     let label = format!("{name}, {}: {}. {}", t.deviation, serials.join(", "), t.chart_keys);
     Chart {
-        around: budget.unwrap_or(crate::core::judge::limits::DEFAULT_BUDGET),
+        around: budget.unwrap_or(DEFAULT_BUDGET),
         whole: budget,
         signed: true,
         clips: true,

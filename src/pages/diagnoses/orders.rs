@@ -8,7 +8,7 @@ use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::judge::Status;
 use crate::pages::form::{fault_list, see_other};
-use crate::pages::layout::written;
+use crate::pages::layout::{or_dash, written};
 use crate::pages::prelude::*;
 use crate::pages::status;
 use crate::pipeline::DiagnosisOrder;
@@ -100,7 +100,7 @@ fn line(viewer: &Viewer, order: &JobBody) -> Markup {
                 (settled) " / " (counts.campaigns)
             }
             td.n { (counts.failed) }
-            td { @if let Some(ended) = &order.ended_at { (written(ended)) } @else { "–" } }
+            td { (or_dash(order.ended_at.as_deref().map(written))) }
             td { @if open && viewer.may(Role::Engineer) {
                 form action={ "/diagnoses/" (order.id) "/cancel" } method="post" { button { (t.cancel) } }
             } }

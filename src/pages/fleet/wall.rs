@@ -2,7 +2,7 @@
 
 use super::filters::Filters;
 use crate::core::judge::Status;
-use crate::pages::layout::{DRIFTS, encoded, symbol};
+use crate::pages::layout::{DRIFTS, encoded, or_dash, symbol};
 use crate::pages::prelude::*;
 use crate::pages::{bullet, status as badges};
 use crate::pipeline::Standing;
@@ -50,7 +50,7 @@ fn line(t: &Text, gyro: &Standing) -> Markup {
             @for (load, status) in gyro.outlook.load.iter().zip(gyro.drift) {
                 td.n.(status.name()) title=(t.status(status)) {
                     span.hidden { (t.status(status)) " " }
-                    @if let Some(load) = load { (bullet::rounded(*load)) } @else { "–" }
+                    (or_dash(load.map(bullet::rounded)))
                     @if status > Status::NotEnoughData { (badges::mark(status)) }
                 }
             }

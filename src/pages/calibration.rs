@@ -108,10 +108,11 @@ fn closure(
                 th { (t.serial) } th.n { (symbol("D_O")) } th.n { (t.adjusted_p) }
                 th.n { (t.if_clocked) ", ′" } th.n { (t.if_clocked) ", " (symbol("D_S")) }
             }, html! { @for gyro in &closures.gyros { tr {
+                @let clocking = gyro.stands_out.then(|| figure::signed(60.0 * gyro.clocking.to_degrees(), 1));
                 th scope="row" { (gyro.slot.name()) " " (serial(gyro.slot)) }
                 td.n { (label("", "D_O")) (figure::signed_drift(gyro.d_o, gyro.sd)) }
                 td.n data-label=(t.adjusted_p) { (or_dash(gyro.p_value.map(figure::short))) }
-                td.n data-label={ (t.if_clocked) ", ′" } { (or_dash(gyro.stands_out.then(|| figure::signed(60.0 * gyro.clocking.to_degrees(), 1)))) }
+                td.n data-label={ (t.if_clocked) ", ′" } { (or_dash(clocking)) }
                 td.n {
                     (label(t.if_clocked, "D_S"))
                     @if gyro.stands_out { (figure::drift(gyro.d_s, gyro.sd)) " → " (figure::drift(gyro.d_s + gyro.d_s_shift, gyro.sd)) } @else { "–" }
@@ -153,7 +154,8 @@ pub(super) async fn campaign(Visit(ref pages, ref viewer): Visit, Path(ref id): 
         }
         p { a.action href={ "/campaigns/" (item.id) "/diagnosis" } { (t.diagnose) } }
         (standing.said)
-        (judged(t, fits.iter().map(|gyro| (gyro.slot, gyro.serial.as_str())), (&answer.verdicts, seen), standing.counts))
+        @let slots = fits.iter().map(|gyro| (gyro.slot, gyro.serial.as_str()));
+        (judged(t, slots, (&answer.verdicts, seen), standing.counts))
         section {
             h2 { (t.separated) }
             (separation::tables(t, &answer.separations))
@@ -230,7 +232,9 @@ fn blind_directions(t: &Text, gyro: &GyroFitBody) -> Markup {
         @for null in &gyro.null_directions {
             p.note {
                 (gyro.serial) ": " (t.not_seen) " "
-                (joined(", ", null.direction.iter().map(|(name, share)| html! { (symbol(name)) " " (figure::short(*share)) })))
+                (joined(", ", null.direction.iter().map(|(name, share)| html! {
+                    (symbol(name)) " " (figure::short(*share))
+                })))
                 @if let Some(gauge) = &null.gauge { "; " (t.fixed_by) " " (gauge) }
             }
         }

@@ -95,11 +95,12 @@ async fn build(
 }
 
 fn search(t: &Text, filters: &Filters) -> Markup {
+    let effects = CATALOGUE.iter().map(|entry| (entry.id, t.effect(entry.effect)));
     html! {
         form.search role="search" action="/diagnoses" method="get" {
             input type="search" name="imu" value=(filters.imu) placeholder=(t.imu) aria-label=(t.imu);
             input type="search" name="station" value=(filters.station) placeholder=(t.station) aria-label=(t.station);
-            (choice(t, t.effect, "effect", CATALOGUE.iter().map(|entry| (entry.id, t.effect(entry.effect))), &filters.effect))
+            (choice(t, t.effect, "effect", effects, &filters.effect))
             label { (t.measured_since) " " input type="date" name="since" value=(filters.since); }
             button { (t.search) }
         }

@@ -142,7 +142,9 @@ fn line(t: &Text, pages: &Pages, row: &Row<'_>, first: bool, now: UtcMicros) -> 
             td data-label=(t.slope_or_date) { (slopes(t, standing)) (reaches(t, row.due)) }
             td data-label=(t.violates) { (violated(t, &besides(&standing.violations))) }
             td data-label=(t.since) { @if let Some(since) = standing.since.filter(|_| is_worse) { (day(since)) } }
-            td data-label=(t.calibrated) { @if let Some(figures) = &standing.newest { (age(t, figures.at, now, &row.station)) } }
+            td data-label=(t.calibrated) {
+                @if let Some(figures) = &standing.newest { (age(t, figures.at, now, &row.station)) }
+            }
         }
     }
 }

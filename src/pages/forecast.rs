@@ -65,7 +65,8 @@ pub(super) fn versions(viewer: &Viewer, imu: &str, models: &[AdoptedModel]) -> M
                         @if may_undo { " " a href={ "/imus/" (encoded(imu)) "/model/undo" } { (t.undo) } }
                     } }
                     td.words { code translate="no" { (held(t, &one.model)) } }
-                    td.nowrap { (or_dash(one.model.identified.as_ref().and_then(|own| own.reference_c).map(|celsius| format!("{celsius:.1} °C")))) }
+                    @let reference_c = one.model.identified.as_ref().and_then(|own| own.reference_c);
+                    td.nowrap { (or_dash(reference_c.map(|celsius| format!("{celsius:.1} °C")))) }
                     td.n { (one.campaigns) } td { (one.author) } td.words { (one.reason) }
                 } } }))
                 p.note { (t.adopted_models_note) }

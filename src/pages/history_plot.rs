@@ -500,7 +500,7 @@ fn legend(t: &Text, charts: &[(usize, Chart)], drawing: &Drawing<'_>) -> Markup 
                 li { (mark(&format!("bench{k}"), html! { circle.plain r="3" {} })) (t.method(method.name())) }
             }
             @for rule in Rule::ALL.into_iter().filter(speaks) { li { b { (rule.letter()) } " " (t.rule(rule)) } }
-            @for (_, shape, word) in lines.into_iter().filter(|(occurs, ..)| *occurs) { li { (mark("", shape)) (word) } }
+            @for (occurs, shape, word) in lines { @if occurs { li { (mark("", shape)) (word) } } }
         }
     }
 }

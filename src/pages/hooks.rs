@@ -42,7 +42,9 @@ fn line(viewer: &Viewer, hook: &HookBody) -> Markup {
                 (hook.queue.open)
                 @if let Some(oldest) = &hook.queue.oldest_open { br; span.quiet { (written(oldest)) } }
             }
-            td.n data-label=(t.dead_letters) { @if hook.queue.dead > 0 { a href={ "/hooks/" (hook.id) "?state=dead" } { (hook.queue.dead) } } @else { "0" } }
+            td.n data-label=(t.dead_letters) {
+                @if hook.queue.dead > 0 { a href={ "/hooks/" (hook.id) "?state=dead" } { (hook.queue.dead) } } @else { "0" }
+            }
             td { (buttons(viewer, hook)) }
         }
     }

@@ -120,7 +120,8 @@ fn unread(t: &Text, mut sent: Sent, looked: &Looked) -> Page {
     let body = html! {
         section.preview #preview aria-live="polite" {
             h2 { (t.preview) @if !sent.file.is_empty() { " · " span translate="no" { (sent.file) } } }
-            @if let Looked::Faulty(fault) = looked { p.fault { (t.words(fault)) } } @else { p.doubt { (t.log_needs_map) } }
+            @if let Looked::Faulty(fault) = looked { p.fault { (t.words(fault)) } }
+            @else { p.doubt { (t.log_needs_map) } }
         }
     };
     framed(t, &sent, body)

@@ -162,7 +162,8 @@ fn list(t: &Text, records: &[ListedRecord], concluded: &HashMap<Id, Conclusion>)
     html! {
         form action="/compare" method="get" {
             (tall_table("", html! {
-                @if choice { th { (t.compare) } } th { (t.calibrated) } th { (t.station) } th { (t.kind) } th { (t.diagnosis) }
+                @if choice { th { (t.compare) } }
+                th { (t.calibrated) } th { (t.station) } th { (t.kind) } th { (t.diagnosis) }
             }, html! { @for head in records {
                 @let campaign = head.kind == Kind::Campaign;
                 tr {

@@ -1,6 +1,6 @@
 //! `/gyros/{serial}/report` and `/imus/{imu}/report`: one to put into the acceptance file; `/reports`: those on several
-//! gyros, each on sheets of its own. Whole without scripts, its
-//! plots drawn by the service; the style sheet keeps what belongs together on one sheet of paper.
+//! gyros, each on sheets of its own. Whole without scripts, plots drawn by the service; the style sheet keeps what
+//! belongs together on one sheet of paper.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -8,7 +8,7 @@ use std::time::Duration;
 use tokio::time::Instant;
 
 use super::gyro::{agreement, calibration_table, explained};
-use super::gyro_facts::{Facts, MOST_ROWS as ROWS};
+use super::gyro_facts::{Facts, MOST_ROWS};
 use super::layout::{DRIFTS, instant, symbol};
 use super::prelude::*;
 use super::view::View;
@@ -89,10 +89,10 @@ async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str, until: Instant) -
             section {
                 h2 { (t.calibrations) }
                 p.note {
-                    (t.newest_of) " " (count.min(ROWS)) " / " (count) ", " (t.method_of(view.shown.separation())) ", "
+                    (t.newest_of) " " (count.min(MOST_ROWS)) " / " (count) ", " (t.method_of(view.shown.separation())) ", "
                     (t.unit)
                 }
-                @let rows = facts.course.figures.iter().rev().take(ROWS);
+                @let rows = facts.course.figures.iter().rev().take(MOST_ROWS);
                 (calibration_table(viewer, view.shown, &facts.statuses, rows, &names, false))
             }
         }

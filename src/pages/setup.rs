@@ -118,7 +118,8 @@ fn tokens(pages: &Pages, t: &Text, tokens: &[Token]) -> Markup {
             h2 { (t.tokens) }
             p.note { (t.tokens_note) }
             @if tokens.is_empty() { p { (t.no_tokens) } } @else { (wide_table("", html! {
-                th { (t.name_word) } th { (t.role_word) } th { (t.station) } th { (t.created) } th { (t.expires) } th { (t.status_word) }
+                th { (t.name_word) } th { (t.role_word) } th { (t.station) }
+                th { (t.created) } th { (t.expires) } th { (t.status_word) }
             }, html! { @for token in tokens { tr {
                 th scope="row" translate="no" { (token.name) }
                 td { (t.role(token.role)) }

@@ -388,7 +388,8 @@ fn next(t: &Text, d: &DiagnosisBody) -> Markup {
             section {
                 h2 { (t.measure_next) }
                 (wide_table("", html! {
-                    th { (t.up_axis) } th { (t.north_axis) } th.n { (t.table_rate) ", " (t.unit_of("deg/s")) } th { (t.separates) }
+                    th { (t.up_axis) } th { (t.north_axis) } th.n { (t.table_rate) ", " (t.unit_of("deg/s")) }
+                    th { (t.separates) }
                 }, html! { @for (table, separates) in &settings { tr {
                     td { (TableBody::direction(table.up)) } td { (TableBody::direction(table.north)) }
                     td.n { (format!("{:.3}", table.rate_deg_s)) }

@@ -17,7 +17,8 @@ pub(super) fn section(t: &Text, course: &Course, method: JudgedMethod) -> Markup
                 h2 { (t.before_after) }
                 p.note { (t.before_after_test_note) " " (t.unit) }
                 (wide_table("cards", html! {
-                    th { (t.event(Event::EnvironmentalTest)) } th { (t.coefficient) } th.n { (t.last_before) } th.n { (t.first_after) }
+                    th { (t.event(Event::EnvironmentalTest)) } th { (t.coefficient) }
+                    th.n { (t.last_before) } th.n { (t.first_after) }
                     th.n { (t.difference) } th.n { (t.limit) } th { (t.status_word) }
                 }, html! { @for test in course.tests.iter().rev() {
                     @for column in 0..2 { (line(t, course, test, (method, column))) }

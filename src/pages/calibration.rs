@@ -211,7 +211,8 @@ fn quality(t: &Text, fits: &[GyroFitBody]) -> Markup {
     let short = |value: Option<f64>| or_dash(value.map(figure::short));
     html! {
         (wide_table("cards", html! {
-            th { (t.serial) } th.n { (t.rank) } th.n { (t.freedom) } th.n { "χ²/" (t.freedom) } th.n { "p, " (t.lack_of_fit) }
+            th { (t.serial) } th.n { (t.rank) } th.n { (t.freedom) }
+            th.n { "χ²/" (t.freedom) } th.n { "p, " (t.lack_of_fit) }
             th.n { (t.noise) ", " (t.rate_unit) } th.n { (t.sem_factor) } th { (t.noise_from) }
         }, html! { @for gyro in fits { tr {
             th scope="row" { (gyro.slot.name()) " " (gyro.serial) }

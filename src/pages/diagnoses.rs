@@ -158,7 +158,8 @@ fn overview(t: &Text, effects: &[OverviewBody]) -> Markup {
 fn findings(t: &Text, all: &[FindingBody]) -> Markup {
     html! {
         (wide_table("findings", html! {
-            th { (t.effect) } th { (t.serial) } th { (t.imu) } th { (t.station) } th { (t.last_clear) } th { (t.first_seen) }
+            th { (t.effect) } th { (t.serial) } th { (t.imu) }
+            th { (t.station) } th { (t.last_clear) } th { (t.first_seen) }
             th { (t.last_seen_in) } th.n { (t.campaigns) } th { (t.closed) }
             th.n { (t.shift) " " (symbol("D_I")) } th.n { (t.shift) " " (symbol("D_S")) }
         }, html! { @for one in all { (finding(t, one)) } }))

@@ -514,8 +514,10 @@ fn foreseen(t: &Text, calibration: &Calibration, forecast: &Forecast) -> Markup 
     html! {
         div.scroll tabindex="0" { table.foreseen {
             thead { tr {
-                th { (t.slot) } th { (t.serial) } th { span.hidden { (t.coefficient) } } th.n { (t.value) ", " (t.unit) }
-                th.n { (t.last_value) } th { (t.date) } th.n { (t.change_of_budget) } th.n { (t.load_word) } th { (t.status_word) }
+                th { (t.slot) } th { (t.serial) }
+                th { span.hidden { (t.coefficient) } } th.n { (t.value) ", " (t.unit) }
+                th.n { (t.last_value) } th { (t.date) } th.n { (t.change_of_budget) }
+                th.n { (t.load_word) } th { (t.status_word) }
             } }
             @for (gyro, foreseen) in calibration.gyros.iter().zip(&forecast.gyros) {
                 tbody { @for (column, name) in DRIFTS.into_iter().enumerate() { tr {

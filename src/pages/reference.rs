@@ -111,7 +111,8 @@ pub(super) fn parts(t: &Text, split: &SplitBody) -> Markup {
             th.n { (t.part_noise) } th.n { (t.p_parameters) }
         }, html! { @for (slot, p) in rows { (part_row(slot, p)) } }))
         (wide_table("", html! {
-            th { (t.serial) } th { (t.coefficient) } th.n { (t.reference) } th.n { (t.now) } th.n { (t.shift) } th.n { "1 σ" } th { (t.unit_word) }
+            th { (t.serial) } th { (t.coefficient) } th.n { (t.reference) }
+            th.n { (t.now) } th.n { (t.shift) } th.n { "1 σ" } th { (t.unit_word) }
         }, html! { @for moved in &split.moved { (moved_row(t, moved)) } }))
         @if !split.notes.is_empty() { ul { @for note in &split.notes { li { (note) } } } }
     }

@@ -9,7 +9,8 @@ use crate::wire::answer::{FigureBody, SeparationBody, UncertaintiesBody, Uncerta
 pub(super) fn tables(t: &Text, separations: &[SeparationBody]) -> Markup {
     html! {
         (wide_table("cards", html! {
-            th { (t.serial) } th { (t.method) } th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) }
+            th { (t.serial) } th { (t.method) } th.n { (symbol("D_I")) }
+            th.n { (symbol("D_S")) } th.n { (symbol("D_O")) }
             th.n { (t.closure_rms) }
         }, html! { @for one in separations { (figures(t, one)) } }))
         p.note { (t.unit) ". " (t.as_printed_note) }
@@ -87,7 +88,8 @@ fn budgets(t: &Text, separations: &[SeparationBody]) -> Markup {
             details #budget open[beyond_noise] {
                 summary { (t.uncertainty_budget) }
                 (wide_table("cards", html! {
-                    th { (t.serial) } th { (t.coefficient) } @for (name, _) in &parts { th.n { (name) } } th.n { (t.combined) }
+                    th { (t.serial) } th { (t.coefficient) }
+                    @for (name, _) in &parts { th.n { (name) } } th.n { (t.combined) }
                 }, html! { @for (budgets, slot, serial) in &all {
                     @for (budget, name) in budgets.iter().zip(DRIFTS) {
                         tr {

@@ -61,7 +61,8 @@ fn limits(t: &Text, config: &Config) -> Markup {
             h2 { (t.setup_limits) }
             p.note { (t.limits_note) }
             (wide_table("", html! {
-                th { (t.coefficient) } th { (t.rule_word) } th.n { (t.limit) } th { (t.unit_word) } th { (t.set_by_key) }
+                th { (t.coefficient) } th { (t.rule_word) }
+                th.n { (t.limit) } th { (t.unit_word) } th { (t.set_by_key) }
             }, html! {
                 @for (name, drift) in DRIFTS.iter().zip([&limits.d_i, &limits.d_s]) {
                     @for rule in Rule::ALL { @if let Some(limit) = drift.stated(rule) { (row(name, rule, limit, t.unit)) } }

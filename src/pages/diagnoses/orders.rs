@@ -64,7 +64,8 @@ pub(super) async fn section(pages: &Pages, viewer: &Viewer) -> Result<Markup, Pr
             h2 { (t.orders) }
             @if orders.is_empty() { p { (t.no_orders) } } @else {
                 (wide_table("", html! {
-                    th { (t.ordered) } th { (t.which_campaigns) } th { (t.status_word) } th { (t.progress) } th.n { (t.failed_word) }
+                    th { (t.ordered) } th { (t.which_campaigns) }
+                    th { (t.status_word) } th { (t.progress) } th.n { (t.failed_word) }
                     th { (t.ended) } th { (t.actions_word) }
                 }, html! { @for order in &orders { (line(viewer, order)) } }))
             }

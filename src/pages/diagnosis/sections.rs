@@ -326,7 +326,8 @@ fn impact(t: &Text, d: &DiagnosisBody) -> Markup {
             section {
                 h2 { (t.impact) }
                 (wide_table("", html! {
-                    th { (t.serial) } th { (t.coefficient) } th.n { (t.plain) } th.n { (t.with_effects) } th.n { (t.shift) } th.n { (t.of_budget) }
+                    th { (t.serial) } th { (t.coefficient) } th.n { (t.plain) }
+                    th.n { (t.with_effects) } th.n { (t.shift) } th.n { (t.of_budget) }
                 }, html! { @for (one, moved) in coefficients {
                     @let sd = Some(one.augmented_sd);
                     tr {

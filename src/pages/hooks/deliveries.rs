@@ -63,7 +63,8 @@ pub(in crate::pages) async fn page(
             form action={ "/hooks/" (hook.id) "/redeliver" } method="post" { button { (t.redeliver_dead) " (" (hook.queue.dead) ")" } }
         }
         @if deliveries.is_empty() { p { (t.no_deliveries) } } @else { (wide_table("cards", html! {
-            th { (t.message) } th { (t.serial) } th { (t.queued) } th { (t.status_word) } th.n { (t.attempts) } th { (t.last_attempt) } th { (t.actions_word) }
+            th { (t.message) } th { (t.serial) } th { (t.queued) } th { (t.status_word) }
+            th.n { (t.attempts) } th { (t.last_attempt) } th { (t.actions_word) }
         }, html! { @for delivery in &deliveries {
             @let alert = alerts.iter().find(|alert| Some(&alert.id) == delivery.alert.as_ref());
             (line(t, id, delivery, alert))

@@ -41,7 +41,7 @@ impl ItemAction for VoidCalibration {
                 " · " (t.calibrated) " " (instant(item.calibrated_at))
             }
             (wide_table("cards", html! {
-                th { (t.serial) } th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) }
+                th { (t.serial) } @for name in DRIFTS { th.n { (symbol(name)) } }
             }, html! { @for one in &stored.answer.separations { tr {
                 th scope="row" { (one.slot.name()) " " (one.serial) }
                 @for (value, name) in [&one.d_i, &one.d_s, &one.d_o].into_iter().zip(DRIFTS) {

@@ -213,7 +213,7 @@ pub(super) fn calibration_table<'a>(
     html! {
         (wide_table("cards", html! {
             th { (t.calibrated) } th { (t.imu) } th { (t.station) }
-            th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (t.status_word) }
+            @for name in DRIFTS { th.n { (symbol(name)) } } th { (t.status_word) }
             @if deeds { th.no-print { (t.actions_word) } }
         }, html! { @for figures in rows { tr {
             td { a href={ "/records/" (figures.record) } { (instant(figures.at)) } }

@@ -129,8 +129,7 @@ pub(super) fn seated(pages: &Pages, t: &Text, seats: &Seats) -> Markup {
 fn standings(pages: &Pages, t: &Text, gyros: &[Standing], when: &str) -> Markup {
     html! {
         (wide_table("cards", html! {
-            th { (t.slot) } th { (t.serial) } th { (t.status_word) }
-            th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (when) }
+            th { (t.slot) } th { (t.serial) } th { (t.status_word) } @for name in DRIFTS { th.n { (symbol(name)) } } th { (when) }
         }, html! { @for gyro in gyros {
             @if let Some(newest) = &gyro.newest {
                 tr {

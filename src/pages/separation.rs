@@ -9,9 +9,7 @@ use crate::wire::answer::{FigureBody, SeparationBody, UncertaintiesBody, Uncerta
 pub(super) fn tables(t: &Text, separations: &[SeparationBody]) -> Markup {
     html! {
         (wide_table("cards", html! {
-            th { (t.serial) } th { (t.method) } th.n { (symbol("D_I")) }
-            th.n { (symbol("D_S")) } th.n { (symbol("D_O")) }
-            th.n { (t.closure_rms) }
+            th { (t.serial) } th { (t.method) } @for name in DRIFTS { th.n { (symbol(name)) } } th.n { (t.closure_rms) }
         }, html! { @for one in separations { (figures(t, one)) } }))
         p.note { (t.unit) ". " (t.as_printed_note) }
         (budgets(t, separations))

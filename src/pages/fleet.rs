@@ -125,7 +125,9 @@ fn line(t: &Text, pages: &Pages, row: &Row<'_>, first: bool, now: UtcMicros) -> 
                 input type="checkbox" name="gyro" value=(standing.serial) form="selection" aria-label=(standing.serial);
             }
             td { (badges::badge(t, standing.status)) (badges::out_of_use(t, standing.out_of_use)) }
-            th scope="row" { a.id id=[first.then_some("first")] href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) } }
+            th scope="row" {
+                a.id id=[first.then_some("first")] href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) }
+            }
             td {
                 @if let Some(figures) = &standing.newest {
                     a.id href={ "/imus/" (encoded(&row.imu)) } { (row.imu) } " " span.quiet { (figures.slot.name()) }

@@ -199,7 +199,9 @@ pub(super) fn typed_time(text: &str) -> String {
 pub(super) fn fault_list(t: &Text, faults: &Faults) -> Markup {
     html! {
         @if !faults.0.is_empty() {
-            ul.fault role="alert" { @for fault in &faults.0 { li { (field(t, &fault.pointer)) ": " (t.words(&fault.message)) } } }
+            ul.fault role="alert" {
+                @for fault in &faults.0 { li { (field(t, &fault.pointer)) ": " (t.words(&fault.message)) } }
+            }
         }
     }
 }

@@ -145,7 +145,9 @@ pub(super) fn agreement(t: &Text, serial: &str, comparison: &Comparison) -> Mark
                     } }
                     tbody { @for result in &comparison.results {
                         tr.beside[!result.counts] {
-                            th scope="row" { (t.method(result.method)) @if !result.counts { br; span.quiet { (t.not_counted) } } }
+                            th scope="row" {
+                                (t.method(result.method)) @if !result.counts { br; span.quiet { (t.not_counted) } }
+                            }
                             td { (instant(result.at)) }
                             td {
                                 (result.station)

@@ -39,7 +39,9 @@ fn section(
         section id=(name) {
             h2 { (symbol(name)) }
             p.lead.capital { (named(t, answer)) (t.words(&answer.opening())) }
-            @for said in answer.besides(explained.as_of).into_iter().chain(answer.looked_at(explained.as_of.records)) { p { (t.words(&said)) } }
+            @for said in answer.besides(explained.as_of).into_iter().chain(answer.looked_at(explained.as_of.records)) {
+                p { (t.words(&said)) }
+            }
             (drawn(t, serial, answer, budget))
             @if !answer.causes.is_empty() {
                 (wide_table("cards", html! {

@@ -239,7 +239,9 @@ fn load_row(t: &Text, stand: &Stand) -> Markup {
                 (status::badge(t, Some(stand.status)))
                 @if let Some((rule, load)) = stand.by {
                     (t.colon) " " (t.rule(rule))
-                    @if let Some(load) = load { " " (t.words(&message!("share_of_limit", percent = format!("{:.0}", 100.0 * load)))) }
+                    @if let Some(load) = load {
+                        " " (t.words(&message!("share_of_limit", percent = format!("{:.0}", 100.0 * load))))
+                    }
                 }
                 @if let Some(run) = &stand.run {
                     " "

@@ -52,7 +52,9 @@ pub(super) fn happenings(t: &Text, course: &Course, names: &Names<'_>) -> Markup
                     strong { (event_name(t, event)) }
                     @if let Some(until) = event.until { br; span.quiet { (t.until) " " (instant(until)) } }
                 }
-                td translate="no" { (event.reason) @if let Some(author) = &event.author { " " span.quiet { "(" (author) ")" } } }
+                td translate="no" {
+                    (event.reason) @if let Some(author) = &event.author { " " span.quiet { "(" (author) ")" } }
+                }
             };
             (event.at, said)
         })
@@ -66,7 +68,9 @@ pub(super) fn happenings(t: &Text, course: &Course, names: &Names<'_>) -> Markup
             h2 { (t.events) }
             @if all.is_empty() { p { (t.no_events) } }
             @else {
-                div.scroll.tall.happenings tabindex="0" { table { tbody { @for (at, said) in all { tr { td { (instant(at)) } (said) } } } } }
+                div.scroll.tall.happenings tabindex="0" {
+                    table { tbody { @for (at, said) in all { tr { td { (instant(at)) } (said) } } } }
+                }
             }
         }
     }

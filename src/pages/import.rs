@@ -223,7 +223,9 @@ fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], source: &Source) 
                 @if faulty > 0 { " · " strong { (faulty) " " (t.cannot_be_stored) } }
                 @if doubtful > 0 { " · " strong.doubt { (doubtful) " " (t.to_be_checked) } }
             }
-            @if let Some(open) = source.open.as_ref().filter(|_| sound > 0) { p.doubt { strong { (t.check_first) } " " (NoteBody::of(open).detail) } }
+            @if let Some(open) = source.open.as_ref().filter(|_| sound > 0) {
+                p.doubt { strong { (t.check_first) } " " (NoteBody::of(open).detail) }
+            }
             @if read > MOST_SHOWN { p.note { (t.first_foreseen) " " (MOST_SHOWN) } }
             @let unsound = prospects.iter().enumerate().filter(|(_, one)| !is_sound(one));
             @for (k, (line, prospect)) in unsound.take(MOST_SHOWN) {
@@ -502,7 +504,9 @@ fn doubted(t: &Text, calibration: &Calibration, forecast: &Forecast) -> Markup {
                 @let verdict = gyro.requirements.iter().flatten().find(|verdict| verdict.coefficient == one.coefficient);
                 li {
                     strong translate="no" { (gyro.serial) } ": " (violated(t, std::slice::from_ref(one)))
-                    @for said in verdict.into_iter().flat_map(|verdict| verdict.messages().into_iter().take(1)) { (t.colon) (t.words(&said)) }
+                    @for said in verdict.into_iter().flat_map(|verdict| verdict.messages().into_iter().take(1)) {
+                        (t.colon) (t.words(&said))
+                    }
                 }
             }
         }

@@ -198,7 +198,9 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
                 h2 { (t.identity) }
                 dl.facts {
                     dt { (t.imu) } dd { (name) }
-                    @if let Some(newest) = found.records.first() { dt { (t.calibrated) } dd { (instant(newest.calibrated_at)) } }
+                    @if let Some(newest) = found.records.first() {
+                        dt { (t.calibrated) } dd { (instant(newest.calibrated_at)) }
+                    }
                     dt { (t.records_word) } dd { (found.records.len()) " (" (t.kind_campaign) ": " (campaigns) ")" }
                     dt { (t.judged_by) } dd { (t.method_of(view.shown.separation())) }
                 }

@@ -221,7 +221,9 @@ fn signed_map(t: &Text, all: &[ResidualBody], slots: &[String], settings: &[Sett
             @for (from, count, turning) in phases_from {
                 @let (class, name) = if turning { ("lane1", t.phase_rate) } else { ("lane0", t.phase_static) };
                 @let (left, width) = (LEFT + cell * from as f64, cell * count as f64);
-                rect class=(class) x=(tenth(left)) y=(phases) width=(tenth(width - 1.0)) height=(LANE - 3.0) { title { (name) } }
+                rect class=(class) x=(tenth(left)) y=(phases) width=(tenth(width - 1.0)) height=(LANE - 3.0) {
+                    title { (name) }
+                }
                 @if width > 44.0 {
                     text.own x=(tenth(left + 0.5 * width)) y=(phases + 11.0) text-anchor="middle" { (name) }
                 }
@@ -242,7 +244,9 @@ fn signed_map(t: &Text, all: &[ResidualBody], slots: &[String], settings: &[Sett
             }
             @if fastest > 0.0 {
                 @let base = foot + LANE - 2.0;
-                text x=(LEFT - 6.0) y=(tenth(base)) text-anchor="end" { (format!("{fastest:.*} {}", usize::from(fastest < 1.0), t.unit_of("deg/s"))) }
+                text x=(LEFT - 6.0) y=(tenth(base)) text-anchor="end" {
+                    (format!("{fastest:.*} {}", usize::from(fastest < 1.0), t.unit_of("deg/s")))
+                }
                 @for (dwell, rate) in settings.iter().enumerate().filter_map(|(dwell, one)| Some((dwell, one.deg_per_s?))) {
                     @let size = (LANE - 4.0) * rate / fastest;
                     rect.set x=(x(dwell)) y=(tenth(base - size)) width=(wide) height=(tenth(size)) {}

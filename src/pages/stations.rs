@@ -54,7 +54,9 @@ fn line(t: &Text, station: &StationFigures, budget: f64, alerts: usize, overdue:
         tr {
             th.nowrap scope="row" {
                 a href={ "/stations/" (encoded(&station.name)) } { (station.name) }
-                " · " a href={ "/fleet?station=" (encoded(&station.name)) "&station_when=ever" } { (t.count_of_gyros(station.gyros)) }
+                " · " a href={ "/fleet?station=" (encoded(&station.name)) "&station_when=ever" } {
+                    (t.count_of_gyros(station.gyros))
+                }
             }
             td data-label=(t.alerts) { @if alerts > 0 { a href={ "/stations/" (encoded(&station.name)) } { (alerts) } } }
             @for (column, name) in columns() {

@@ -36,7 +36,9 @@ pub(super) fn badge(t: &Text, status: Option<Status>) -> Markup {
 /// Something else that stands as well or as badly.
 pub(super) fn said(status: Option<Status>, word: &str) -> Markup {
     html! {
-        span class={ "badge " (status.map_or("none", Status::name)) } { @if let Some(status) = status { (mark(status)) } (word) }
+        span class={ "badge " (status.map_or("none", Status::name)) } {
+            @if let Some(status) = status { (mark(status)) } (word)
+        }
     }
 }
 

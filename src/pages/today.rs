@@ -183,7 +183,9 @@ fn all_of<'a, T>(t: &'a Text, list: &FirstOf<T>, address: impl FnOnce() -> Strin
 /// `first`: whether it is the first of the page, which the keyboard skips to.
 fn gyro(standing: &Standing, first: bool, names: &Names<'_>) -> Markup {
     html! {
-        th scope="row" { a.id id=[first.then_some("first")] href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) } }
+        th scope="row" {
+            a.id id=[first.then_some("first")] href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) }
+        }
         td {
             @if let Some(newest) = &standing.newest {
                 @let imu = names.imu(newest.imu);

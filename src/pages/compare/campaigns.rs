@@ -185,7 +185,8 @@ fn parameter(t: &Text, line: &Line) -> Markup {
             td.n data-label="B - A" { (figure::signed_drift(b - a, line.sd())) }
             td.n data-label="(B - A)/σ" {
                 @if let Some((class, mark)) = beyond { span class=(class) { (mark) " " } }
-                @if let Some(over) = over { span class=[beyond.map(|(class, _)| class)] { (figure::signed(over, 1)) } } @else { "–" }
+                @if let Some(over) = over { span class=[beyond.map(|(class, _)| class)] { (figure::signed(over, 1)) } }
+                @else { "–" }
             }
             td translate="no" data-label=(t.unit_word) { (t.unit_of(&line.unit)) }
         }

@@ -258,7 +258,9 @@ fn located(t: &Text, d: &DiagnosisBody, slots: &[(String, String)], settings: &[
             p.note { (t.heat_note) }
             (residuals::signed_maps(t, &d.residuals, &names, settings))
             @if d.verdict != "no_gap" { (wide_table("", html! { th { (t.place) } th.n { (t.share) } }, html! {
-                @for gyro in &d.located.gyros { tr { td { (gyro.slot) " " (serial(&gyro.slot)) } td.n { (percent(gyro.share)) } } }
+                @for gyro in &d.located.gyros {
+                    tr { td { (gyro.slot) " " (serial(&gyro.slot)) } td.n { (percent(gyro.share)) } }
+                }
                 @for phase in &d.located.phases { tr { td { (t.phase(&phase.phase)) } td.n { (percent(phase.share)) } } }
                 @for dwell in &d.located.dwells {
                     tr {

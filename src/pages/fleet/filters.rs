@@ -206,8 +206,12 @@ impl Filters {
     fn views(&self, t: &Text) -> Markup {
         html! {
             span.views {
-                a href=(self.with(&[("view", ""), ("refresh", "")])) aria-current=[(!self.is_wall()).then_some("true")] { (t.as_list) }
-                a href=(self.with(&[("view", "imu"), ("sort", "")])) aria-current=[self.is_wall().then_some("true")] { (t.by_imu) }
+                a href=(self.with(&[("view", ""), ("refresh", "")])) aria-current=[(!self.is_wall()).then_some("true")] {
+                    (t.as_list)
+                }
+                a href=(self.with(&[("view", "imu"), ("sort", "")])) aria-current=[self.is_wall().then_some("true")] {
+                    (t.by_imu)
+                }
             }
         }
     }

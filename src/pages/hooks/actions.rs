@@ -118,7 +118,9 @@ fn form(t: &Text, new: &NewHook) -> ActionForm {
     let fields = html! {
         label { (t.hook_name) input name="name" value=(new.name) maxlength="128"; }
         label { (t.kind) select name="kind" {
-            @for kind in HookKind::ALL.map(HookKind::name) { option value=(kind) selected[kind == new.kind] translate="no" { (kind) } }
+            @for kind in HookKind::ALL.map(HookKind::name) {
+                option value=(kind) selected[kind == new.kind] translate="no" { (kind) }
+            }
         } }
         label { (t.hook_url) input name="url" type="url" value=(new.url) required placeholder="https://" translate="no"; }
         label { (t.hook_secret) input name="secret" value=(new.secret) autocomplete="off"; }

@@ -60,7 +60,9 @@ pub(in crate::pages) async fn page(
             }
         }
         @if hook.queue.dead > 0 && hook.enabled {
-            form action={ "/hooks/" (hook.id) "/redeliver" } method="post" { button { (t.redeliver_dead) " (" (hook.queue.dead) ")" } }
+            form action={ "/hooks/" (hook.id) "/redeliver" } method="post" {
+                button { (t.redeliver_dead) " (" (hook.queue.dead) ")" }
+            }
         }
         @if deliveries.is_empty() { p { (t.no_deliveries) } } @else { (wide_table("cards", html! {
             th { (t.message) } th { (t.serial) } th { (t.queued) } th { (t.status_word) }
@@ -108,7 +110,9 @@ fn line(t: &Text, hook: &str, delivery: &DeliveryBody, alert: Option<&AlertBody>
             }
             td {
                 @if matches!(delivery.state, "delivered" | "dead" | "waiting") {
-                    form action={ "/hooks/" (hook) "/deliveries/" (delivery.id) "/redeliver" } method="post" { button { (t.redeliver) } }
+                    form action={ "/hooks/" (hook) "/deliveries/" (delivery.id) "/redeliver" } method="post" {
+                        button { (t.redeliver) }
+                    }
                 }
             }
         }

@@ -79,17 +79,15 @@ fn picture(t: &Text, name: &str, unit: &str, tracks: Vec<Track>, band: Option<f6
 }
 
 /// One dwell: the figure that an effect follows, deg/h that it does not leave unexplained, and their uncertainty.
-pub(super) struct Point {
-    pub dwell: usize,
-    pub x: f64,
-    pub y: f64,
-    pub sd: f64,
+pub(super) fn point(t: &Text, dwell: usize, x: f64, y: f64, sd: f64) -> Dot {
+    Dot { x, y, sd: Some(sd), said: said(t, dwell, y, t.rate_unit), ..Dot::default() }
 }
 
 /// An effect in one gyro.
 pub(super) struct Evidence {
     pub name: String,
-    pub points: Vec<Point>,
+    /// Of its dwells, as [`point`] has them.
+    pub points: Vec<Dot>,
     /// Of the fit through zero, deg/h per unit of x.
     pub slope: f64,
     /// Of x.
@@ -103,26 +101,17 @@ pub(super) fn evidence(t: &Text, all: &[Evidence]) -> Markup {
     let Some(x) = bounds(points().map(|point| point.x)) else { return html! {} };
     let x = widened(x, 0.05, 1.0);
     let unit = t.rate_unit;
-    let chart = |one: &Evidence| {
-        let dot = |point: &Point| Dot {
-            x: point.x,
-            y: point.y,
-            sd: Some(point.sd),
-            said: said(t, point.dwell, point.y, unit),
-            ..Dot::default()
-        };
-        Chart {
-            range: Some((-reach, reach)),
-            height: HEIGHT,
-            tracks: vec![Track { class: "dot".into(), dots: one.points.iter().map(dot).collect(), ..Track::default() }],
-            lines: vec![("fit", [x.0, x.1].map(|x| (x, one.slope * x)).to_vec())],
-            ..Chart::new(
-                format!("{}: {}", one.name, t.evidence_note),
-                html! { span { (one.name) (t.colon) " " (t.residual_word) ", " (unit) } },
-                Across::Figure(format!("{}, {}", t.regressor, one.unit)),
-                x,
-            )
-        }
+    let chart = |one: &Evidence| Chart {
+        range: Some((-reach, reach)),
+        height: HEIGHT,
+        tracks: vec![Track { class: "dot".into(), dots: one.points.clone(), ..Track::default() }],
+        lines: vec![("fit", [x.0, x.1].map(|x| (x, one.slope * x)).to_vec())],
+        ..Chart::new(
+            format!("{}: {}", one.name, t.evidence_note),
+            html! { span { (one.name) (t.colon) " " (t.residual_word) ", " (unit) } },
+            Across::Figure(format!("{}, {}", t.regressor, one.unit)),
+            x,
+        )
     };
     html! { div.charts.three { @for one in all { (chart(one).markup()) } } }
 }
@@ -348,9 +337,10 @@ mod tests {
 
     #[test]
     fn the_fit_of_an_effect_goes_through_its_points() {
-        let point = |k: i32| Point { dwell: 0, x: f64::from(k), y: 0.002 * f64::from(k), sd: 1e-4 };
+        let t = Language::English.text();
+        let point = |k: i32| point(t, 0, f64::from(k), 0.002 * f64::from(k), 1e-4);
         let one = Evidence { name: "G1".into(), points: (-3..=3).map(point).collect(), slope: 0.002, unit: "K".into() };
-        let drawn = evidence(Language::English.text(), &[one]).into_string();
+        let drawn = evidence(t, &[one]).into_string();
         let line = drawn.split("<polyline class=\"fit\" points=\"").nth(1).unwrap();
         let ends: Vec<f64> = line
             .split('"')

@@ -190,7 +190,7 @@ fn evidence(t: &Text, d: &DiagnosisBody, effect: &EffectBody, gyros: &[(String, 
             let (slope, unit) = single(&drift.slot);
             let point = |(dwell, added): (usize, &f64)| {
                 let (left, sd) = after(&drift.slot, dwell)?;
-                Some(residuals::Point { dwell, x: added / slope, y: left + added, sd })
+                Some(residuals::point(t, dwell, added / slope, left + added, sd))
             };
             let serial = gyros.iter().find(|(slot, _)| *slot == drift.slot).map_or("", |(_, serial)| serial.as_str());
             let name = format!("{} {serial}", drift.slot).trim_end().to_owned();

@@ -1,6 +1,6 @@
 //! Gyros over one another: deviations from their own baselines on one scale.
 
-use crate::core::id::Id;
+use crate::core::figures::Figures;
 use crate::core::judge::limits::DEFAULT_BUDGET;
 use crate::core::judge::{Finding, Measured, Rule, Status};
 use crate::core::time::UtcMicros;
@@ -48,13 +48,8 @@ pub(super) async fn page(pages: &Pages, viewer: &Viewer, serials: &[&str], align
         let facts = Facts::of(pages, number, serial, &view, 0).await?;
         let rows = &facts.course.figures;
         let began = facts.epochs[0].last().map_or(UtcMicros(0), |epoch| epoch.from);
-        let ends = [rows.last(), rows.iter().find(|row| row.at >= began)];
-        let mut scale_factors = [None; 2];
-        for (found, row) in scale_factors.iter_mut().zip(ends) {
-            if let Some(row) = row {
-                *found = scale_factor(pages, row.record, serial).await?;
-            }
-        }
+        let (now, began) = (rows.last(), rows.iter().find(|row| row.at >= began));
+        let scale_factors = [scale_factor(pages, now, serial).await?, scale_factor(pages, began, serial).await?];
         all.push(Compared { serial, facts, scale_factors });
     }
     let happened = happened(t, &all, aligned);
@@ -134,8 +129,9 @@ fn row(t: &Text, view: &View, one: &Compared<'_>, names: &Names<'_>) -> Markup {
 }
 
 /// |E| of a gyro in a record.
-async fn scale_factor(pages: &Pages, record: Id, serial: &str) -> Result<Option<FigureBody>, Problem> {
-    let stored = pages.pipeline.queries.records.record(record).await?;
+async fn scale_factor(pages: &Pages, row: Option<&Figures>, serial: &str) -> Result<Option<FigureBody>, Problem> {
+    let Some(row) = row else { return Ok(None) };
+    let stored = pages.pipeline.queries.records.record(row.record).await?;
     let own = |stored: StoredRecord| stored.answer.separations.into_iter().find(|one| one.serial == serial);
     Ok(stored.and_then(own).map(|one| one.scale_factor))
 }

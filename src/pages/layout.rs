@@ -138,6 +138,9 @@ impl Viewer {
 
     fn document(&self, page: &Page, style: Option<&str>) -> Markup {
         let t = self.text();
+        let entry = |path: &str, name: &str, section: Section| {
+            html! { a href=(path) aria-current=[(page.section == section).then_some("page")] { (name) } }
+        };
         html! {
             (DOCTYPE)
             html lang=(self.language.tag()) data-theme=[self.theme.map(Theme::name)] {
@@ -155,16 +158,16 @@ impl Viewer {
                     header.bar {
                         a.name href="/" { "gyrowatch" }
                         nav aria-label=(t.navigation) {
-                            (entry("/", t.today_title, page.section == Section::Today))
-                            (entry("/fleet", t.fleet, page.section == Section::Fleet))
-                            (entry("/alerts", t.alerts, page.section == Section::Alerts))
-                            (entry("/diagnoses", t.diagnoses, page.section == Section::Diagnoses))
-                            (entry("/stations", t.stations, page.section == Section::Stations))
-                            @if self.may(Role::Station) { (entry("/import", t.import, page.section == Section::Import)) }
-                            @if self.may(Role::Engineer) { (entry("/hooks", t.hooks, page.section == Section::Hooks)) }
-                            (entry("/book", t.book, page.section == Section::Book))
-                            @if self.may(Role::Engineer) { (entry("/setup", t.setup, page.section == Section::Setup)) }
-                            (entry("/docs", t.api, page.section == Section::Api))
+                            (entry("/", t.today_title, Section::Today))
+                            (entry("/fleet", t.fleet, Section::Fleet))
+                            (entry("/alerts", t.alerts, Section::Alerts))
+                            (entry("/diagnoses", t.diagnoses, Section::Diagnoses))
+                            (entry("/stations", t.stations, Section::Stations))
+                            @if self.may(Role::Station) { (entry("/import", t.import, Section::Import)) }
+                            @if self.may(Role::Engineer) { (entry("/hooks", t.hooks, Section::Hooks)) }
+                            (entry("/book", t.book, Section::Book))
+                            @if self.may(Role::Engineer) { (entry("/setup", t.setup, Section::Setup)) }
+                            (entry("/docs", t.api, Section::Api))
                         }
                         form.find role="search" aria-label=(t.find_hint) action="/find" method="get" {
                             input #find type="search" name="q" placeholder=(t.find_short) aria-label=(t.find_hint) title=(t.find_hint);
@@ -220,10 +223,6 @@ fn sheets(about: &[&str]) -> String {
             several.iter().enumerate().map(part).collect()
         }
     }
-}
-
-fn entry(path: &str, name: &str, here: bool) -> Markup {
-    html! { a href=(path) aria-current=[here.then_some("page")] { (name) } }
 }
 
 /// An instant: in UTC as it stands, in the viewer's zone once the script has run.

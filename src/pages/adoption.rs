@@ -14,7 +14,7 @@ use crate::core::augmented::AugmentedModel;
 use crate::core::id::Id;
 use crate::core::message::text;
 use crate::pipeline::{Adoption, DiagnosisAnswer};
-use crate::{message, words};
+use crate::words;
 
 /// Of a campaign whose diagnosis names something.
 pub(super) struct Adopt;

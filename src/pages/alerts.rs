@@ -19,7 +19,6 @@ use crate::core::alert_filter::AlertFilter;
 use crate::core::fault::Faults;
 use crate::core::judge::{Coefficient, Rule, Severity, Status};
 use crate::core::named::named;
-use crate::message;
 use crate::pipeline::{self, AlertChange, AlertOrder, BEYOND, Violation};
 use crate::wire::alert::AlertBody;
 use table::known;

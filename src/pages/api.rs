@@ -6,7 +6,6 @@ use serde_json::{Map, Value};
 
 use super::layout::{encoded, joined, with_symbols};
 use super::prelude::*;
-use crate::message;
 
 const METHODS: [&str; 5] = ["get", "post", "put", "patch", "delete"];
 const SCHEMAS: &str = "#/components/schemas/";

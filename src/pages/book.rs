@@ -11,7 +11,6 @@ use maud::PreEscaped;
 use pulldown_cmark::{CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd, html as written};
 
 use super::prelude::*;
-use crate::message;
 
 const SUMMARY: &str = include_str!("../../docs/SUMMARY.md");
 const FIGURE: (&str, &str) = ("figures/paper-experiment.svg", include_str!("../../docs/figures/paper-experiment.svg"));

@@ -5,7 +5,6 @@ use super::layout::{DRIFTS, symbol};
 use super::prelude::*;
 use super::status::sign;
 use crate::core::judge::{Measured, Rule, Status};
-use crate::message;
 use crate::pipeline::{Standing, Violation};
 
 /// Loads beyond this stand at the edge, as an arrow.

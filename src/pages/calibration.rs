@@ -16,7 +16,6 @@ use crate::core::kind::Kind;
 use crate::core::message::text;
 use crate::core::mounting::Slot;
 use crate::core::name::normal_form;
-use crate::message;
 use crate::pipeline::{StoredCampaign, StoredRecord};
 use crate::wire::answer::VerdictBody;
 use crate::wire::calibration::GyroFitBody;

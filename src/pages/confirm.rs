@@ -6,7 +6,6 @@ use super::layout::{instant, noted};
 use super::prelude::*;
 use crate::core::id::Id;
 use crate::core::message::text;
-use crate::message;
 use crate::pipeline::{Actor, Confirmation, Submission};
 use crate::wire::note;
 

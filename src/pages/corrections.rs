@@ -10,7 +10,6 @@ use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::message::text;
 use crate::core::time::UtcMicros;
-use crate::message;
 use crate::pipeline::{Actor, Corrected, Correction, Submission};
 
 async fn void(pages: &Pages, item: Corrected, form: ActionForm, word: Word) -> Result<Response, Problem> {

@@ -8,7 +8,6 @@ use super::prelude::*;
 use crate::core::fault::Faults;
 use crate::core::judge::Event;
 use crate::core::record::Name;
-use crate::message;
 use crate::pipeline::{Accepted, Actor, GyroEvent, Submission};
 use crate::wire::event::read_test;
 use crate::wire::text;

@@ -8,7 +8,6 @@ use super::prelude::*;
 use crate::core::augmented::AugmentedModel;
 use crate::core::judge::Status;
 use crate::core::time::UtcMicros;
-use crate::message;
 use crate::pipeline::AdoptedModel;
 use crate::wire::diagnosis::{InUseBody, InUseEffectBody};
 use crate::wire::forecast::{ChangedBody, ClosingBody, ComparedBody, ForecastPointBody, ThenNowBody};

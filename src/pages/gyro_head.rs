@@ -14,7 +14,6 @@ use crate::core::judge::{
 };
 use crate::core::message::text;
 use crate::core::time::UtcMicros;
-use crate::message;
 use crate::pipeline::{EventItem, ExplainedHistory, Names, Violation, sample_of};
 use crate::wire::time;
 

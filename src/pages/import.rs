@@ -31,7 +31,6 @@ use crate::core::judge::Measured;
 use crate::core::note::Note;
 use crate::logs::campaign::Made;
 use crate::logs::report;
-use crate::message;
 use crate::pipeline::{
     Accepted, Calibration, Caller, Forecast, Foreseen, Origin, Pipeline, Preview, ReadDocument, Refused, Reply,
     StorageError, Submission,

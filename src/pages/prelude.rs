@@ -11,4 +11,5 @@ pub(super) use super::table::{tall_table, wide_table};
 pub(super) use super::text::Text;
 pub(super) use super::viewer::{Viewer, Visit};
 pub(super) use crate::core::access::Role;
+pub(super) use crate::message;
 pub(super) use crate::wire::problem::Problem;

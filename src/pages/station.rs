@@ -11,7 +11,6 @@ use crate::core::changes::{FleetStations, Shared, Spread, StationColumn, Station
 use crate::core::judge::Measured;
 use crate::core::suspect_window::SuspectWindow;
 use crate::core::time::UtcMicros;
-use crate::message;
 use crate::wire::alert::AlertBody;
 use crate::wire::time;
 

@@ -19,7 +19,6 @@ use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{FleetStations, Shared};
 use crate::core::judge::{Measured, Rule, Status};
 use crate::core::time::UtcMicros;
-use crate::message;
 use crate::pipeline::{
     CommonShift, DueDate, DueImu, FirstOf, FleetFilter, FleetPage, LINES, Names, Standing, Today, Together, Violation,
     today,

@@ -4,7 +4,6 @@ use super::layout::{encoded, remark, symbol, written};
 use super::prelude::*;
 use super::{figure, status};
 use crate::core::judge::{Coefficient, Finding, Rule, Status, Unit, Verdict, digits, sd_digits};
-use crate::message;
 use crate::pipeline::Violation;
 use crate::wire::alert::AlertBody;
 use crate::wire::answer::VerdictBody;

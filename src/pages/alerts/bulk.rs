@@ -6,7 +6,6 @@ use super::table::{known, open_ones, table};
 use crate::core::alert_decision::Standing;
 use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
-use crate::message;
 use crate::pages::form::{fault_list, see_other};
 use crate::pages::prelude::*;
 use crate::pages::silences::{days_field, silent_until};

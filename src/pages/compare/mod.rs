@@ -6,7 +6,6 @@ mod gyros;
 
 use super::prelude::*;
 use super::report;
-use crate::message;
 
 /// Gyros at the most: more lines than that are told apart by nobody.
 const MOST_GYROS: usize = 8;

@@ -8,7 +8,6 @@ use crate::core::fleet_order::FleetOrder;
 use crate::core::judge::{Rule, Status};
 use crate::core::message::Message;
 use crate::core::time::UtcMicros;
-use crate::message;
 use crate::pages::form::rule_choice;
 use crate::pages::layout::query;
 use crate::pages::prelude::*;

@@ -11,7 +11,6 @@ use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
 use crate::core::judge::{Severity, Status};
 use crate::core::message::text;
-use crate::message;
 use crate::pages::form::{ActionForm, ItemAction, Word, choice, see_other};
 use crate::pages::prelude::*;
 use crate::pipeline::{DeliveryPage, HookKind, Order};

@@ -8,7 +8,6 @@ use super::{framed, off_the_loop, read_all};
 use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
-use crate::message;
 use crate::pages::form::{Word, fault_list, see_other};
 use crate::pages::prelude::*;
 use crate::pipeline::{Accepted, Actor, Caller, Corrected, Correction, ReadDocument, Submission};

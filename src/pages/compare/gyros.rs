@@ -2,7 +2,7 @@
 
 use crate::core::figures::Figures;
 use crate::core::judge::limits::DEFAULT_BUDGET;
-use crate::core::judge::{Finding, Measured, Rule, Status};
+use crate::core::judge::{Finding, Measured, Rule, Status, Verdict};
 use crate::core::time::UtcMicros;
 use crate::pages::chart::{Across, Chart, Dot, Flag, Level, Track, bounds, millis, widened};
 use crate::pages::gyro_facts::Facts;
@@ -177,9 +177,8 @@ fn happened(t: &Text, all: &[Compared<'_>], aligned: bool) -> Vec<Flag> {
 
 /// What the trend rule has established of the newest record, budgets a year.
 fn slope(facts: &Facts, name: &str) -> Option<Measured> {
-    let of_trend =
-        seen(&facts.verdicts).filter(|verdict| verdict.rule == Rule::Trend && verdict.coefficient.name() == name);
-    of_trend.into_iter().find_map(|verdict| match verdict.finding {
+    let is_trend = |verdict: &&Verdict| verdict.rule == Rule::Trend && verdict.coefficient.name() == name;
+    seen(&facts.verdicts).filter(is_trend).find_map(|verdict| match verdict.finding {
         Finding::Trend { per_year: Measured { value, sd }, .. } => {
             Some(Measured { value: value / verdict.limit, sd: sd.map(|sd| sd / verdict.limit) })
         }

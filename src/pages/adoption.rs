@@ -3,23 +3,18 @@
 
 use std::sync::Arc;
 
-use axum::response::Response;
-use maud::html;
-
-use super::Pages;
 use super::calibration::stored_campaign;
 use super::diagnosis::PATIENCE;
 use super::diagnosis::sections::found;
 use super::forecast::held;
 use super::form::{ActionForm, ItemAction, Word, see_other};
-use super::layout::{Section, encoded, instant};
-use super::viewer::Viewer;
+use super::layout::{encoded, instant};
+use super::prelude::*;
 use crate::core::augmented::AugmentedModel;
 use crate::core::id::Id;
 use crate::core::message::text;
 use crate::pipeline::{Adoption, DiagnosisAnswer};
-use crate::wire::problem::Problem;
-use crate::{message, words};
+use crate::words;
 
 /// Of a campaign whose diagnosis names something.
 pub(super) struct Adopt;
@@ -47,12 +42,10 @@ impl ItemAction for Adopt {
                 (found(t, &diagnosis))
                 p { (t.adopt_what) }
             },
-            fields: html! {},
             action: format!("/campaigns/{number}/adopt"),
             button: t.adopt,
             back: word.back_or(&format!("/campaigns/{number}/diagnosis")).to_owned(),
-            reasoned: true,
-            is_final: false,
+            ..ActionForm::default()
         };
         Ok((number, form))
     }
@@ -98,12 +91,10 @@ impl ItemAction for UndoModel {
                 p.lead { (t.in_force_again) ": " code translate="no" { (held(t, &model)) } }
                 p { (t.undo_model_what) }
             },
-            fields: html! {},
             action: format!("/imus/{}/model/undo", encoded(imu)),
             button: t.undo_model,
             back: word.back_or(&format!("/imus/{}#models", encoded(imu))).to_owned(),
-            reasoned: true,
-            is_final: false,
+            ..ActionForm::default()
         };
         Ok(((imu.to_owned(), model), form))
     }

@@ -6,29 +6,22 @@ mod table;
 
 use std::collections::HashMap;
 
-use axum::extract::Path;
-use axum::response::Response;
-use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::form::{ActionForm, Word, choice, rule_choice, see_other};
-use super::layout::{Page, Section, encoded, written, written_day};
+use super::layout::{encoded, query, written, written_day};
+use super::prelude::*;
 use super::silences::{days_field, silent_until};
-use super::viewer::{Viewer, Visit};
-use super::{Pages, bullet, silences};
-use crate::core::access::Role;
+use super::verdicts::violated;
+use super::{bullet, silences, status};
 use crate::core::alert_decision::Standing;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::fault::Faults;
 use crate::core::judge::{Coefficient, Rule, Severity, Status};
 use crate::core::named::named;
-use crate::message;
-use crate::pages::sent::{Form, Query};
-use crate::pages::status;
 use crate::pipeline::{self, AlertChange, AlertOrder, BEYOND, Violation};
 use crate::wire::alert::AlertBody;
-use crate::wire::problem::Problem;
-use table::{known, violated};
+use table::known;
 
 /// Gyros on one page.
 const ROWS: usize = 30;
@@ -64,14 +57,12 @@ impl Filters {
             ("severity", &self.severity),
             ("page", &page),
         ];
-        let given = all.iter().filter(|(_, value)| !value.is_empty());
-        let query: Vec<String> = given.map(|(key, value)| format!("{key}={}", encoded(value))).collect();
-        format!("/alerts?{}", query.join("&"))
+        format!("/alerts?{}", query(all))
     }
 }
 
 pub(super) async fn page(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Query(ref filters): Query<Filters>,
 ) -> Result<Page, Problem> {
     let t = viewer.text();
@@ -84,17 +75,14 @@ pub(super) async fn page(
         ..AlertFilter::default()
     };
     let nobody = gyro.is_none() && !serial.is_empty();
-    let counts = if nobody { HashMap::new() } else { pages.pipeline.alerts.standings(&any).await? };
+    let pipeline = &pages.pipeline.alerts;
+    let counts = if nobody { HashMap::new() } else { pipeline.standings(&any).await? };
     let of = |standing: Standing| counts.get(&standing).copied().unwrap_or(0);
     let wanted = Standing::from_name(filters.state());
     let filter = AlertFilter { standing: wanted, ..any };
-    let mut found = if nobody {
-        Vec::new()
-    } else {
-        pages.pipeline.alerts.by_gyro(&filter, filters.page.saturating_mul(ROWS), ROWS + 1).await?
-    };
-    let of_no_gyro =
-        if filters.page > 0 || nobody { Vec::new() } else { pages.pipeline.alerts.of_no_gyro(&filter).await? };
+    let above = filters.page.saturating_mul(ROWS);
+    let mut found = if nobody { Vec::new() } else { pipeline.by_gyro(&filter, above, ROWS + 1).await? };
+    let of_no_gyro = if filters.page > 0 || nobody { Vec::new() } else { pipeline.of_no_gyro(&filter).await? };
     let of_subject = |subject: &str| of_no_gyro.iter().filter(|alert| alert.subject == subject).collect::<Vec<_>>();
     let [stations, batches, imus] = [AlertBody::OF_STATION, AlertBody::OF_BATCH, AlertBody::OF_IMU].map(of_subject);
     let more = found.len() > ROWS;
@@ -117,7 +105,7 @@ pub(super) async fn page(
                 }
             }
         }
-        (search(viewer, filters))
+        (search(t, filters))
         p.note { (t.alerts_note) }
         @for (word, alerts) in [(t.stations_alerts, &stations), (t.batches_alerts, &batches), (t.imus_alerts, &imus)] {
             @if !alerts.is_empty() {
@@ -144,8 +132,7 @@ pub(super) async fn page(
     Ok(Page { title: t.alerts.into(), section: Section::Alerts, body })
 }
 
-fn search(viewer: &Viewer, filters: &Filters) -> Markup {
-    let t = viewer.text();
+fn search(t: &Text, filters: &Filters) -> Markup {
     html! {
         form.search role="search" action="/alerts" method="get" {
             input type="hidden" name="state" value=(filters.state());
@@ -327,7 +314,7 @@ impl Doing {
 
 /// The page on which something is done about an alert.
 pub(super) async fn ask(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Path((ref id, ref deed)): Path<(String, String)>,
     Query(word): Query<Word>,
 ) -> Result<Page, Problem> {
@@ -338,7 +325,7 @@ pub(super) async fn ask(
 }
 
 pub(super) async fn act(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Path((ref id, ref deed)): Path<(String, String)>,
     Form(ref said): Form<AlertForm>,
 ) -> Result<Response, Problem> {
@@ -378,7 +365,6 @@ fn form(viewer: &Viewer, alert: &AlertBody, doing: Doing, said: &AlertForm) -> A
         action: format!("/alerts/{}/{}", alert.id, doing.name()),
         button,
         back: said.word.back_or("/alerts").to_owned(),
-        reasoned: true,
-        is_final: false,
+        ..ActionForm::default()
     }
 }

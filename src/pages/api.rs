@@ -2,15 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use axum::extract::Path;
-use maud::{Markup, html};
 use serde_json::{Map, Value};
 
-use super::layout::{Page, Section, encoded, with_symbols};
-use super::text::Text;
-use super::viewer::Visit;
-use crate::message;
-use crate::wire::problem::Problem;
+use super::layout::{encoded, joined, with_symbols};
+use super::prelude::*;
 
 const METHODS: [&str; 5] = ["get", "post", "put", "patch", "delete"];
 const SCHEMAS: &str = "#/components/schemas/";
@@ -65,7 +60,7 @@ fn list(value: &Value) -> impl Iterator<Item = &Value> {
 }
 
 /// All routes, by group.
-pub(super) async fn all(Visit { ref pages, ref viewer }: Visit) -> Page {
+pub(super) async fn all(Visit(ref pages, ref viewer): Visit) -> Page {
     let t = viewer.text();
     let operations = operations(&pages.api);
     let body = html! {
@@ -87,7 +82,7 @@ pub(super) async fn all(Visit { ref pages, ref viewer }: Visit) -> Page {
 }
 
 /// The routes of one group, with what is sent and answered.
-pub(super) async fn group(Path(group): Path<String>, Visit { ref pages, ref viewer }: Visit) -> Result<Page, Problem> {
+pub(super) async fn group(Path(group): Path<String>, Visit(ref pages, ref viewer): Visit) -> Result<Page, Problem> {
     let t = viewer.text();
     let (api, operations) = (&*pages.api, operations(&pages.api));
     let own: Vec<&Operation<'_>> = operations.iter().filter(|one| one.group() == group).collect();
@@ -154,17 +149,14 @@ fn operation(t: &Text, api: &Value, one: &Operation<'_>, url: &str) -> Markup {
             (prose(word(&said["summary"])))
             (prose(word(&said["description"])))
             @if list(&said["parameters"]).next().is_some() {
-                div.scroll tabindex="0" { table.small {
-                    thead { tr { th { (t.parameter) } th { (t.place) } th { (t.kind) } th { (t.meaning_word) } } }
-                    tbody { @for one in list(&said["parameters"]) {
-                        tr {
-                            th scope="row" { code { (word(&one["name"])) } }
-                            td { code { (word(&one["in"])) } }
-                            td { (kind(&one["schema"])) }
-                            td { (meaning(t, one, one["required"] == true)) }
-                        }
-                    } }
-                } }
+                (wide_table("small", html! {
+                    th { (t.parameter) } th { (t.place) } th { (t.kind) } th { (t.meaning_word) }
+                }, html! { @for one in list(&said["parameters"]) { tr {
+                    th scope="row" { code { (word(&one["name"])) } }
+                    td { code { (word(&one["in"])) } }
+                    td { (kind(&one["schema"])) }
+                    td { (meaning(t, one, one["required"] == true)) }
+                } } }))
             }
             @for (media_type, content) in object(body) {
                 h3 { (t.request_body) (t.colon) code { (media_type) } " " (kind(&content["schema"])) }
@@ -172,18 +164,15 @@ fn operation(t: &Text, api: &Value, one: &Operation<'_>, url: &str) -> Markup {
                 (example(t, api, content))
             }
             h3 { (t.answers) }
-            div.scroll tabindex="0" { table.small {
-                thead { tr { th { (t.status_word) } th { (t.meaning_word) } th { (t.kind) } } }
-                tbody { @for (status, answer) in object(&said["responses"]) {
-                    tr {
-                        th scope="row" { (status) }
-                        td lang="en" { (inline(word(&answer["description"]))) }
-                        td { @for (media_type, content) in object(&answer["content"]) {
-                            code { (media_type) } " " (kind(&content["schema"])) " "
-                        } }
-                    }
+            (wide_table("small", html! {
+                th { (t.status_word) } th { (t.meaning_word) } th { (t.kind) }
+            }, html! { @for (status, answer) in object(&said["responses"]) { tr {
+                th scope="row" { (status) }
+                td lang="en" { (inline(word(&answer["description"]))) }
+                td { @for (media_type, content) in object(&answer["content"]) {
+                    code { (media_type) } " " (kind(&content["schema"])) " "
                 } }
-            } }
+            } } }))
             // What was there before is answered as what is new.
             @let good = object(&said["responses"]).filter(|(status, _)| status.starts_with('2'));
             @let answers: BTreeMap<&String, &Value> = good.flat_map(|(_, answer)| object(&answer["content"])).collect();
@@ -216,16 +205,13 @@ fn members(t: &Text, schema: &Value) -> Markup {
     html! {
         @if found.is_empty() { p { (kind(schema)) } }
         @else {
-            div.scroll tabindex="0" { table.small {
-                thead { tr { th { (t.member) } th { (t.kind) } th { (t.meaning_word) } } }
-                tbody { @for (name, schema, required) in &found {
-                    tr {
-                        th scope="row" { code { (name) } }
-                        td { (kind(schema)) }
-                        td { (meaning(t, schema, *required)) }
-                    }
-                } }
-            } }
+            (wide_table("small", html! {
+                th { (t.member) } th { (t.kind) } th { (t.meaning_word) }
+            }, html! { @for (name, schema, required) in &found { tr {
+                th scope="row" { code { (name) } }
+                td { (kind(schema)) }
+                td { (meaning(t, schema, *required)) }
+            } } }))
         }
     }
 }
@@ -259,17 +245,14 @@ fn kind(schema: &Value) -> Markup {
         return html! { a href={ "#" (name) } { code { (name) } } };
     }
     let either = ["oneOf", "anyOf", "allOf"].iter().find_map(|how| schema[*how].as_array());
-    let joined = |all: &[Value]| html! { @for (k, one) in all.iter().enumerate() { @if k > 0 { " | " } (kind(one)) } };
     let types = match &schema["type"] {
         Value::Array(types) => types.iter().map(word).collect::<Vec<_>>().join(" | "),
         one => word(one).to_owned(),
     };
     let format = schema["format"].as_str().map(|format| format!(" ({format})"));
     match (&schema["enum"], either) {
-        (Value::Array(values), _) => {
-            html! { @for (k, value) in values.iter().enumerate() { @if k > 0 { " | " } code { (value) } } }
-        }
-        (_, Some(all)) => joined(all),
+        (Value::Array(values), _) => joined(" | ", values.iter().map(|value| html! { code { (value) } })),
+        (_, Some(all)) => joined(" | ", all.iter().map(kind)),
         _ if schema.get("items").is_some() => html! { (kind(&schema["items"])) code { "[]" } },
         _ if schema["additionalProperties"].is_object() => {
             html! { code { "{…: " } (kind(&schema["additionalProperties"])) code { "}" } }

@@ -1,39 +1,34 @@
 //! What a gyro was before and after each environmental test.
 
-use maud::{Markup, html};
-
-use super::figure;
-use super::layout::{DRIFTS, instant, symbol};
-use super::viewer::Viewer;
+use super::history::event_name;
+use super::layout::{DRIFTS, instant, or_dash, symbol};
+use super::prelude::*;
+use super::{figure, status};
 use crate::config::JudgedMethod;
 use crate::core::figures::Figures;
 use crate::core::judge::{Event, Limit, Measured, Rule, Status};
-use crate::pages::history::event_name;
-use crate::pages::status;
 use crate::pipeline::{Course, Tested, sample_of};
 
 /// By the judged method, the newest test first; nothing for a gyro that was never tested.
-pub(super) fn section(viewer: &Viewer, course: &Course, method: JudgedMethod) -> Markup {
-    let t = viewer.text();
+pub(super) fn section(t: &Text, course: &Course, method: JudgedMethod) -> Markup {
     html! {
         @if !course.tests.is_empty() {
             section #tests {
                 h2 { (t.before_after) }
                 p.note { (t.before_after_test_note) " " (t.unit) }
-                div.scroll tabindex="0" { table.cards {
-                    thead { tr {
-                        th { (t.event(Event::EnvironmentalTest)) } th { (t.coefficient) } th.n { (t.last_before) } th.n { (t.first_after) }
-                        th.n { (t.difference) } th.n { (t.limit) } th { (t.status_word) }
-                    } }
-                    tbody { @for test in course.tests.iter().rev() { @for column in 0..2 { (line(viewer, course, test, (method, column))) } } }
-                } }
+                (wide_table("cards", html! {
+                    th { (t.event(Event::EnvironmentalTest)) } th { (t.coefficient) }
+                    th.n { (t.last_before) } th.n { (t.first_after) }
+                    th.n { (t.difference) } th.n { (t.limit) } th { (t.status_word) }
+                }, html! { @for test in course.tests.iter().rev() {
+                    @for column in 0..2 { (line(t, course, test, (method, column))) }
+                } }))
             }
         }
     }
 }
 
-fn line(viewer: &Viewer, course: &Course, test: &Tested, (method, column): (JudgedMethod, usize)) -> Markup {
-    let t = viewer.text();
+fn line(t: &Text, course: &Course, test: &Tested, (method, column): (JudgedMethod, usize)) -> Markup {
     let of = |figures: &Option<Figures>| figures.as_ref().map(|figures| sample_of(figures, method).d[column]);
     let (before, after) = (of(&test.before), of(&test.after));
     let difference = before.zip(after).map(|(before, after)| Measured {
@@ -63,7 +58,7 @@ fn line(viewer: &Viewer, course: &Course, test: &Tested, (method, column): (Judg
                     } @else { "–" }
                 } }
             }
-            td.n data-label=(t.difference) { @if let Some(Measured { value, sd }) = difference { (figure::signed_drift(value, sd)) } @else { "–" } }
+            td.n data-label=(t.difference) { (or_dash(difference.map(|of| figure::signed_drift(of.value, of.sd)))) }
             td.n data-label=(t.limit) { div {
                 @if let Some(verdict) = verdict {
                     (figure::short(verdict.limit)) @if let Some(key) = key(verdict.limit) { br; code.quiet { (key) } }

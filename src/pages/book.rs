@@ -6,17 +6,11 @@
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
-use axum::extract::Path;
 use axum::http::header::{CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, X_CONTENT_TYPE_OPTIONS};
-use axum::response::{IntoResponse, Response};
-use maud::{Markup, PreEscaped, html};
+use maud::PreEscaped;
 use pulldown_cmark::{CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd, html as written};
 
-use super::layout::{Page, Section};
-use super::text::Text;
-use super::viewer::Viewer;
-use crate::message;
-use crate::wire::problem::Problem;
+use super::prelude::*;
 
 const SUMMARY: &str = include_str!("../../docs/SUMMARY.md");
 const FIGURE: (&str, &str) = ("figures/paper-experiment.svg", include_str!("../../docs/figures/paper-experiment.svg"));
@@ -161,13 +155,15 @@ impl Rendered {
                 }
                 Event::Start(Tag::CodeBlock(_)) => out.push(raw("<pre tabindex=\"0\"><code>".into())),
                 Event::End(TagEnd::CodeBlock) => out.push(raw("</code></pre>\n".into())),
-                Event::Start(Tag::Link { dest_url, title, id, link_type }) => {
-                    leads_away = dest_url.contains("://").then(|| dest_url.to_string());
-                    if leads_away.is_none() {
-                        let dest_url = CowStr::from(address(name, dest_url));
-                        let (title, id, link_type) = (title.clone(), id.clone(), *link_type);
-                        out.push(Event::Start(Tag::Link { dest_url, title, id, link_type }));
+                Event::Start(Tag::Link { dest_url, .. }) if dest_url.contains("://") => {
+                    leads_away = Some(dest_url.to_string());
+                }
+                Event::Start(Tag::Link { .. } | Tag::Image { .. }) => {
+                    let mut event = event.clone();
+                    if let Event::Start(Tag::Link { dest_url, .. } | Tag::Image { dest_url, .. }) = &mut event {
+                        *dest_url = CowStr::from(address(name, dest_url));
                     }
+                    out.push(event);
                 }
                 Event::End(TagEnd::Link) => match leads_away.take() {
                     // An address that stands for itself is shown already.
@@ -175,11 +171,6 @@ impl Rendered {
                     Some(to) => out.push(Event::Text(CowStr::from(format!(" ({to})")))),
                     None => out.push(event.clone()),
                 },
-                Event::Start(Tag::Image { dest_url, title, id, link_type }) => {
-                    let dest_url = CowStr::from(address(name, dest_url));
-                    let (title, id, link_type) = (title.clone(), id.clone(), *link_type);
-                    out.push(Event::Start(Tag::Image { dest_url, title, id, link_type }));
-                }
                 other => out.push(other.clone()),
             }
         }

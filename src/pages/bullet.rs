@@ -1,13 +1,10 @@
 //! A load as a bar the height of a word: every one on the same scale, so that the eye can run down a column.
 
-use maud::{Markup, html};
-
 use super::figure;
 use super::layout::{DRIFTS, symbol};
+use super::prelude::*;
 use super::status::sign;
-use super::text::Text;
 use crate::core::judge::{Measured, Rule, Status};
-use crate::message;
 use crate::pipeline::{Standing, Violation};
 
 /// Loads beyond this stand at the edge, as an arrow.

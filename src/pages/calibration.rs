@@ -2,17 +2,13 @@
 
 use std::borrow::Cow;
 
-use axum::extract::Path;
-use axum::response::{IntoResponse, Redirect, Response};
-use maud::{Markup, html};
+use axum::response::Redirect;
 
-use super::layout::{Page, Section, encoded, instant, label, symbol};
-use super::notes::noted;
+use super::layout::{encoded, instant, joined, label, noted, or_dash, symbol};
 use super::parameters::{self, Parameters};
-use super::text::Text;
+use super::prelude::*;
 use super::verdicts::{self, SeenVerdict};
-use super::viewer::{Viewer, Visit};
-use super::{Pages, corrections, figure, residuals, separation};
+use super::{corrections, figure, residuals, separation};
 use crate::core::diagnose::{ClosureDiagnosis, GyroClosure};
 use crate::core::id::Id;
 use crate::core::judge::{Rule, State, Verdict};
@@ -20,19 +16,14 @@ use crate::core::kind::Kind;
 use crate::core::message::text;
 use crate::core::mounting::Slot;
 use crate::core::name::normal_form;
-use crate::message;
 use crate::pipeline::{StoredCampaign, StoredRecord};
 use crate::wire::answer::VerdictBody;
 use crate::wire::calibration::GyroFitBody;
 use crate::wire::campaign::CampaignBody;
-use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
 use crate::wire::sender::SenderBody;
 
-pub(super) async fn record(
-    Visit { ref pages, ref viewer }: Visit,
-    Path(id): Path<String>,
-) -> Result<Response, Problem> {
+pub(super) async fn record(Visit(ref pages, ref viewer): Visit, Path(id): Path<String>) -> Result<Response, Problem> {
     let stored = stored_record(pages, &id).await?;
     match stored.item.kind {
         Kind::Campaign => Ok(Redirect::to(&format!("/campaigns/{id}")).into_response()),
@@ -72,7 +63,7 @@ async fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> R
         @if let Some(note) = &body.note { p translate="no" { (note) } }
         (standing.said)
         (noted(t, &answer.notes))
-        (judged(viewer, serials.iter().map(|(slot, serial)| (*slot, &**serial)), (&answer.verdicts, seen), standing.counts))
+        (judged(t, serials.iter().map(|(slot, serial)| (*slot, &**serial)), (&answer.verdicts, seen), standing.counts))
         section { h2 { (t.separated) } (separation::tables(t, &answer.separations)) }
         (closure(t, item.id, closures, &serials, &answer.verdicts))
         section { h2 { (t.parameters) } (parameters::tables(t, &gyros, parameters::required(&pages.config.judging, &body.imu, &body.geometry))) }
@@ -112,26 +103,20 @@ fn closure(
                 @else { strong { (slots.join(", ")) } ": " (t.closure_stands_out) }
                 " " a href={ "/v1/records/" (id) "/diagnosis" } { "JSON" }
             }
-            div.scroll tabindex="0" { table.cards {
-                thead { tr {
-                    th { (t.serial) } th.n { (symbol("D_O")) } th.n { (t.adjusted_p) }
-                    th.n { (t.if_clocked) ", ′" } th.n { (t.if_clocked) ", " (symbol("D_S")) }
-                } }
-                tbody { @for gyro in &closures.gyros {
-                    tr {
-                        th scope="row" { (gyro.slot.name()) " " (serial(gyro.slot)) }
-                        td.n { (label("", "D_O")) (figure::signed_drift(gyro.d_o, gyro.sd)) }
-                        td.n data-label=(t.adjusted_p) { @if let Some(p) = gyro.p_value { (figure::short(p)) } @else { "–" } }
-                        td.n data-label={ (t.if_clocked) ", ′" } {
-                            @if gyro.stands_out { (figure::signed(60.0 * gyro.clocking.to_degrees(), 1)) } @else { "–" }
-                        }
-                        td.n {
-                            (label(t.if_clocked, "D_S"))
-                            @if gyro.stands_out { (figure::drift(gyro.d_s, gyro.sd)) " → " (figure::drift(gyro.d_s + gyro.d_s_shift, gyro.sd)) } @else { "–" }
-                        }
-                    }
-                } }
-            } }
+            (wide_table("cards", html! {
+                th { (t.serial) } th.n { (symbol("D_O")) } th.n { (t.adjusted_p) }
+                th.n { (t.if_clocked) ", ′" } th.n { (t.if_clocked) ", " (symbol("D_S")) }
+            }, html! { @for gyro in &closures.gyros { tr {
+                @let clocking = gyro.stands_out.then(|| figure::signed(60.0 * gyro.clocking.to_degrees(), 1));
+                th scope="row" { (gyro.slot.name()) " " (serial(gyro.slot)) }
+                td.n { (label("", "D_O")) (figure::signed_drift(gyro.d_o, gyro.sd)) }
+                td.n data-label=(t.adjusted_p) { (or_dash(gyro.p_value.map(figure::short))) }
+                td.n data-label={ (t.if_clocked) ", ′" } { (or_dash(clocking)) }
+                td.n {
+                    (label(t.if_clocked, "D_S"))
+                    @if gyro.stands_out { (figure::drift(gyro.d_s, gyro.sd)) " → " (figure::drift(gyro.d_s + gyro.d_s_shift, gyro.sd)) } @else { "–" }
+                }
+            } } }))
             p.note { (t.unit) }
             @if !beyond.is_empty() {
                 h3 { (t.measure_next) }
@@ -145,10 +130,7 @@ fn closure(
     }
 }
 
-pub(super) async fn campaign(
-    Visit { ref pages, ref viewer }: Visit,
-    Path(ref id): Path<String>,
-) -> Result<Page, Problem> {
+pub(super) async fn campaign(Visit(ref pages, ref viewer): Visit, Path(ref id): Path<String>) -> Result<Page, Problem> {
     let stored = &stored_campaign(pages, id).await?;
     let t = viewer.text();
     let StoredCampaign { item, answer, seen } = stored;
@@ -171,7 +153,8 @@ pub(super) async fn campaign(
         }
         p { a.action href={ "/campaigns/" (item.id) "/diagnosis" } { (t.diagnose) } }
         (standing.said)
-        (judged(viewer, fits.iter().map(|gyro| (gyro.slot, gyro.serial.as_str())), (&answer.verdicts, seen), standing.counts))
+        @let slots = fits.iter().map(|gyro| (gyro.slot, gyro.serial.as_str()));
+        (judged(t, slots, (&answer.verdicts, seen), standing.counts))
         section {
             h2 { (t.separated) }
             (separation::tables(t, &answer.separations))
@@ -180,8 +163,8 @@ pub(super) async fn campaign(
         section { h2 { (t.parameters) } (parameters::tables(t, &gyros, parameters::required(&pages.config.judging, &body.imu, &body.geometry))) }
         section {
             h2 { (t.fit_quality) }
-            (quality(viewer, fits))
-            @for gyro in fits { (blind_directions(viewer, gyro)) }
+            (quality(t, fits))
+            @for gyro in fits { (blind_directions(t, gyro)) }
             @for note in &answer.notes { p.note { (note.detail) } }
         }
         section {
@@ -194,7 +177,7 @@ pub(super) async fn campaign(
                     (residuals::strip(t, standardised, extent))
                 } @else { p { (t.no_noise) } }
             }
-            (residual_table(viewer, fits))
+            (residual_table(t, fits))
         }
     };
     Ok(Page { title, section: Section::Fleet, body: markup })
@@ -205,12 +188,11 @@ fn unreadable(id: &Id) -> Problem {
 }
 
 fn judged<'a>(
-    viewer: &Viewer,
+    t: &Text,
     gyros: impl Iterator<Item = (Slot, &'a str)>,
     (bodies, seen): (&[VerdictBody], &[Option<Verdict>]),
     counts: bool,
 ) -> Markup {
-    let t = viewer.text();
     html! {
         section.uncounted[!counts] {
             h2 { (t.verdicts_of_record) }
@@ -218,72 +200,62 @@ fn judged<'a>(
             @for (slot, serial) in gyros {
                 @let own = SeenVerdict::of_gyro(serial, bodies, seen);
                 h3 { (slot.name()) " " a href={ "/gyros/" (encoded(serial)) } { (serial) } }
-                @if own.is_empty() { p.quiet { (t.not_judged) } } @else { (verdicts::list(viewer, &own)) }
+                @if own.is_empty() { p.quiet { (t.not_judged) } } @else { (verdicts::list(t, &own)) }
             }
         }
     }
 }
 
-fn quality(viewer: &Viewer, fits: &[GyroFitBody]) -> Markup {
-    let t = viewer.text();
-    let short = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), figure::short);
+fn quality(t: &Text, fits: &[GyroFitBody]) -> Markup {
+    let short = |value: Option<f64>| or_dash(value.map(figure::short));
     html! {
-        div.scroll tabindex="0" { table.cards {
-            thead { tr {
-                th { (t.serial) } th.n { (t.rank) } th.n { (t.freedom) } th.n { "χ²/" (t.freedom) } th.n { "p, " (t.lack_of_fit) }
-                th.n { (t.noise) ", " (t.rate_unit) } th.n { (t.sem_factor) } th { (t.noise_from) }
-            } }
-            tbody { @for gyro in fits {
-                tr {
-                    th scope="row" { (gyro.slot.name()) " " (gyro.serial) }
-                    td.n data-label=(t.rank) { (gyro.rank) " / " (gyro.parameters.len()) }
-                    td.n data-label=(t.freedom) { (gyro.dof) }
-                    td.n data-label="χ²/ν" { (short(gyro.reduced_chi2)) }
-                    td.n data-label={ "p, " (t.lack_of_fit) } { (short(gyro.p_value)) }
-                    td.n data-label={ (t.noise) ", " (t.rate_unit) } { (short(gyro.noise.rms_deg_per_h)) }
-                    td.n data-label=(t.sem_factor) { (short(gyro.noise.sem_factor)) }
-                    td data-label=(t.noise_from) { (t.noise_source(&gyro.noise.source)) }
-                }
-            } }
-        } }
+        (wide_table("cards", html! {
+            th { (t.serial) } th.n { (t.rank) } th.n { (t.freedom) }
+            th.n { "χ²/" (t.freedom) } th.n { "p, " (t.lack_of_fit) }
+            th.n { (t.noise) ", " (t.rate_unit) } th.n { (t.sem_factor) } th { (t.noise_from) }
+        }, html! { @for gyro in fits { tr {
+            th scope="row" { (gyro.slot.name()) " " (gyro.serial) }
+            td.n data-label=(t.rank) { (gyro.rank) " / " (gyro.parameters.len()) }
+            td.n data-label=(t.freedom) { (gyro.dof) }
+            td.n data-label="χ²/ν" { (short(gyro.reduced_chi2)) }
+            td.n data-label={ "p, " (t.lack_of_fit) } { (short(gyro.p_value)) }
+            td.n data-label={ (t.noise) ", " (t.rate_unit) } { (short(gyro.noise.rms_deg_per_h)) }
+            td.n data-label=(t.sem_factor) { (short(gyro.noise.sem_factor)) }
+            td data-label=(t.noise_from) { (t.noise_source(&gyro.noise.source)) }
+        } } }))
     }
 }
 
 /// What no dwell can see, and by which condition it was fixed.
-fn blind_directions(viewer: &Viewer, gyro: &GyroFitBody) -> Markup {
-    let t = viewer.text();
+fn blind_directions(t: &Text, gyro: &GyroFitBody) -> Markup {
     html! {
         @for null in &gyro.null_directions {
             p.note {
                 (gyro.serial) ": " (t.not_seen) " "
-                @for (i, (name, share)) in null.direction.iter().enumerate() {
-                    @if i > 0 { ", " } (symbol(name)) " " (figure::short(*share))
-                }
+                (joined(", ", null.direction.iter().map(|(name, share)| html! {
+                    (symbol(name)) " " (figure::short(*share))
+                })))
                 @if let Some(gauge) = &null.gauge { "; " (t.fixed_by) " " (gauge) }
             }
         }
     }
 }
 
-fn residual_table(viewer: &Viewer, fits: &[GyroFitBody]) -> Markup {
-    let t = viewer.text();
+fn residual_table(t: &Text, fits: &[GyroFitBody]) -> Markup {
     let dwells = fits.iter().map(|gyro| gyro.residuals.pulse_per_s.len()).max().unwrap_or(0);
     html! {
         details {
             summary { (t.every_residual) }
-            div.scroll.tall tabindex="0" { table {
-                thead { tr { th.n { (t.dwell) } @for gyro in fits { th.n { (gyro.serial) ", " (t.rate_unit) } th.n { "σ" } } } }
-                tbody { @for dwell in 0..dwells {
-                    tr {
-                        td.n { (dwell) }
-                        @for gyro in fits {
-                            @let of = |list: &Option<Vec<f64>>| list.as_ref().and_then(|list| list.get(dwell).copied());
-                            td.n { @if let Some(value) = of(&gyro.residuals.deg_per_h) { (figure::short(value)) } }
-                            td.n { @if let Some(value) = of(&gyro.residuals.standardised) { (format!("{value:+.1}")) } }
-                        }
-                    }
-                } }
-            } }
+            (tall_table("", html! {
+                th.n { (t.dwell) } @for gyro in fits { th.n { (gyro.serial) ", " (t.rate_unit) } th.n { "σ" } }
+            }, html! { @for dwell in 0..dwells { tr {
+                td.n { (dwell) }
+                @for gyro in fits {
+                    @let of = |list: &Option<Vec<f64>>| list.as_ref().and_then(|list| list.get(dwell).copied());
+                    td.n { @if let Some(value) = of(&gyro.residuals.deg_per_h) { (figure::short(value)) } }
+                    td.n { @if let Some(value) = of(&gyro.residuals.standardised) { (format!("{value:+.1}")) } }
+                }
+            } } }))
         }
     }
 }

@@ -1,20 +1,13 @@
 //! `/records/{id}/confirm`: the time of a record that was set aside is right, said on a page that shows what it is
 //! about.
 
-use axum::response::Response;
-use maud::html;
-
-use super::Pages;
 use super::form::{ActionForm, ItemAction, Word, see_other};
-use super::layout::{Section, instant};
-use super::notes::noted;
-use super::viewer::Viewer;
+use super::layout::{instant, noted};
+use super::prelude::*;
 use crate::core::id::Id;
 use crate::core::message::text;
-use crate::message;
 use crate::pipeline::{Actor, Confirmation, Submission};
 use crate::wire::note;
-use crate::wire::problem::Problem;
 
 /// Of a record that is set aside.
 pub(super) struct ConfirmTime;
@@ -43,12 +36,10 @@ impl ItemAction for ConfirmTime {
                 (noted(t, &note::read(item.notes.as_deref())))
                 p.lead { (t.confirm_what) }
             },
-            fields: html! {},
             action: format!("/records/{number}/confirm"),
             button: t.confirm_time,
             back: word.back_or(&format!("/records/{number}")).to_owned(),
-            reasoned: true,
-            is_final: false,
+            ..ActionForm::default()
         };
         Ok((number, form))
     }

@@ -1,23 +1,16 @@
 //! `…/void`: a record, a campaign or a bench result counts no more, said on a page that tells what that changes; and
 //! how an item stands that was voided or revised.
 
-use axum::response::Response;
-use maud::{Markup, html};
-
+use super::figure;
 use super::form::{ActionForm, ItemAction, Word, see_other};
-use super::layout::{DRIFTS, Section, encoded, instant, label, symbol};
-use super::text::Text;
-use super::viewer::Viewer;
-use super::{Pages, figure};
-use crate::core::access::Role;
+use super::layout::{DRIFTS, encoded, instant, label, symbol};
+use super::prelude::*;
 use crate::core::correction::{CorrectedResult, CorrectionItem};
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::message::text;
 use crate::core::time::UtcMicros;
-use crate::message;
 use crate::pipeline::{Actor, Corrected, Correction, Submission};
-use crate::wire::problem::Problem;
 
 async fn void(pages: &Pages, item: Corrected, form: ActionForm, word: Word) -> Result<Response, Problem> {
     let Word { by: author, reason, .. } = word;
@@ -46,17 +39,14 @@ impl ItemAction for VoidCalibration {
                 " · " (t.station) " " (item.station)
                 " · " (t.calibrated) " " (instant(item.calibrated_at))
             }
-            div.scroll tabindex="0" { table.cards {
-                thead { tr { th { (t.serial) } th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } } }
-                tbody { @for one in &stored.answer.separations {
-                    tr {
-                        th scope="row" { (one.slot.name()) " " (one.serial) }
-                        @for (value, name) in [&one.d_i, &one.d_s, &one.d_o].into_iter().zip(DRIFTS) {
-                            td.n { (label("", name)) (figure::drift(value.value, value.sd)) }
-                        }
-                    }
-                } }
-            } }
+            (wide_table("cards", html! {
+                th { (t.serial) } @for name in DRIFTS { th.n { (symbol(name)) } }
+            }, html! { @for one in &stored.answer.separations { tr {
+                th scope="row" { (one.slot.name()) " " (one.serial) }
+                @for (value, name) in [&one.d_i, &one.d_s, &one.d_o].into_iter().zip(DRIFTS) {
+                    td.n { (label("", name)) (figure::drift(value.value, value.sd)) }
+                }
+            } } }))
         };
         let place = if campaign { "campaigns" } else { "records" };
         let home = format!("/{place}/{number}");
@@ -116,12 +106,11 @@ fn form(t: &Text, title: &'static str, shown: &Markup, (action, back): (&str, &s
         section: Section::Fleet,
         title: title.into(),
         what: html! { (shown) p.lead { (t.void_what) } },
-        fields: html! {},
         action: action.to_owned(),
         button: t.void,
         back: back.to_owned(),
-        reasoned: true,
         is_final: true,
+        ..ActionForm::default()
     }
 }
 
@@ -140,7 +129,7 @@ pub(super) async fn standing(pages: &Pages, viewer: &Viewer, kind: Kind, id: Id)
     let (counts, aside) = (status.counts(), status.set_aside);
     let place = if kind == Kind::Campaign { "campaigns" } else { "records" };
     let said = html! {
-        @for row in &status.corrections { (remark(viewer, row, id)) }
+        @for row in &status.corrections { (remark(t, row, id)) }
         @if let Some(row) = &status.confirmation {
             p.sound { strong { (t.was_confirmed) } " " (instant(row.at)) " · " (t.said_by) " " span translate="no" { (row.author) ": " (row.reason) } }
         }
@@ -159,8 +148,7 @@ pub(super) async fn standing(pages: &Pages, viewer: &Viewer, kind: Kind, id: Id)
     Ok(Standing { counts, said })
 }
 
-fn remark(viewer: &Viewer, row: &CorrectionItem, id: Id) -> Markup {
-    let t = viewer.text();
+fn remark(t: &Text, row: &CorrectionItem, id: Id) -> Markup {
     html! {
         p.(if row.item == id { "fault" } else { "sound" }) {
             @match row.replaced_by {
@@ -178,8 +166,7 @@ fn said(by: &str, row: &CorrectionItem) -> Markup {
 }
 
 /// A record that is set aside, as a line of a gyro's course.
-pub(super) fn aside(viewer: &Viewer, id: Id, at: UtcMicros) -> Markup {
-    let t = viewer.text();
+pub(super) fn aside(t: &Text, id: Id, at: UtcMicros) -> Markup {
     html! {
         td { strong { (t.set_aside) } }
         td { (t.calibration_of) " " a href={ "/records/" (id) } { (instant(at)) } }
@@ -187,8 +174,7 @@ pub(super) fn aside(viewer: &Viewer, id: Id, at: UtcMicros) -> Markup {
 }
 
 /// What does not count any more, as a line of a gyro's course: what it was, who said so and why.
-pub(super) fn happening(viewer: &Viewer, correction: &CorrectedResult) -> Markup {
-    let t = viewer.text();
+pub(super) fn happening(t: &Text, correction: &CorrectedResult) -> Markup {
     let row = &correction.correction;
     html! {
         td { strong { (if row.replaced_by.is_some() { t.revised } else { t.voided }) } }

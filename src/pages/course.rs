@@ -6,17 +6,16 @@ use super::chart::{Across, Chart, Dot, Flag, Level, Track, bounds, millis, widen
 use super::figure;
 use super::history_plot::{MOST_FLAGS, list};
 use super::layout::symbol;
+use super::text::Text;
 use crate::core::time::UtcMicros;
 
 /// One coefficient.
 pub(super) struct Course<'a> {
     /// `D_I`.
     pub symbol: &'a str,
-    pub unit: &'a str,
     pub name: &'a str,
-    /// Either side of zero, and how the axis of its parts is called.
+    /// Either side of zero.
     pub budget: Option<f64>,
-    pub of_budget: &'a str,
     /// With standard deviations where they are known.
     pub points: Vec<(UtcMicros, f64, Option<f64>)>,
     /// By class of the style sheet.
@@ -26,14 +25,14 @@ pub(super) struct Course<'a> {
 }
 
 impl Course<'_> {
-    pub fn markup(&self) -> Markup {
+    pub fn markup(&self, t: &Text) -> Markup {
         let lines = || self.lines.iter().flat_map(|(_, line)| line.iter().map(|(at, _)| millis(*at)));
         let ends = bounds(self.points.iter().map(|(at, ..)| millis(*at)).chain(lines())).unwrap_or((0.0, 0.0));
         let dot = |(at, y, sd): &(UtcMicros, f64, Option<f64>)| Dot {
             x: millis(*at),
             y: *y,
             sd: *sd,
-            said: format!("{} · {} {} {}", at.date(), self.symbol, figure::drift(*y, *sd), self.unit),
+            said: format!("{} · {} {} {}", at.date(), self.symbol, figure::drift(*y, *sd), t.unit),
             ..Dot::default()
         };
         let flag = |(k, (at, label)): (usize, &(UtcMicros, String))| Flag {
@@ -50,8 +49,8 @@ impl Course<'_> {
         let (x, budget) = (widened(ends, 0.02, 8.64e7), self.budget);
         let level = Level { from: x.0, until: x.1, budget, ..Level::default() };
         let caption = html! {
-            span { (symbol(self.symbol)) ", " (self.unit) }
-            @if budget.is_some() { span.quiet { (self.of_budget) } }
+            span { (symbol(self.symbol)) ", " (t.unit) }
+            @if budget.is_some() { span.quiet { (t.percent_of_budget) } }
         };
         let earlier = self.marks.len().saturating_sub(MOST_FLAGS);
         let flags: Vec<Flag> = self.marks.iter().enumerate().skip(earlier).map(flag).collect();
@@ -74,21 +73,21 @@ impl Course<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::words::Language;
 
     #[test]
     fn points_and_lines_are_drawn_and_higher_values_stand_higher() {
+        let t = Language::English.text();
         let day = |k: i64| UtcMicros(k * UtcMicros::DAY);
         let course = Course {
             symbol: "D_I",
-            unit: "deg/(h g0)",
             name: "A",
             budget: None,
-            of_budget: "%",
             points: vec![(day(0), 1.0, Some(0.1)), (day(9), 2.0, None)],
             lines: vec![("explained", vec![(day(0), 1.0), (day(9), 2.0)])],
             marks: vec![(day(4), "transport".into())],
         };
-        let drawn = course.markup().into_string();
+        let drawn = course.markup(t).into_string();
         let of = |what: &str| drawn.matches(what).count();
         assert_eq!((of("<circle class=\"plain\""), of("<polyline class=\"explained\"")), (2, 1), "{drawn}");
         assert!(drawn.contains("1970-01-05 transport</title>") && !drawn.contains("NaN"), "{drawn}");
@@ -96,6 +95,6 @@ mod tests {
             drawn.split("cy=\"").skip(1).map(|rest| rest.split('"').next().unwrap().parse().unwrap()).collect();
         assert!(heights[1] < heights[0], "{heights:?}");
         let none = Course { points: vec![], lines: vec![], ..course };
-        assert_eq!(none.markup().into_string(), "");
+        assert_eq!(none.markup(t).into_string(), "");
     }
 }

@@ -1,32 +1,24 @@
 //! `/diagnoses`: what the diagnoses of all campaigns say together, and the orders to make them.
 
-mod fields;
 mod orders;
 
 use axum::http::StatusCode;
-use axum::response::{IntoResponse, Response};
-use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::figure::percent;
-use super::form::{fault_list, see_other};
-use super::layout::{Page, Section, effect_named, encoded, symbol, written};
+use super::form::{choice, fault_list, see_other};
+use super::layout::{effect_named, encoded, joined, or_dash, query, symbol, written};
+use super::prelude::*;
 use super::residuals::closure_bar;
-use super::text::Text;
-use super::viewer::Visit;
-use crate::core::access::Role;
 use crate::core::effects::CATALOGUE;
 use crate::core::fault::Faults;
-use crate::pages::sent::{Form, Query};
 use crate::pipeline::DiagnosisOrder;
 use crate::wire::diagnoses::{
     AtStationBody, DoubtBody, FindingBody, OverviewBody, SightingBody, SummaryBody, WhichBody,
 };
-use crate::wire::problem::Problem;
 
-use fields::{beginning, said};
-use orders::Wanted;
 pub(super) use orders::cancel;
+use orders::{Wanted, beginning, said};
 
 /// What the summary is narrowed down to; what is empty narrows nothing.
 #[derive(Debug, Default, Clone, Deserialize)]
@@ -48,17 +40,17 @@ impl Filters {
     /// The same summary from the interface.
     fn csv(&self) -> String {
         let since = beginning(&self.since).unwrap_or_default();
-        let all = [("imu", &self.imu), ("station", &self.station), ("effect", &self.effect), ("since", &since)];
-        let given = all.into_iter().filter(|(_, value)| !value.trim().is_empty());
-        let query: String = given.map(|(key, value)| format!("&{key}={}", encoded(value.trim()))).collect();
-        format!("/v1/diagnoses/summary?format=csv{query}")
+        let (imu, station, effect) = (self.imu.trim(), self.station.trim(), self.effect.trim());
+        let all = [("format", "csv"), ("imu", imu), ("station", station), ("effect", effect), ("since", &since)];
+        format!("/v1/diagnoses/summary?{}", query(all))
     }
 }
 
 pub(super) async fn start(visit: Visit, Form(wanted): Form<Wanted>) -> Result<Response, Problem> {
-    match visit.pages.pipeline.diagnoses.check_wanted(wanted.which()) {
+    let diagnoses = &visit.0.pipeline.diagnoses;
+    match diagnoses.check_wanted(wanted.which()) {
         Ok(order) => {
-            visit.pages.pipeline.diagnoses.order(DiagnosisOrder::Start(order)).await?;
+            diagnoses.order(DiagnosisOrder::Start(order)).await?;
             Ok(see_other("/diagnoses#orders"))
         }
         Err(faults) => Ok(build(&visit, &Filters::default(), &wanted, Some(&faults)).await?.into_response()),
@@ -71,7 +63,7 @@ pub(super) async fn page(visit: Visit, Query(filters): Query<Filters>) -> Result
 
 /// The whole page; `wrong` is what is wrong with an order that was just sent.
 async fn build(
-    Visit { pages, viewer }: &Visit,
+    Visit(pages, viewer): &Visit,
     filters: &Filters,
     wanted: &Wanted,
     wrong: Option<&Faults>,
@@ -90,7 +82,7 @@ async fn build(
         @if let Some(faults) = &unusable { (fault_list(t, faults)) }
         @else { (shown(t, &summary, filters)) }
         (orders)
-        @if viewer.may(Role::Engineer) { (orders::form(viewer, wanted, wrong)) }
+        @if viewer.may(Role::Engineer) { (orders::form(t, wanted, wrong)) }
     };
     let status = if wrong.is_some() {
         StatusCode::UNPROCESSABLE_ENTITY
@@ -103,16 +95,12 @@ async fn build(
 }
 
 fn search(t: &Text, filters: &Filters) -> Markup {
+    let effects = CATALOGUE.iter().map(|entry| (entry.id, t.effect(entry.effect)));
     html! {
         form.search role="search" action="/diagnoses" method="get" {
             input type="search" name="imu" value=(filters.imu) placeholder=(t.imu) aria-label=(t.imu);
             input type="search" name="station" value=(filters.station) placeholder=(t.station) aria-label=(t.station);
-            label { (t.effect) " " select name="effect" {
-                option value="" { (t.any) }
-                @for entry in CATALOGUE {
-                    option value=(entry.id) selected[entry.id == filters.effect] { (t.effect(entry.effect)) }
-                }
-            } }
+            (choice(t, t.effect, "effect", effects, &filters.effect))
             label { (t.measured_since) " " input type="date" name="since" value=(filters.since); }
             button { (t.search) }
         }
@@ -153,52 +141,45 @@ fn shown(t: &Text, summary: &SummaryBody, filters: &Filters) -> Markup {
 
 fn overview(t: &Text, effects: &[OverviewBody]) -> Markup {
     html! {
-        div.scroll tabindex="0" { table {
-            thead { tr {
-                th { (t.effect) } th { (t.imu) } th.n.capital { (t.gyros) } th { (t.station) } th.n { (t.campaigns) }
-                th { (t.first_seen) } th { (t.last_seen_in) }
-            } }
-            tbody { @for one in effects {
-                tr {
-                    th.words scope="row" { a href={ "/diagnoses?effect=" (encoded(&one.effect)) } { (effect_named(t, &one.effect)) } }
-                    td.words { @for (i, imu) in one.imus.iter().enumerate() { @if i > 0 { ", " } (imu_link(imu)) } }
-                    td.n { (one.gyros) }
-                    td.words translate="no" { (names(&one.stations)) }
-                    td.n { (one.campaigns) }
-                    td { (written(&one.first_at)) } td { (written(&one.last_at)) }
-                }
-            } }
-        } }
+        (wide_table("", html! {
+            th { (t.effect) } th { (t.imu) } th.n.capital { (t.gyros) } th { (t.station) } th.n { (t.campaigns) }
+            th { (t.first_seen) } th { (t.last_seen_in) }
+        }, html! { @for one in effects { tr {
+            th.words scope="row" { a href={ "/diagnoses?effect=" (encoded(&one.effect)) } { (effect_named(t, &one.effect)) } }
+            td.words { (joined(", ", one.imus.iter().map(|imu| imu_link(imu)))) }
+            td.n { (one.gyros) }
+            td.words translate="no" { (names(&one.stations)) }
+            td.n { (one.campaigns) }
+            td { (written(&one.first_at)) } td { (written(&one.last_at)) }
+        } } }))
     }
 }
 
 fn findings(t: &Text, all: &[FindingBody]) -> Markup {
     html! {
-        div.scroll tabindex="0" { table.findings {
-            thead { tr {
-                th { (t.effect) } th { (t.serial) } th { (t.imu) } th { (t.station) } th { (t.last_clear) } th { (t.first_seen) }
-                th { (t.last_seen_in) } th.n { (t.campaigns) } th { (t.closed) }
-                th.n { (t.shift) " " (symbol("D_I")) } th.n { (t.shift) " " (symbol("D_S")) }
-            } }
-            tbody { @for one in all { (finding(t, one)) } }
-        } }
+        (wide_table("findings", html! {
+            th { (t.effect) } th { (t.serial) } th { (t.imu) }
+            th { (t.station) } th { (t.last_clear) } th { (t.first_seen) }
+            th { (t.last_seen_in) } th.n { (t.campaigns) } th { (t.closed) }
+            th.n { (t.shift) " " (symbol("D_I")) } th.n { (t.shift) " " (symbol("D_S")) }
+        }, html! { @for one in all { (finding(t, one)) } }))
     }
 }
 
 fn finding(t: &Text, one: &FindingBody) -> Markup {
-    let others = || one.class.iter().filter(|id| **id != one.effect).enumerate();
+    let others = || one.class.iter().filter(|id| **id != one.effect);
     html! {
         tr {
             th.words scope="row" {
                 (effect_named(t, &one.effect))
                 @if others().count() > 0 {
-                    br; span.quiet { (t.or_as_well) " " @for (i, id) in others() { @if i > 0 { "; " } (effect_named(t, id)) } }
+                    br; span.quiet { (t.or_as_well) " " (joined("; ", others().map(|id| effect_named(t, id)))) }
                 }
             }
             td translate="no" { a.id href={ "/gyros/" (encoded(&one.serial)) } { (one.serial) } " " (one.slot) }
             td { (imu_link(&one.imu)) }
-            td.words translate="no" { @for (i, station) in one.stations.iter().enumerate() { @if i > 0 { ", " } (at_station(station)) } }
-            td { @if let Some(clear) = &one.clear_at { (written(clear)) } @else { "–" } }
+            td.words translate="no" { (joined(", ", one.stations.iter().map(at_station))) }
+            td { (or_dash(one.clear_at.as_deref().map(written))) }
             td { (sighting(&one.first)) } td { (sighting(&one.last)) }
             td.n { (one.campaigns) " / " (one.of_since) " / " (one.of) }
             td.nowrap { (closure_bar(one.closure.median, Some([one.closure.least, one.closure.greatest]))) (percent(one.closure.median)) }
@@ -215,23 +196,18 @@ fn finding(t: &Text, one: &FindingBody) -> Markup {
 
 fn doubts(t: &Text, all: &[DoubtBody]) -> Markup {
     html! {
-        div.scroll tabindex="0" { table {
-            thead { tr {
-                th { (t.imu) } th { (t.verdict_word) } th { (t.serial) } th { (t.signs_word) } th { (t.station) }
-                th.n { (t.campaigns) } th { (t.first_seen) } th { (t.last_seen_in) }
-            } }
-            tbody { @for one in all {
-                tr {
-                    th scope="row" { (imu_link(&one.imu)) }
-                    td { (if one.verdict == "unexplained" { t.coverage_unexplained } else { t.coverage_partly_explained }) }
-                    td.words translate="no" { (names(&one.gyros)) }
-                    td.words { @for (i, sign) in one.signs.iter().enumerate() { @if i > 0 { "; " } (t.sign(sign)) } }
-                    td.words translate="no" { (names(&one.stations)) }
-                    td.n { (one.campaigns) " / " (one.of) }
-                    td { (sighting(&one.first)) } td { (sighting(&one.last)) }
-                }
-            } }
-        } }
+        (wide_table("", html! {
+            th { (t.imu) } th { (t.verdict_word) } th { (t.serial) } th { (t.signs_word) } th { (t.station) }
+            th.n { (t.campaigns) } th { (t.first_seen) } th { (t.last_seen_in) }
+        }, html! { @for one in all { tr {
+            th scope="row" { (imu_link(&one.imu)) }
+            td { (if one.verdict == "unexplained" { t.coverage_unexplained } else { t.coverage_partly_explained }) }
+            td.words translate="no" { (names(&one.gyros)) }
+            td.words { (joined("; ", one.signs.iter().map(|sign| t.sign(sign)))) }
+            td.words translate="no" { (names(&one.stations)) }
+            td.n { (one.campaigns) " / " (one.of) }
+            td { (sighting(&one.first)) } td { (sighting(&one.last)) }
+        } } }))
     }
 }
 
@@ -240,7 +216,7 @@ fn imu_link(imu: &str) -> Markup {
 }
 
 fn names(all: &[String]) -> Markup {
-    html! { @for (i, name) in all.iter().enumerate() { @if i > 0 { ", " } span.id { (name) } } }
+    joined(", ", all.iter().map(|name| html! { span.id { (name) } }))
 }
 
 fn at_station(station: &AtStationBody) -> Markup {

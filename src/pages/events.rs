@@ -1,23 +1,15 @@
 //! `/gyros/{serial}/events/new`: what was done to a gyro, or a new baseline, on a page that says what that changes.
 
-use axum::extract::Path;
-use axum::response::Response;
-use maud::{Markup, html};
 use serde::Deserialize;
 
-use super::Pages;
 use super::form::{ActionForm, Word, see_other, typed_time};
-use super::layout::{Page, Section, encoded};
-use super::text::Text;
-use super::viewer::{Viewer, Visit};
+use super::layout::encoded;
+use super::prelude::*;
 use crate::core::fault::Faults;
 use crate::core::judge::Event;
 use crate::core::record::Name;
-use crate::message;
-use crate::pages::sent::{Form, Query};
 use crate::pipeline::{Accepted, Actor, GyroEvent, Submission};
 use crate::wire::event::read_test;
-use crate::wire::problem::Problem;
 use crate::wire::text;
 
 #[derive(Debug, Default, Deserialize)]
@@ -66,11 +58,11 @@ impl About {
 /// The page on which an event is noted; `?event=baseline` starts a baseline, `?event=decision_retest` records a
 /// decision.
 pub(super) async fn ask(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Path(serial): Path<String>,
     Query(said): Query<EventForm>,
 ) -> Result<Page, Problem> {
-    Ok(form(viewer, &known(pages, &serial)?, &said).fresh(viewer, &said.word))
+    Ok(form(viewer.text(), &known(pages, &serial)?, &said).fresh(viewer, &said.word))
 }
 
 fn known(pages: &Pages, serial: &str) -> Result<Name, Problem> {
@@ -79,7 +71,7 @@ fn known(pages: &Pages, serial: &str) -> Result<Name, Problem> {
 }
 
 pub(super) async fn act(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Path(ref serial): Path<String>,
     Form(ref said): Form<EventForm>,
 ) -> Result<Response, Problem> {
@@ -103,7 +95,7 @@ pub(super) async fn act(
         read_test(event, at, (filled(&said.to).map(|to| typed_time(&to)), filled(&said.kind)), &mut faults)
     });
     let Some((event, (until, test))) = event.zip(test).filter(|_| faults.is_empty()) else {
-        return Ok(form(viewer, &name, said).again(viewer, &said.word, &faults));
+        return Ok(form(viewer.text(), &name, said).again(viewer, &said.word, &faults));
     };
     let Word { by, reason, .. } = said.word.clone();
     let (fixed, author, by) = ([None; 2], Some(by), Actor::by_caller());
@@ -119,8 +111,7 @@ pub(super) async fn act(
     }
 }
 
-fn form(viewer: &Viewer, serial: &Name, said: &EventForm) -> ActionForm {
-    let t = viewer.text();
+fn form(t: &Text, serial: &Name, said: &EventForm) -> ActionForm {
     let about = About::of(Event::from_name(&said.event));
     let title = about.title(t);
     let path = format!("/gyros/{}", encoded(serial.as_str()));
@@ -142,19 +133,17 @@ fn form(viewer: &Viewer, serial: &Name, said: &EventForm) -> ActionForm {
     ActionForm {
         section: Section::Fleet,
         title: format!("{title}: {serial}"),
-        what: what_it_resets(viewer, about),
+        what: what_it_resets(t, about),
         fields,
         action: format!("{path}/events/new"),
         button: title,
         back: path,
-        reasoned: true,
-        is_final: false,
+        ..ActionForm::default()
     }
 }
 
 /// What the rules will no longer compare with what came before.
-fn what_it_resets(viewer: &Viewer, about: About) -> Markup {
-    let t = viewer.text();
+fn what_it_resets(t: &Text, about: About) -> Markup {
     let resets = |event: Event| -> Vec<&str> { event.rules_reset().map(|rule| t.rule(rule)).collect() };
     html! {
         p.lead { (if about == About::Decision { t.decision_what } else { t.event_what }) }

@@ -1,16 +1,12 @@
 //! `/find`: what a name or an identifier is of. Where that is one thing, its page; else the fleet, searched.
 
-use axum::response::Response;
 use serde::Deserialize;
 
-use super::Pages;
 use super::form::see_other;
 use super::layout::encoded;
-use super::viewer::Visit;
+use super::prelude::*;
 use crate::core::id::Id;
-use crate::pages::sent::Query;
 use crate::pipeline::FleetFilter;
-use crate::wire::problem::Problem;
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
@@ -19,7 +15,7 @@ pub(super) struct FindQuery {
 }
 
 pub(super) async fn page(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Query(asked): Query<FindQuery>,
 ) -> Result<Response, Problem> {
     let place = place(pages, asked.q.trim()).await?;

@@ -6,20 +6,12 @@ mod wall;
 use std::collections::HashMap;
 use std::time::Duration;
 
-use axum::response::{IntoResponse, Response};
-use maud::{Markup, html};
-
-use super::layout::{DRIFTS, Page, Section, day, encoded, label, symbol};
-use super::text::Text;
-use super::viewer::{Viewer, Visit};
-use super::{Pages, bullet, figure, spark};
-use crate::core::access::Role;
+use super::layout::{DRIFTS, day, encoded, label, symbol};
+use super::prelude::*;
+use super::{bullet, figure, spark, status as badges};
 use crate::core::judge::{Coefficient, Measured, Rule, Status};
 use crate::core::time::{Span, UtcMicros};
-use crate::pages::sent::Query;
-use crate::pages::status as badges;
 use crate::pipeline::{BEYOND, DueDate, Names, RecentValues, Standing, Violation, sample_of};
-use crate::wire::problem::Problem;
 pub(super) use filters::{Filters, as_day, bad_parameter};
 
 /// Gyros on one page, values in one small line, and how long that is.
@@ -31,7 +23,7 @@ const BY_DATE: &str = "eta";
 /// How long the page waits for the dates of gyros that drift.
 const PATIENCE: Duration = Duration::from_millis(60);
 
-pub(super) async fn page(Visit { ref pages, ref viewer }: Visit, Query(filters): Query<Filters>) -> Response {
+pub(super) async fn page(Visit(ref pages, ref viewer): Visit, Query(filters): Query<Filters>) -> Response {
     let shown = match filters.is_wall() {
         true => wall::build(pages, viewer, &filters).await,
         false => build(pages, viewer, &filters).await,
@@ -52,15 +44,16 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
         let row = |(standing, recent)| Row::of(standing, recent, &by_history, &names);
         let mut rows: Vec<Row<'_>> = gyros.iter().copied().zip(&recent_values).map(row).collect();
         if filters.sort == BY_DATE {
-            by_date(&mut rows);
+            // A page was chosen by the dates of the rule `trend`, which is all that the fleet can be put in order by.
+            rows.sort_by_key(|row| (row.due.is_none(), row.due.map(|due| due.at)));
         }
-        html! { (table(viewer, pages, filters, &rows, now)) }
+        table(t, pages, filters, &rows, now)
     };
     let body = html! {
         @if !gyros.is_empty() { a.skip href="#first" { (t.skip_to_first) } }
         h1 { (t.fleet) }
-        (filters.tiles(viewer, &found))
-        (filters.form(viewer, &found))
+        (filters.tiles(t, &found))
+        (filters.form(t, &found))
         @if found.total == 0 {
             p.lead { (t.nothing_yet) }
         } @else if gyros.is_empty() {
@@ -70,7 +63,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
             (table)
             @if filters.sort == BY_DATE && found.last > 0 { p.note { (t.by_date_note) } }
             @if undated > 0 { p.note { (t.dates_of_others) " " (t.count_of_gyros(undated)) } }
-            (filters.pager(viewer, found.number, found.last))
+            (filters.pager(t, found.number, found.last))
             (selection(viewer))
         }
     };
@@ -103,39 +96,27 @@ impl<'a> Row<'a> {
     }
 }
 
-/// Dates as they are shown, the first one first. A page was chosen by the dates of the rule `trend`, which is all that
-/// the fleet can be put in order by.
-fn by_date(rows: &mut [Row<'_>]) {
-    rows.sort_by_key(|row| (row.due.is_none(), row.due.map(|due| due.at)));
-}
-
-fn table(viewer: &Viewer, pages: &Pages, filters: &Filters, rows: &[Row<'_>], now: UtcMicros) -> Markup {
-    let t = viewer.text();
+fn table(t: &Text, pages: &Pages, filters: &Filters, rows: &[Row<'_>], now: UtcMicros) -> Markup {
     let head = |sort: &str, name: Markup| filters.head(sort, &name);
     html! {
-        div.scroll tabindex="0" {
-            table.fleet {
-                thead { tr {
-                    th.no-print { span.hidden { (t.choose) } }
-                    (head("", html! { (t.status_word) }))
-                    (head("serial", html! { (t.serial) }))
-                    th { (t.imu) }
-                    (head("load", html! { (symbol("D_I")) (t.of_budget_unit) }))
-                    th { (symbol("D_S")) (t.of_budget_unit) }
-                    (head(BY_DATE, html! { (t.slope_or_date) }))
-                    th { (t.violates_besides) }
-                    th { (t.since) }
-                    (head("age", html! { (t.calibrated) }))
-                } }
-                tbody { @for (k, row) in rows.iter().enumerate() { (line(viewer, pages, row, k == 0, now)) } }
-            }
-        }
+        (wide_table("fleet", html! {
+            th.no-print { span.hidden { (t.choose) } }
+            (head("", html! { (t.status_word) }))
+            (head("serial", html! { (t.serial) }))
+            th { (t.imu) }
+            (head("load", html! { (symbol("D_I")) (t.of_budget_unit) }))
+            th { (symbol("D_S")) (t.of_budget_unit) }
+            (head(BY_DATE, html! { (t.slope_or_date) }))
+            th { (t.violates_besides) }
+            th { (t.since) }
+            (head("age", html! { (t.calibrated) }))
+        }, html! { @for (k, row) in rows.iter().enumerate() { (line(t, pages, row, k == 0, now)) } }))
     }
 }
 
 /// `first`: whether it is the first of the page, which the keyboard skips to.
-fn line(viewer: &Viewer, pages: &Pages, row: &Row<'_>, first: bool, now: UtcMicros) -> Markup {
-    let (t, standing) = (viewer.text(), row.standing);
+fn line(t: &Text, pages: &Pages, row: &Row<'_>, first: bool, now: UtcMicros) -> Markup {
+    let standing = row.standing;
     let newest = standing.newest.as_ref().map(|figures| sample_of(figures, pages.config.judging.method));
     let is_worse = standing.status.is_some_and(|status| status >= Status::Drifting);
     html! {
@@ -144,7 +125,9 @@ fn line(viewer: &Viewer, pages: &Pages, row: &Row<'_>, first: bool, now: UtcMicr
                 input type="checkbox" name="gyro" value=(standing.serial) form="selection" aria-label=(standing.serial);
             }
             td { (badges::badge(t, standing.status)) (badges::out_of_use(t, standing.out_of_use)) }
-            th scope="row" { a.id id=[first.then_some("first")] href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) } }
+            th scope="row" {
+                a.id id=[first.then_some("first")] href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) }
+            }
             td {
                 @if let Some(figures) = &standing.newest {
                     a.id href={ "/imus/" (encoded(&row.imu)) } { (row.imu) } " " span.quiet { (figures.slot.name()) }
@@ -161,7 +144,9 @@ fn line(viewer: &Viewer, pages: &Pages, row: &Row<'_>, first: bool, now: UtcMicr
             td data-label=(t.slope_or_date) { (slopes(t, standing)) (reaches(t, row.due)) }
             td data-label=(t.violates) { (violated(t, &besides(&standing.violations))) }
             td data-label=(t.since) { @if let Some(since) = standing.since.filter(|_| is_worse) { (day(since)) } }
-            td data-label=(t.calibrated) { @if let Some(figures) = &standing.newest { (age(viewer, figures.at, now, &row.station)) } }
+            td data-label=(t.calibrated) {
+                @if let Some(figures) = &standing.newest { (age(t, figures.at, now, &row.station)) }
+            }
         }
     }
 }
@@ -233,8 +218,7 @@ pub(super) fn violated(t: &Text, violations: &[Violation]) -> Markup {
     }
 }
 
-fn age(viewer: &Viewer, at: UtcMicros, now: UtcMicros, station: &str) -> Markup {
-    let t = viewer.text();
+fn age(t: &Text, at: UtcMicros, now: UtcMicros, station: &str) -> Markup {
     html! {
         span.nowrap title=(as_day(at)) {
             (figure::whole_days(now.days_since(at))) " " (t.days_short) " " span.quiet { "· " span.id { (station) } }

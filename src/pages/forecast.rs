@@ -1,18 +1,13 @@
 //! What was foretold of an IMU's campaigns, and how far it came true: over time, step by step, and which adopted
 //! coefficients are others now.
 
-use maud::{Markup, html};
-
 use super::chart::{Across, Chart, Dot, Track, bounds, millis, widened};
 use super::figure::{self, short};
-use super::layout::{effect_word, encoded, instant, symbol, written};
-use super::text::Text;
-use super::viewer::Viewer;
-use crate::core::access::Role;
+use super::layout::{effect_word, encoded, instant, or_dash, symbol, written};
+use super::prelude::*;
 use crate::core::augmented::AugmentedModel;
 use crate::core::judge::Status;
 use crate::core::time::UtcMicros;
-use crate::message;
 use crate::pipeline::AdoptedModel;
 use crate::wire::diagnosis::{InUseBody, InUseEffectBody};
 use crate::wire::forecast::{ChangedBody, ClosingBody, ComparedBody, ForecastPointBody, ThenNowBody};
@@ -31,13 +26,10 @@ pub(super) fn series(t: &Text, points: &[ForecastPointBody]) -> Markup {
                     (picture(t, points))
                     (ladder(t, &format!("{} · {}", &newest.measured_at[..10], t.forecast_ladder), compared))
                 }
-                div.scroll.tall tabindex="0" { table {
-                    thead { tr {
-                        th { (t.measured_at) } th { (t.forecast) } th.n { (t.error_in_sd) } th { (t.effects_close) }
-                        th { (t.foretold_by) }
-                    } }
-                    tbody { @for point in points.iter().rev() { (line(t, point)) } }
-                } }
+                (tall_table("", html! {
+                    th { (t.measured_at) } th { (t.forecast) } th.n { (t.error_in_sd) } th { (t.effects_close) }
+                    th { (t.foretold_by) }
+                }, html! { @for point in points.iter().rev() { (line(t, point)) } }))
             }
         }
     }
@@ -62,29 +54,20 @@ pub(super) fn versions(viewer: &Viewer, imu: &str, models: &[AdoptedModel]) -> M
         @if !models.is_empty() {
             section #models {
                 h2 { (t.adopted_models) }
-                div.scroll tabindex="0" { table {
-                    thead { tr {
-                        th { (t.adopted_at) } th { (t.model_word) }
-                        th { (symbol("D_I")) ", " (symbol("D_S")) " " (t.stated_at) } th.n { (t.campaigns_stated) }
-                        th { (t.author) } th { (t.reason_word) }
+                (wide_table("", html! {
+                    th { (t.adopted_at) } th { (t.model_word) }
+                    th { (symbol("D_I")) ", " (symbol("D_S")) " " (t.stated_at) } th.n { (t.campaigns_stated) }
+                    th { (t.author) } th { (t.reason_word) }
+                }, html! { @for (k, one) in models.iter().enumerate() { tr {
+                    td { (instant(one.adopted_at)) @if k == 0 {
+                        br; strong { (t.in_force) }
+                        @if may_undo { " " a href={ "/imus/" (encoded(imu)) "/model/undo" } { (t.undo) } }
                     } }
-                    tbody { @for (k, one) in models.iter().enumerate() {
-                        tr {
-                            td { (instant(one.adopted_at)) @if k == 0 {
-                                br; strong { (t.in_force) }
-                                @if may_undo { " " a href={ "/imus/" (encoded(imu)) "/model/undo" } { (t.undo) } }
-                            } }
-                            td.words { code translate="no" { (held(t, &one.model)) } }
-                            td.nowrap {
-                                @match one.model.identified.as_ref().and_then(|own| own.reference_c) {
-                                    Some(celsius) => { (format!("{celsius:.1} °C")) }
-                                    None => { "–" }
-                                }
-                            }
-                            td.n { (one.campaigns) } td { (one.author) } td.words { (one.reason) }
-                        }
-                    } }
-                } }
+                    td.words { code translate="no" { (held(t, &one.model)) } }
+                    @let reference_c = one.model.identified.as_ref().and_then(|own| own.reference_c);
+                    td.nowrap { (or_dash(reference_c.map(|celsius| format!("{celsius:.1} °C")))) }
+                    td.n { (one.campaigns) } td { (one.author) } td.words { (one.reason) }
+                } } }))
                 p.note { (t.adopted_models_note) }
             }
         }
@@ -98,7 +81,7 @@ fn line(t: &Text, point: &ForecastPointBody) -> Markup {
             @if let Some(compared) = &point.compared {
                 td { (state(t, compared)) }
                 td.n { (short(compared.rms_over_sd)) }
-                td.nowrap { @if let Some(closing) = compared.closing { (closed(t, closing)) } @else { "–" } }
+                td.nowrap { (or_dash(compared.closing.map(|closing| closed(t, closing)))) }
             } @else { td.words colspan="3" { (point.why_not.as_deref().unwrap_or(t.not_foretold)) } }
             td.words {
                 @if let Some(model) = &point.model {
@@ -183,29 +166,24 @@ fn ladder(t: &Text, caption: &str, compared: &ComparedBody) -> Markup {
 pub(super) fn rungs(t: &Text, caption: &str, steps: &[(String, f64)], floor: f64) -> Markup {
     let most = steps.iter().map(|(_, size)| *size).fold(floor, f64::max).max(f64::MIN_POSITIVE);
     let width = |size: f64| format!("{:.1}%", 100.0 * size / most);
+    let row = |name: &str, size: f64, has_bar: bool| {
+        html! {
+            tr {
+                th scope="row" { (name) }
+                td { svg.rung width="100%" height="18" aria-hidden="true" {
+                    @if has_bar { rect x="0" y="3" height="12" width=(width(size)) {} }
+                    line x1=(width(floor)) x2=(width(floor)) y1="0" y2="18" {}
+                } }
+                td.n { (short(size)) " " (t.rate_unit) }
+            }
+        }
+    };
     html! {
         table.ladder {
             caption { (caption) }
             tbody {
-                @for (name, size) in steps {
-                    tr {
-                        th scope="row" { (name) }
-                        td { svg.rung width="100%" height="18" aria-hidden="true" {
-                            rect x="0" y="3" height="12" width=(width(*size)) {}
-                            line x1=(width(floor)) x2=(width(floor)) y1="0" y2="18" {}
-                        } }
-                        td.n { (short(*size)) " " (t.rate_unit) }
-                    }
-                }
-                tr {
-                    th scope="row" { (t.noise_floor) }
-                    td {
-                        svg.rung width="100%" height="18" aria-hidden="true" {
-                            line x1=(width(floor)) x2=(width(floor)) y1="0" y2="18" {}
-                        }
-                    }
-                    td.n { (short(floor)) " " (t.rate_unit) }
-                }
+                @for (name, size) in steps { (row(name, *size, true)) }
+                (row(t.noise_floor, floor, false))
             }
         }
     }
@@ -255,25 +233,20 @@ fn against_model(t: &Text, changed: &ChangedBody) -> Markup {
     };
     html! {
         h3 { (t.effects_then_and_now) }
-        div.scroll tabindex="0" { table {
-            thead { tr {
-                th { (t.effect) } th { (t.serial) } th { (t.parameter) } th.n { (t.in_model) } th.n { (t.in_campaign) }
-                th.n { (t.adjusted_p) } th { (t.changed_word) }
-            } }
-            tbody { @for effect in &changed.effects { @for c in &effect.coefficients {
-                tr {
-                    td.words { (effect_word(t, &effect.effect)) }
-                    td { (if effect.slot == "all" { t.all_gyros } else { &effect.slot }) } td { (c.name) }
-                    td.n { (with(c, c.model, c.model_sd)) } td.n { (with(c, c.now, c.now_sd)) }
-                    td.n { (short(effect.p_value)) }
-                    td {
-                        @if effect.changed { strong { (t.yes) } }
-                        @else if effect.undecided { (t.cannot_tell) }
-                        @else { (t.no) }
-                    }
-                }
-            } } }
-        } }
+        (wide_table("", html! {
+            th { (t.effect) } th { (t.serial) } th { (t.parameter) } th.n { (t.in_model) } th.n { (t.in_campaign) }
+            th.n { (t.adjusted_p) } th { (t.changed_word) }
+        }, html! { @for effect in &changed.effects { @for c in &effect.coefficients { tr {
+            td.words { (effect_word(t, &effect.effect)) }
+            td { (if effect.slot == "all" { t.all_gyros } else { &effect.slot }) } td { (c.name) }
+            td.n { (with(c, c.model, c.model_sd)) } td.n { (with(c, c.now, c.now_sd)) }
+            td.n { (short(effect.p_value)) }
+            td {
+                @if effect.changed { strong { (t.yes) } }
+                @else if effect.undecided { (t.cannot_tell) }
+                @else { (t.no) }
+            }
+        } } } }))
         @if changed.effects.iter().any(|effect| effect.undecided) { p.note { (t.change_undecided) } }
         @for shift in &changed.shifts {
             p { (shift.slot) " " (symbol(&shift.coefficient)) " " (figure::signed_drift(shift.shift, Some(shift.sd)))

@@ -1,22 +1,16 @@
 //! Forms for whatever changes something: with who and why, and that it is meant where it cannot be undone. That they come from this site's own
 //! pages is seen to where every request is admitted.
 
-use axum::extract::Path;
 use axum::http::header::LOCATION;
 use axum::http::{HeaderValue, StatusCode};
-use axum::response::{IntoResponse, Response};
-use maud::{Markup, html};
 use serde::Deserialize;
 
-use super::Pages;
-use super::layout::{Page, Section};
-use super::text::Text;
-use super::viewer::{Viewer, Visit, is_local};
+use super::prelude::*;
+use super::viewer::is_local;
 use crate::core::fault::Faults;
 use crate::core::judge::Rule;
 use crate::core::message::Message;
-use crate::pages::sent::{Form, Query};
-use crate::wire::problem::Problem;
+use crate::routes::{Least, Routes};
 use crate::wire::{text, time};
 
 /// Goes on with another page, which may be loaded again without sending the form again.
@@ -56,6 +50,7 @@ impl Word {
 
 /// Something that changes what is stored, on a page of its own: what it does, who does it and why; and that it is
 /// meant, where it cannot be undone.
+#[derive(Default)]
 pub(super) struct ActionForm {
     pub section: Section,
     pub title: String,
@@ -67,8 +62,8 @@ pub(super) struct ActionForm {
     pub button: &'static str,
     /// Where to go on if it is not done.
     pub back: String,
-    /// Whether it asks who and why.
-    pub reasoned: bool,
+    /// Whether it asks neither who nor why.
+    pub unreasoned: bool,
     /// Whether it cannot be undone.
     pub is_final: bool,
 }
@@ -90,7 +85,7 @@ impl ActionForm {
             form.deed action=(self.action) method="post" {
                 input type="hidden" name="back" value=(self.back);
                 (self.fields)
-                @if self.reasoned {
+                @if !self.unreasoned {
                     label { (t.who) input name="by" value=(by) required maxlength="128" autocomplete="name"; }
                     label { (t.reason_word) textarea name="reason" rows="3" required maxlength="4096" { (word.reason) } }
                 }
@@ -106,7 +101,7 @@ impl ActionForm {
     /// The form again where something that it asks for is missing; none where all of it was sent.
     fn incomplete(&self, viewer: &Viewer, word: &Word) -> Option<Response> {
         let mut faults = Faults::default();
-        if self.reasoned {
+        if !self.unreasoned {
             word.check(&mut faults);
         }
         if self.is_final {
@@ -141,8 +136,15 @@ pub(super) trait ItemAction {
     ) -> impl Future<Output = Result<Response, Problem>> + Send;
 }
 
-pub(super) async fn ask<A: ItemAction>(
-    Visit { ref pages, ref viewer }: Visit,
+impl Routes<Pages> {
+    /// The page that asks, and what its form is sent to.
+    pub(super) fn action<A: ItemAction + 'static>(self, least: Least, path: &str) -> Self {
+        self.get(least, path, ask::<A>).post(least, path, act::<A>)
+    }
+}
+
+async fn ask<A: ItemAction>(
+    Visit(ref pages, ref viewer): Visit,
     Path(id): Path<String>,
     Query(word): Query<Word>,
 ) -> Result<Page, Problem> {
@@ -150,8 +152,8 @@ pub(super) async fn ask<A: ItemAction>(
     Ok(form.fresh(viewer, &word))
 }
 
-pub(super) async fn act<A: ItemAction>(
-    Visit { ref pages, ref viewer }: Visit,
+async fn act<A: ItemAction>(
+    Visit(ref pages, ref viewer): Visit,
     Path(id): Path<String>,
     Form(word): Form<Word>,
 ) -> Result<Response, Problem> {
@@ -197,7 +199,9 @@ pub(super) fn typed_time(text: &str) -> String {
 pub(super) fn fault_list(t: &Text, faults: &Faults) -> Markup {
     html! {
         @if !faults.0.is_empty() {
-            ul.fault role="alert" { @for fault in &faults.0 { li { (field(t, &fault.pointer)) ": " (t.words(&fault.message)) } } }
+            ul.fault role="alert" {
+                @for fault in &faults.0 { li { (field(t, &fault.pointer)) ": " (t.words(&fault.message)) } }
+            }
         }
     }
 }

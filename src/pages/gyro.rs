@@ -2,28 +2,21 @@
 
 use std::time::Duration;
 
-use axum::extract::Path;
-use maud::{Markup, html};
 use serde::Deserialize;
 use tokio::time::Instant;
 
-use super::layout::{DRIFTS, Page, Section, encoded, instant, label, symbol};
+use super::gyro_facts::{Facts, ROWS, first_row};
+use super::layout::{DRIFTS, encoded, instant, label, symbol};
+use super::prelude::*;
 use super::verdicts::{self, SeenVerdict};
-use super::viewer::{Viewer, Visit};
-use super::{Pages, before_after, figure, gyro_attributes};
-use crate::core::access::Role;
+use super::view::{AskedView, Shown, View};
+use super::{before_after, figure, gyro_attributes, gyro_head, history, history_plot, status};
 use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::judge::Status;
 use crate::core::time::UtcMicros;
-use crate::pages::gyro_facts::{Facts, ROWS, first_row};
-use crate::pages::history_plot;
-use crate::pages::sent::Query;
-use crate::pages::view::{AskedView, Shown, View};
-use crate::pages::{gyro_head, history, status};
 use crate::pipeline::{Comparison, Course, ExplainedHistory, Names, Statuses, sample_of};
 use crate::wire::answer::VerdictBody;
-use crate::wire::problem::Problem;
 
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct GyroQuery {
@@ -35,10 +28,11 @@ pub(super) struct GyroQuery {
 }
 
 pub(super) async fn page(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Path(ref serial): Path<String>,
     Query(ref asked): Query<GyroQuery>,
 ) -> Result<Page, Problem> {
+    let t = viewer.text();
     let number = pages.gyro_number(serial)?;
     let judged = pages.config.judging.method;
     let view = View::asked(&asked.view, judged);
@@ -48,13 +42,18 @@ pub(super) async fn page(
     let names = pages.pipeline.queries.names();
     let judges = !facts.verdicts.is_empty() || !facts.alerts.is_empty();
     let body = html! {
-        @if judges { a.skip href="#verdicts" { (viewer.text().skip_to_verdicts) } }
+        @if judges { a.skip href="#verdicts" { (t.skip_to_verdicts) } }
         (gyro_head::head(viewer, serial, &facts, judged, explained.as_ref(), &names))
-        (history(viewer, serial, &view, &facts, &names))
-        @if judges { (verdict_section(viewer, &facts)) }
-        (before_after::section(viewer, &facts.course, judged))
-        (agreement(viewer, serial, &facts.comparison))
-        (history::happenings(viewer, &facts.course, &names))
+        (history(t, serial, &view, &facts, &names))
+        @if judges {
+            section #verdicts {
+                h2 { (t.verdicts) }
+                (verdicts::table(viewer, &facts.verdicts, &facts.alerts, Some(&viewer.here)))
+            }
+        }
+        (before_after::section(t, &facts.course, judged))
+        (agreement(t, serial, &facts.comparison))
+        (history::happenings(t, &facts.course, &names))
         (benches(viewer, &facts.course))
         (calibrations(viewer, serial, (&view, skip), &facts, &names))
         (gyro_attributes::edit(viewer, serial))
@@ -80,18 +79,8 @@ pub(super) async fn explained(
     Ok(explained.ok().transpose()?)
 }
 
-fn verdict_section(viewer: &Viewer, facts: &Facts) -> Markup {
-    html! {
-        section #verdicts {
-            h2 { (viewer.text().verdicts) }
-            (verdicts::table(viewer, &facts.verdicts, &facts.alerts, Some(&viewer.here)))
-        }
-    }
-}
-
-fn history(viewer: &Viewer, serial: &str, view: &View, facts: &Facts, names: &Names<'_>) -> Markup {
-    let t = viewer.text();
-    let plots = history_plot::plots(viewer, serial, *view, facts.seen(), names, "");
+fn history(t: &Text, serial: &str, view: &View, facts: &Facts, names: &Names<'_>) -> Markup {
+    let plots = history_plot::plots(t, serial, *view, facts.seen(), names, "");
     let to = |view: View| format!("{}#history", view.address());
     let whole = View { from: None, to: None, ..*view };
     let year = facts.course.figures.last().map(|newest| newest.at.plus_days(-365.0));
@@ -140,8 +129,7 @@ fn history(viewer: &Viewer, serial: &str, view: &View, facts: &Facts, names: &Na
 }
 
 /// Results side by side in the form of the paper's Table 5.
-pub(super) fn agreement(viewer: &Viewer, serial: &str, comparison: &Comparison) -> Markup {
-    let t = viewer.text();
+pub(super) fn agreement(t: &Text, serial: &str, comparison: &Comparison) -> Markup {
     html! {
         section {
             h2 { (t.agreement) }
@@ -157,7 +145,9 @@ pub(super) fn agreement(viewer: &Viewer, serial: &str, comparison: &Comparison) 
                     } }
                     tbody { @for result in &comparison.results {
                         tr.beside[!result.counts] {
-                            th scope="row" { (t.method(result.method)) @if !result.counts { br; span.quiet { (t.not_counted) } } }
+                            th scope="row" {
+                                (t.method(result.method)) @if !result.counts { br; span.quiet { (t.not_counted) } }
+                            }
                             td { (instant(result.at)) }
                             td {
                                 (result.station)
@@ -176,7 +166,7 @@ pub(super) fn agreement(viewer: &Viewer, serial: &str, comparison: &Comparison) 
                     } }
                 } }
                 @let verdicts: Vec<_> = comparison.verdicts.iter().map(|v| SeenVerdict { body: VerdictBody::of(serial, v), seen: Some(*v) }).collect();
-                (verdicts::list(viewer, &verdicts))
+                (verdicts::list(t, &verdicts))
             }
         }
     }
@@ -223,47 +213,35 @@ pub(super) fn calibration_table<'a>(
 ) -> Markup {
     let t = viewer.text();
     html! {
-        div.scroll tabindex="0" { table.cards {
-            thead { tr {
-                th { (t.calibrated) } th { (t.imu) } th { (t.station) }
-                th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (t.status_word) }
-                @if deeds { th.no-print { (t.actions_word) } }
-            } }
-            tbody { @for figures in rows { (calibration(viewer, shown, figures, (statuses, names), deeds)) } }
-        } }
+        (wide_table("cards", html! {
+            th { (t.calibrated) } th { (t.imu) } th { (t.station) }
+            @for name in DRIFTS { th.n { (symbol(name)) } } th { (t.status_word) }
+            @if deeds { th.no-print { (t.actions_word) } }
+        }, html! { @for figures in rows { tr {
+            td { a href={ "/records/" (figures.record) } { (instant(figures.at)) } }
+            td { (history::seat(figures, names)) }
+            td { (names.station(figures.station)) }
+            @for (measured, name) in sample_of(figures, shown.separation()).d.iter().zip(DRIFTS) {
+                td.n { (label("", name)) (figure::drift(measured.value, measured.sd)) }
+            }
+            td { (judged(t, statuses, figures)) }
+            @if deeds { td.no-print { (void_link(viewer, "records", figures.record, figures.at)) } }
+        } } }))
     }
 }
 
-fn calibration(
-    viewer: &Viewer,
-    shown: Shown,
-    figures: &Figures,
-    (statuses, names): (&Statuses, &Names<'_>),
-    deeds: bool,
-) -> Markup {
-    let t = viewer.text();
-    let sample = sample_of(figures, shown.separation());
+/// Each status that speaks, the gravest first, with its coefficients; else the one of the record.
+fn judged(t: &Text, statuses: &Statuses, figures: &Figures) -> Markup {
     let worst = statuses.worst(figures);
     let grave = Status::ALL.into_iter().rev().filter(|status| *status > Status::NotEnoughData && *status <= worst);
     let of_status = |status: Status| (0..3).filter(move |&column| statuses.get(figures, column) == status);
     html! {
-        tr {
-            td { a href={ "/records/" (figures.record) } { (instant(figures.at)) } }
-            td { (history::seat(figures, names)) }
-            td { (names.station(figures.station)) }
-            @for (measured, name) in sample.d.iter().zip(DRIFTS) {
-                td.n { (label("", name)) (figure::drift(measured.value, measured.sd)) }
+        @for status in grave {
+            @if of_status(status).next().is_some() {
+                (status::badge(t, Some(status))) " " @for column in of_status(status) { (symbol(DRIFTS[column])) " " }
             }
-            td {
-                @for status in grave {
-                    @if of_status(status).next().is_some() {
-                        (status::badge(t, Some(status))) " " @for column in of_status(status) { (symbol(DRIFTS[column])) " " }
-                    }
-                }
-                @if worst <= Status::NotEnoughData { (status::badge(t, Some(worst))) }
-            }
-            @if deeds { td.no-print { (void_link(viewer, "records", figures.record, figures.at)) } }
         }
+        @if worst <= Status::NotEnoughData { (status::badge(t, Some(worst))) }
     }
 }
 
@@ -275,21 +253,16 @@ fn benches(viewer: &Viewer, course: &Course) -> Markup {
             @let may_void = viewer.may(Role::Engineer);
             section #benches {
                 h2 { (t.bench_results) }
-                div.scroll.tall tabindex="0" { table.cards {
-                    thead { tr {
-                        th { (t.date) } th { (t.method) } th { (t.station) }
-                        th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } @if may_void { th.no-print { (t.actions_word) } }
-                    } }
-                    tbody { @for row in course.benches.iter().rev() {
-                        tr {
-                            td { (instant(row.measured_at)) }
-                            td { (t.method(row.method.name())) }
-                            td { (row.station) }
-                            @for i in 0..2 { td.n { (label("", DRIFTS[i])) (figure::drift(row.d[i], row.sd[i])) } }
-                            @if may_void { td.no-print { (void_link(viewer, "bench-results", row.id, row.measured_at)) } }
-                        }
-                    } }
-                } }
+                (tall_table("cards", html! {
+                    th { (t.date) } th { (t.method) } th { (t.station) }
+                    th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } @if may_void { th.no-print { (t.actions_word) } }
+                }, html! { @for row in course.benches.iter().rev() { tr {
+                    td { (instant(row.measured_at)) }
+                    td { (t.method(row.method.name())) }
+                    td { (row.station) }
+                    @for i in 0..2 { td.n { (label("", DRIFTS[i])) (figure::drift(row.d[i], row.sd[i])) } }
+                    @if may_void { td.no-print { (void_link(viewer, "bench-results", row.id, row.measured_at)) } }
+                } } }))
             }
         }
     }

@@ -1,21 +1,14 @@
 //! `/gyros/{serial}/attributes`: batch, type and unit of a gyro, shown and edited.
 
-use axum::extract::Path;
-use axum::response::Response;
-use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::form::{ActionForm, Word, see_other};
-use super::layout::{Page, Section, encoded};
-use super::text::Text;
-use super::viewer::{Viewer, Visit};
-use crate::core::access::Role;
+use super::layout::{encoded, joined};
+use super::prelude::*;
 use crate::core::fault::Faults;
 use crate::core::gyro_attributes::{GyroAttributes, GyroAttributesPatch};
 use crate::core::record::Name;
-use crate::pages::sent::Form;
 use crate::pipeline::{Actor, AttributesOrder, Submission};
-use crate::wire::problem::Problem;
 use crate::wire::text;
 
 #[derive(Debug, Default, Deserialize)]
@@ -35,9 +28,7 @@ pub(super) fn line(t: &Text, attributes: &GyroAttributes) -> Markup {
     html! {
         @if !said.is_empty() {
             p.note {
-                @for (k, (of, word)) in said.iter().enumerate() {
-                    @if k > 0 { " · " } (of) " " span translate="no" { (word) }
-                }
+                (joined(" · ", said.iter().map(|(of, word)| html! { (of) " " span translate="no" { (word) } })))
                 @if let Some(batch) = &attributes.batch {
                     " (" a href={ "/fleet?batch=" (encoded(batch)) } { (t.gyros) } ")"
                 }
@@ -55,21 +46,18 @@ pub(super) fn edit(viewer: &Viewer, serial: &str) -> Markup {
     }
 }
 
-pub(super) async fn ask(
-    Visit { ref pages, ref viewer }: Visit,
-    Path(ref serial): Path<String>,
-) -> Result<Page, Problem> {
+pub(super) async fn ask(Visit(ref pages, ref viewer): Visit, Path(ref serial): Path<String>) -> Result<Page, Problem> {
     let number = pages.gyro_number(serial)?;
     let found = pages.pipeline.queries.fleet.standing_in_words(number).await?;
     let (standing, _) = found.ok_or_else(|| Problem::unknown_gyro(serial))?;
     let GyroAttributes { batch, r#type, unit } = standing.attributes;
     let [batch, r#type, unit] = [batch, r#type, unit].map(Option::unwrap_or_default);
     let said = Attributes { word: Word::default(), batch, r#type, unit };
-    Ok(form(viewer, serial, &said).fresh(viewer, &said.word))
+    Ok(form(viewer.text(), serial, &said).fresh(viewer, &said.word))
 }
 
 pub(super) async fn act(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Path(ref serial): Path<String>,
     Form(ref said): Form<Attributes>,
 ) -> Result<Response, Problem> {
@@ -83,7 +71,7 @@ pub(super) async fn act(
     let [batch, r#type, unit] = [("batch", &said.batch), ("type", &said.r#type), ("unit", &said.unit)]
         .map(|(pointer, said)| word(pointer, said));
     if !faults.is_empty() {
-        return Ok(form(viewer, serial, said).again(viewer, &said.word, &faults));
+        return Ok(form(viewer.text(), serial, said).again(viewer, &said.word, &faults));
     }
     let patch = GyroAttributesPatch { batch, r#type, unit };
     let order = AttributesOrder { serial: name, patch, by: Actor::by_caller() };
@@ -91,8 +79,7 @@ pub(super) async fn act(
     Ok(see_other(&format!("/gyros/{}", encoded(serial))))
 }
 
-fn form(viewer: &Viewer, serial: &str, said: &Attributes) -> ActionForm {
-    let t = viewer.text();
+fn form(t: &Text, serial: &str, said: &Attributes) -> ActionForm {
     let home = format!("/gyros/{}", encoded(serial));
     ActionForm {
         section: Section::Fleet,
@@ -106,7 +93,7 @@ fn form(viewer: &Viewer, serial: &str, said: &Attributes) -> ActionForm {
         action: format!("{home}/attributes"),
         button: t.edit_attributes,
         back: home,
-        reasoned: false,
-        is_final: false,
+        unreasoned: true,
+        ..ActionForm::default()
     }
 }

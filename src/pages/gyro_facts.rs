@@ -2,19 +2,15 @@
 
 use std::sync::Arc;
 
-use maud::{Markup, html};
-
-use super::text::Text;
+use super::history_plot::{self, Epochs, Seen};
+use super::prelude::*;
 use super::verdicts::SeenVerdict;
-use super::{Pages, alerts};
+use super::view::View;
+use super::{alerts, status};
 use crate::core::figures::Figures;
 use crate::core::judge::State;
-use crate::pages::history_plot::{self, Epochs, Seen};
-use crate::pages::status;
-use crate::pages::view::View;
 use crate::pipeline::{Comparison, Course, Standing, Statuses};
 use crate::wire::alert::AlertBody;
-use crate::wire::problem::Problem;
 
 /// Records of a run that are told from what is only drifting; an older one began before.
 const LONGEST_RUN: usize = 400;

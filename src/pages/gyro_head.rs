@@ -1,25 +1,19 @@
 //! The head of a gyro's page: how it stands, by how much, since when, why, and what to do.
 
-use maud::{Markup, html};
-
 use super::gyro_facts::Facts;
 use super::history::seat;
 use super::history_plot::epoch_of;
 use super::layout::{DRIFTS, day, encoded, instant, symbol};
-use super::text::Text;
-use super::verdicts::SeenVerdict;
-use super::viewer::Viewer;
-use super::{bullet, figure, gyro_attributes};
+use super::prelude::*;
+use super::verdicts::{SeenVerdict, seen};
+use super::{bullet, figure, gyro_attributes, status};
 use crate::config::JudgedMethod;
-use crate::core::access::Role;
 use crate::core::changes::{ChangeCause, HistoryDiagnosis, NamedCause};
 use crate::core::judge::{
     Coefficient, Event, Finding, Load, Measured, Rule, Standpoint, Status, Suggestion, Verdict, suggest,
 };
 use crate::core::message::text;
 use crate::core::time::UtcMicros;
-use crate::message;
-use crate::pages::status;
 use crate::pipeline::{EventItem, ExplainedHistory, Names, Violation, sample_of};
 use crate::wire::time;
 
@@ -53,8 +47,8 @@ impl Facts {
         let Some(newest) = self.course.figures.last() else { return Vec::new() };
         let sample = sample_of(newest, judged);
         let stand = |column: usize| {
-            let seen = self.verdicts.iter().filter_map(|said| said.seen.as_ref());
-            let of_verdict = seen.filter(|verdict| verdict.coefficient.name() == DRIFTS[column]).find_map(Load::of);
+            let of_verdict =
+                seen(&self.verdicts).filter(|verdict| verdict.coefficient.name() == DRIFTS[column]).find_map(Load::of);
             Stand {
                 column,
                 measured: sample.d[column],
@@ -111,7 +105,6 @@ impl Facts {
             Finding::Trend { until, reach: [Some(early), ..], .. } => Some(early.days_since(until)),
             _ => None,
         };
-        let seen = self.verdicts.iter().filter_map(|said| said.seen.as_ref());
         let due = self.answers(explained, Status::Drifting).filter_map(|answer| answer.due?.calibrate_by);
         suggest(&Standpoint {
             status: standing.status,
@@ -120,7 +113,7 @@ impl Facts {
             stepped_at_event: out.peek().is_some() && out.all(HistoryDiagnosis::is_one_event),
             awaits_baseline: self.verdicts.iter().any(SeenVerdict::awaits_baseline),
             overdue: standing.overdue_days.is_some(),
-            reaches_in_days: seen.filter_map(early).chain(due).min_by(f64::total_cmp),
+            reaches_in_days: seen(&self.verdicts).filter_map(early).chain(due).min_by(f64::total_cmp),
             interval_days: self.course.limits.interval_days.map(|limit| limit.value),
         })
     }
@@ -135,8 +128,7 @@ impl Facts {
     /// When the rule `trend` sees a coefficient reach its budget, where that lies ahead.
     fn reach_by_trend(&self, coefficient: Coefficient) -> Option<UtcMicros> {
         let newest = self.course.figures.last()?.at;
-        let of_it = |verdict: &&Verdict| verdict.coefficient == coefficient;
-        self.verdicts.iter().filter_map(|said| said.seen.as_ref()).filter(of_it).find_map(|verdict| {
+        seen(&self.verdicts).filter(|verdict| verdict.coefficient == coefficient).find_map(|verdict| {
             match verdict.finding {
                 Finding::Trend { reach: [_, at, _], .. } => at.filter(|at| *at > newest),
                 _ => None,
@@ -207,13 +199,10 @@ pub(super) fn head(
 pub(super) fn loads(t: &Text, stands: &[Stand]) -> Markup {
     html! {
         @if !stands.is_empty() {
-            div.scroll tabindex="0" { table.loads {
-                thead { tr {
-                    th { (t.coefficient) } th.n { (t.load) } td.bars {} th { (t.status_word) }
-                    th.n { (t.axis_deviation) ", " (t.unit) } th.n { (t.value) } th.n.capital { (t.baseline_word) }
-                } }
-                tbody { @for stand in stands { (load_row(t, stand)) } }
-            } }
+            (wide_table("loads", html! {
+                th { (t.coefficient) } th.n { (t.load) } td.bars {} th { (t.status_word) }
+                th.n { (t.axis_deviation) ", " (t.unit) } th.n { (t.value) } th.n.capital { (t.baseline_word) }
+            }, html! { @for stand in stands { (load_row(t, stand)) } }))
         }
     }
 }
@@ -249,7 +238,9 @@ fn load_row(t: &Text, stand: &Stand) -> Markup {
                 (status::badge(t, Some(stand.status)))
                 @if let Some((rule, load)) = stand.by {
                     (t.colon) " " (t.rule(rule))
-                    @if let Some(load) = load { " " (t.words(&message!("share_of_limit", percent = format!("{:.0}", 100.0 * load)))) }
+                    @if let Some(load) = load {
+                        " " (t.words(&message!("share_of_limit", percent = format!("{:.0}", 100.0 * load))))
+                    }
                 }
                 @if let Some(run) = &stand.run {
                     " "

@@ -1,11 +1,8 @@
 //! What happened to a gyro: events, changes of seat and station, results that count no more.
 
-use maud::{Markup, html};
-
 use super::corrections;
 use super::layout::instant;
-use super::text::Text;
-use super::viewer::Viewer;
+use super::prelude::*;
 use crate::core::figures::Figures;
 use crate::core::time::UtcMicros;
 use crate::pipeline::{Course, EventItem, Names};
@@ -15,25 +12,19 @@ pub(super) fn seat(figures: &Figures, names: &Names<'_>) -> String {
     format!("{} {}", names.imu(figures.imu), figures.slot.name())
 }
 
-/// A change from one calibration to the next.
-struct Change {
-    at: UtcMicros,
-    /// Another seat; if not, another station.
-    seat: bool,
-    from: String,
-    to: String,
-}
-
-fn changes(course: &Course, names: &Names<'_>) -> Vec<Change> {
+/// Changes of seat and of station from one calibration to the next.
+fn changes(t: &Text, course: &Course, names: &Names<'_>) -> Vec<(UtcMicros, Markup)> {
     let mut changes = Vec::new();
     for pair in course.figures.windows(2) {
         let (old, new) = (&pair[0], &pair[1]);
+        let mut push = |what: &str, from: &str, to: &str| {
+            changes.push((new.at, html! { td { (what) } td { (from) " → " (to) } }));
+        };
         if (old.imu, old.slot) != (new.imu, new.slot) {
-            changes.push(Change { at: new.at, seat: true, from: seat(old, names), to: seat(new, names) });
+            push(t.moved, &seat(old, names), &seat(new, names));
         }
         if old.station != new.station {
-            let of = |figures: &Figures| names.station(figures.station).to_owned();
-            changes.push(Change { at: new.at, seat: false, from: of(old), to: of(new) });
+            push(t.other_station, names.station(old.station), names.station(new.station));
         }
     }
     changes
@@ -51,9 +42,7 @@ pub(super) fn event_name(t: &Text, event: &EventItem) -> Markup {
 }
 
 /// Events and changes in the order of time, newest first.
-pub(super) fn happenings(viewer: &Viewer, course: &Course, names: &Names<'_>) -> Markup {
-    let t = viewer.text();
-    let changes = changes(course, names);
+pub(super) fn happenings(t: &Text, course: &Course, names: &Names<'_>) -> Markup {
     let mut all: Vec<(UtcMicros, Markup)> = course
         .events
         .iter()
@@ -63,16 +52,15 @@ pub(super) fn happenings(viewer: &Viewer, course: &Course, names: &Names<'_>) ->
                     strong { (event_name(t, event)) }
                     @if let Some(until) = event.until { br; span.quiet { (t.until) " " (instant(until)) } }
                 }
-                td translate="no" { (event.reason) @if let Some(author) = &event.author { " " span.quiet { "(" (author) ")" } } }
+                td translate="no" {
+                    (event.reason) @if let Some(author) = &event.author { " " span.quiet { "(" (author) ")" } }
+                }
             };
             (event.at, said)
         })
-        .chain(changes.iter().map(|change| {
-            let what = if change.seat { t.moved } else { t.other_station };
-            (change.at, html! { td { (what) } td { (change.from) " → " (change.to) } })
-        }))
-        .chain(course.corrections.iter().map(|one| (one.correction.at, corrections::happening(viewer, one))))
-        .chain(course.set_aside.iter().map(|&(id, at)| (at, corrections::aside(viewer, id, at))))
+        .chain(changes(t, course, names))
+        .chain(course.corrections.iter().map(|one| (one.correction.at, corrections::happening(t, one))))
+        .chain(course.set_aside.iter().map(|&(id, at)| (at, corrections::aside(t, id, at))))
         .collect();
     all.sort_by_key(|(at, _)| std::cmp::Reverse(*at));
     html! {
@@ -80,7 +68,9 @@ pub(super) fn happenings(viewer: &Viewer, course: &Course, names: &Names<'_>) ->
             h2 { (t.events) }
             @if all.is_empty() { p { (t.no_events) } }
             @else {
-                div.scroll.tall.happenings tabindex="0" { table { tbody { @for (at, said) in all { tr { td { (instant(at)) } (said) } } } } }
+                div.scroll.tall.happenings tabindex="0" {
+                    table { tbody { @for (at, said) in all { tr { td { (instant(at)) } (said) } } } }
+                }
             }
         }
     }

@@ -2,25 +2,21 @@
 
 use std::collections::HashMap;
 
-use maud::{Markup, html};
-
 use super::chart::{Across, Ahead, Chart, Dot, Flag, Level, Segment, Track, bounds, millis, widened};
 use super::history::{event_label, seat};
 use super::layout::{DRIFTS, clock, symbol};
+use super::prelude::*;
 use super::status::sign;
-use super::text::Text;
-use super::verdicts::SeenVerdict;
+use super::verdicts::{SeenVerdict, seen};
 use super::view::{Shown, View};
-use super::viewer::Viewer;
-use super::{bullet, figure};
+use super::{bullet, downsample, figure};
 use crate::config::JudgedMethod;
 use crate::core::bench::BenchMethod;
 use crate::core::figures::Figures;
 use crate::core::judge::limits::DEFAULT_BUDGET;
 use crate::core::judge::{Finding, Measured, Rule, Sample, Status};
 use crate::core::time::UtcMicros;
-use crate::pages::downsample;
-use crate::pipeline::{Baseline, BenchItem, Course, Names, Statuses, sample_of};
+use crate::pipeline::{Baseline, BenchItem, Course, EventItem, Names, Statuses, sample_of};
 use crate::wire::time;
 
 /// Points of one coefficient that are drawn one by one at the most.
@@ -139,7 +135,7 @@ pub(super) fn epoch_of(epochs: &[Epoch], at: UtcMicros) -> Option<&Epoch> {
 
 /// What the pictures of one view have in common.
 struct Drawing<'a> {
-    t: &'static Text,
+    t: &'a Text,
     serial: &'a str,
     view: View,
     seen: Seen<'a>,
@@ -151,15 +147,7 @@ struct Drawing<'a> {
 }
 
 /// `place` keeps apart what stands on one page for several gyros.
-pub(super) fn plots(
-    viewer: &Viewer,
-    serial: &str,
-    view: View,
-    seen: Seen<'_>,
-    names: &Names<'_>,
-    place: &str,
-) -> Plots {
-    let t = viewer.text();
+pub(super) fn plots(t: &Text, serial: &str, view: View, seen: Seen<'_>, names: &Names<'_>, place: &str) -> Plots {
     let rows = in_view(seen.course, &view);
     let drawing = Drawing {
         t,
@@ -330,12 +318,7 @@ impl Drawing<'_> {
             let load = bullet::percent(Measured { value: y, sd: measured.sd }.in_units_of(budget));
             format!("{} {} {}, {load} %", DRIFTS[column], figure::signed_drift(y, measured.sd), t.unit)
         };
-        [format!("{} {}", at.date(), clock(&utc)), figure]
-            .iter()
-            .map(String::as_str)
-            .chain(more.iter().copied())
-            .collect::<Vec<_>>()
-            .join(" · ")
+        format!("{} {} · {figure} · {}", at.date(), clock(&utc), more.join(" · "))
     }
 
     fn bench(&self, column: usize, k: usize, method: BenchMethod) -> Option<Track> {
@@ -362,9 +345,9 @@ impl Drawing<'_> {
             return None;
         }
         let name = DRIFTS[column];
-        let seen = self.seen.verdicts.iter().filter_map(|said| said.seen.as_ref());
-        let verdict =
-            seen.filter(|verdict| verdict.coefficient.name() == name).find(|verdict| verdict.rule == Rule::Trend)?;
+        let verdict = seen(self.seen.verdicts)
+            .filter(|verdict| verdict.coefficient.name() == name)
+            .find(|verdict| verdict.rule == Rule::Trend)?;
         let Finding::Trend { since, until, per_year, deviation, horizon_days, reach, .. } = verdict.finding else {
             return None;
         };
@@ -437,7 +420,7 @@ fn envelope(times: &[f64], values: &[f64]) -> Vec<[f64; 4]> {
 
 /// What happened, numbered as in the list under the pictures.
 fn flags(t: &Text, course: &Course, view: &View, place: &str) -> Vec<Flag> {
-    let flag = |(k, event): (usize, &crate::pipeline::EventItem)| Flag {
+    let flag = |(k, event): (usize, &EventItem)| Flag {
         x: millis(event.at),
         until: event.until.map(millis),
         number: k + 1,
@@ -499,6 +482,15 @@ fn legend(t: &Text, charts: &[(usize, Chart)], drawing: &Drawing<'_>) -> Markup 
         html! { svg.key aria-hidden="true" viewBox="-7 -7 14 14" { g class=(class) { (shape) } } }
     };
     let of_status = |status: Status| html! { path class=(status.name()) d=(sign(status)) {} };
+    let has_budget = drawing.budgets.iter().any(Option::is_some);
+    let has_control = any(|chart| chart.levels.iter().any(|level| level.control.is_some()));
+    let has_made = any(|chart| chart.levels.iter().any(|level| level.made.is_some()));
+    let lines = [
+        (has_budget, html! { line.budget x1="-7" x2="7" {} }, t.budget_line),
+        (has_control, html! { line.control x1="-7" x2="7" {} }, t.control_line),
+        (has_made, html! { rect.made x="-7" y="-5" width="14" height="10" {} }, t.baseline_records),
+        (any(|chart| chart.ahead.is_some()), html! { polyline.ahead points="-7,4 7,-4" {} }, t.trend_line),
+    ];
     html! {
         ul.legend {
             @for status in Status::ALL.into_iter().filter(occurs) {
@@ -508,18 +500,7 @@ fn legend(t: &Text, charts: &[(usize, Chart)], drawing: &Drawing<'_>) -> Markup 
                 li { (mark(&format!("bench{k}"), html! { circle.plain r="3" {} })) (t.method(method.name())) }
             }
             @for rule in Rule::ALL.into_iter().filter(speaks) { li { b { (rule.letter()) } " " (t.rule(rule)) } }
-            @if drawing.budgets.iter().any(Option::is_some) {
-                li { (mark("", html! { line.budget x1="-7" x2="7" {} })) (t.budget_line) }
-            }
-            @if any(|chart| chart.levels.iter().any(|level| level.control.is_some())) {
-                li { (mark("", html! { line.control x1="-7" x2="7" {} })) (t.control_line) }
-            }
-            @if any(|chart| chart.levels.iter().any(|level| level.made.is_some())) {
-                li { (mark("", html! { rect.made x="-7" y="-5" width="14" height="10" {} })) (t.baseline_records) }
-            }
-            @if any(|chart| chart.ahead.is_some()) {
-                li { (mark("", html! { polyline.ahead points="-7,4 7,-4" {} })) (t.trend_line) }
-            }
+            @for (occurs, shape, word) in lines { @if occurs { li { (mark("", shape)) (word) } } }
         }
     }
 }

@@ -3,21 +3,17 @@
 mod actions;
 mod deliveries;
 
-use maud::{Markup, html};
-
-use super::layout::{Page, Section, written};
-use super::viewer::{Viewer, Visit};
-use super::{Pages, status};
-use crate::core::access::Role;
+use super::layout::written;
+use super::prelude::*;
+use super::status;
 use crate::core::id::Id;
 use crate::core::judge::{Rule, Severity, Status};
 use crate::wire::hook::{FilterBody, HookBody};
-use crate::wire::problem::Problem;
 
 pub(super) use crate::pages::hooks::actions::{DeleteHook, add, ask_add, redeliver, redeliver_dead, switch, test};
 pub(super) use deliveries::page as one;
 
-pub(super) async fn page(Visit { ref pages, ref viewer }: Visit) -> Result<Page, Problem> {
+pub(super) async fn page(Visit(ref pages, ref viewer): Visit) -> Result<Page, Problem> {
     let t = viewer.text();
     let hooks = pages.pipeline.hooks.all().await?;
     let body = html! {
@@ -25,37 +21,36 @@ pub(super) async fn page(Visit { ref pages, ref viewer }: Visit) -> Result<Page,
         p.note { (t.hooks_note) }
         @if viewer.may(Role::Admin) { p { a.action href="/hooks/new" { (t.add_hook) } } }
         @if hooks.is_empty() { p.lead { (t.no_hooks) } } @else {
-            div.scroll tabindex="0" { table.cards {
-                thead { tr {
-                    th { (t.hook) } th { (t.kind) } th { (t.hook_url) } th { (t.status_word) }
-                    th.n { (t.open_deliveries) } th.n { (t.dead_letters) } th { (t.actions_word) }
-                } }
-                tbody { @for hook in &hooks { (line(viewer, hook)) } }
-            } }
+            (wide_table("cards", html! {
+                th { (t.hook) } th { (t.kind) } th { (t.hook_url) } th { (t.status_word) }
+                th.n { (t.open_deliveries) } th.n { (t.dead_letters) } th { (t.actions_word) }
+            }, html! { @for hook in &hooks { (line(viewer, hook)) } }))
         }
     };
     Ok(Page { title: t.hooks.into(), section: Section::Hooks, body })
 }
 
 fn line(viewer: &Viewer, hook: &HookBody) -> Markup {
+    let t = viewer.text();
     html! {
         tr {
             th scope="row" translate="no" { a href={ "/hooks/" (hook.id) } { (hook.name) } }
             td.nowrap { (hook.kind) }
-            td.words { code { (hook.url) } (filter(viewer, &hook.filter)) }
-            td { (state(viewer, hook)) }
-            td.n data-label=(viewer.text().open_deliveries) {
+            td.words { code { (hook.url) } (filter(t, &hook.filter)) }
+            td { (state(t, hook)) }
+            td.n data-label=(t.open_deliveries) {
                 (hook.queue.open)
                 @if let Some(oldest) = &hook.queue.oldest_open { br; span.quiet { (written(oldest)) } }
             }
-            td.n data-label=(viewer.text().dead_letters) { @if hook.queue.dead > 0 { a href={ "/hooks/" (hook.id) "?state=dead" } { (hook.queue.dead) } } @else { "0" } }
+            td.n data-label=(t.dead_letters) {
+                @if hook.queue.dead > 0 { a href={ "/hooks/" (hook.id) "?state=dead" } { (hook.queue.dead) } } @else { "0" }
+            }
             td { (buttons(viewer, hook)) }
         }
     }
 }
 
-fn state(viewer: &Viewer, hook: &HookBody) -> Markup {
-    let t = viewer.text();
+fn state(t: &Text, hook: &HookBody) -> Markup {
     html! {
         @if hook.enabled { (status::said(Some(Status::InTolerance), t.enabled)) }
         @else { (status::said(Some(Status::OutOfTolerance), t.disabled)) }
@@ -64,8 +59,7 @@ fn state(viewer: &Viewer, hook: &HookBody) -> Markup {
 }
 
 /// What it is told of, where that is not everything.
-fn filter(viewer: &Viewer, filter: &FilterBody) -> Markup {
-    let t = viewer.text();
+fn filter(t: &Text, filter: &FilterBody) -> Markup {
     let rules: Vec<&str> =
         filter.rules.iter().map(|name| Rule::from_name(name).map_or(name.as_str(), |rule| t.rule(rule))).collect();
     let is_of_confirmed = filter.min_severity.as_deref() == Some(Severity::Critical.name());

@@ -16,27 +16,21 @@ use std::sync::Arc;
 use axum::Extension;
 use axum::extract::Request;
 use axum::http::StatusCode;
-use axum::response::{IntoResponse, Response};
-use maud::{Markup, html};
 
 use self::multipart::Upload;
 use super::fleet::violated;
-use super::layout::{DRIFTS, Page, Section, day, encoded, instant, symbol};
-use super::notes::noted;
-use super::text::Text;
-use super::viewer::{Viewer, Visit};
+use super::layout::{DRIFTS, day, encoded, instant, joined, noted, or_dash, symbol};
+use super::prelude::*;
+use super::upload_parts::{Piece, pieces};
 use super::{bullet, figure, off_the_loop, status};
 use crate::core::alert_decision::Late;
 use crate::core::fault::{Fault, Faults};
 use crate::core::history_note::HistoryNote;
 use crate::core::id::Id;
 use crate::core::judge::Measured;
-use crate::core::message::Message;
 use crate::core::note::Note;
 use crate::logs::campaign::Made;
 use crate::logs::report;
-use crate::message;
-use crate::pages::upload_parts::{Piece, pieces};
 use crate::pipeline::{
     Accepted, Calibration, Caller, Forecast, Foreseen, Origin, Pipeline, Preview, ReadDocument, Refused, Reply,
     StorageError, Submission,
@@ -45,7 +39,6 @@ use crate::wire::campaign::Form;
 use crate::wire::document::is_csv;
 use crate::wire::json::from_line;
 use crate::wire::note::NoteBody;
-use crate::wire::problem::Problem;
 use crate::wire::record_table::{TableMap, documents, is_table};
 use crate::wire::table::open_end;
 use located::Place;
@@ -57,12 +50,12 @@ use logs::{Looked, Sent};
 const MOST_SHOWN: usize = 200;
 
 pub(super) async fn page(viewer: Viewer) -> Page {
-    framed(&viewer, &Sent::default(), html! {})
+    framed(viewer.text(), &Sent::default(), html! {})
 }
 
 /// What the text says, or what is wrong with it. Stores nothing.
 pub(super) async fn preview(
-    Visit { pages, viewer }: Visit,
+    Visit(pages, viewer): Visit,
     Extension(caller): Extension<Caller>,
     request: Request,
 ) -> Result<Response, Problem> {
@@ -71,7 +64,7 @@ pub(super) async fn preview(
         Err(status) if status == StatusCode::PAYLOAD_TOO_LARGE => {
             let most = pages.config.server.max_body_bytes;
             let fault = message!("log_too_large", most, key = "server.max_body_bytes");
-            return Ok((status, unread(&viewer, Sent::default(), &Looked::Faulty(fault))).into_response());
+            return Ok((status, unread(viewer.text(), Sent::default(), &Looked::Faulty(fault))).into_response());
         }
         Err(_) => return Err(Problem::new(400, "title_broken_off", message!("body_broke_off"))),
     };
@@ -99,7 +92,7 @@ pub(super) async fn preview(
         Ok(looked) => looked,
         Err(unreadable) => {
             let (sent, looked) = *unreadable;
-            return Ok(unread(&viewer, sent, &looked).into_response());
+            return Ok(unread(viewer.text(), sent, &looked).into_response());
         }
     };
     let prospects = previews(&pages.pipeline, read).await?;
@@ -119,24 +112,18 @@ struct Source {
 }
 
 /// A log that needs a map, or a file that is none.
-fn unread(viewer: &Viewer, mut sent: Sent, looked: &Looked) -> Page {
-    let t = viewer.text();
-    let mut said: Option<&Message> = None;
-    match looked {
-        Looked::Guessed(map) => sent.map.clone_from(map),
-        Looked::Faulty(fault) => said = Some(fault),
-        Looked::Text(_) | Looked::Made(..) => {}
+fn unread(t: &Text, mut sent: Sent, looked: &Looked) -> Page {
+    if let Looked::Guessed(map) = looked {
+        sent.map.clone_from(map);
     }
     let body = html! {
         section.preview #preview aria-live="polite" {
             h2 { (t.preview) @if !sent.file.is_empty() { " · " span translate="no" { (sent.file) } } }
-            @match said {
-                Some(fault) => p.fault { (t.words(fault)) },
-                None => p.doubt { (t.log_needs_map) },
-            }
+            @if let Looked::Faulty(fault) = looked { p.fault { (t.words(fault)) } }
+            @else { p.doubt { (t.log_needs_map) } }
         }
     };
-    framed(viewer, &sent, body)
+    framed(t, &sent, body)
 }
 
 /// Where the faults are of the first that have some.
@@ -195,11 +182,11 @@ async fn previews(
     Ok(read.into_iter().map(|(line, read)| (line, prospect(read))).collect())
 }
 
-pub(super) async fn store(Visit { pages, viewer }: Visit, Extension(caller): Extension<Caller>, form: String) -> Page {
+pub(super) async fn store(Visit(pages, viewer): Visit, Extension(caller): Extension<Caller>, form: String) -> Page {
     let pipeline = pages.pipeline.clone();
     let read = off_the_loop(move || read_all(&pipeline, &caller, &Sent::of(&form).text)).await;
     let outcomes = submit(&pages.pipeline, read).await;
-    outcome(&viewer, &outcomes)
+    outcome(viewer.text(), &outcomes)
 }
 
 /// What a piece says, if this caller may send it.
@@ -235,7 +222,9 @@ fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], source: &Source) 
                 @if faulty > 0 { " · " strong { (faulty) " " (t.cannot_be_stored) } }
                 @if doubtful > 0 { " · " strong.doubt { (doubtful) " " (t.to_be_checked) } }
             }
-            @if let Some(open) = source.open.as_ref().filter(|_| sound > 0) { p.doubt { strong { (t.check_first) } " " (NoteBody::of(open).detail) } }
+            @if let Some(open) = source.open.as_ref().filter(|_| sound > 0) {
+                p.doubt { strong { (t.check_first) } " " (NoteBody::of(open).detail) }
+            }
             @if read > MOST_SHOWN { p.note { (t.first_foreseen) " " (MOST_SHOWN) } }
             @let unsound = prospects.iter().enumerate().filter(|(_, one)| !is_sound(one));
             @for (k, (line, prospect)) in unsound.take(MOST_SHOWN) {
@@ -267,7 +256,7 @@ fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], source: &Source) 
             }
         }
     };
-    framed(viewer, &source.sent, body)
+    framed(t, &source.sent, body)
 }
 
 /// What one document has come to.
@@ -330,8 +319,7 @@ async fn settle(pipeline: &Pipeline, reply: Reply, origin: &Origin) -> Result<(I
     Ok((id, matches!(accepted, Accepted::Stored { .. })))
 }
 
-fn outcome(viewer: &Viewer, outcomes: &[(usize, Outcome)]) -> Page {
-    let t = viewer.text();
+fn outcome(t: &Text, outcomes: &[(usize, Outcome)]) -> Page {
     let at = |line: usize| place_of(t, line, outcomes.len());
     let body = html! {
         section.preview {
@@ -348,11 +336,10 @@ fn outcome(viewer: &Viewer, outcomes: &[(usize, Outcome)]) -> Page {
             }
         }
     };
-    framed(viewer, &Sent::default(), body)
+    framed(t, &Sent::default(), body)
 }
 
-fn framed(viewer: &Viewer, sent: &Sent, after: Markup) -> Page {
-    let t = viewer.text();
+fn framed(t: &Text, sent: &Sent, after: Markup) -> Page {
     let body = html! {
         h1 { (t.import) }
         p.lead { (t.import_note) }
@@ -405,7 +392,7 @@ fn named(t: &Text, pointer: &str) -> Markup {
         k += if of_list(k).is_some() { 2 } else { 1 };
     }
     html! {
-        @for (k, part) in parts.iter().enumerate() { @if k > 0 { ", " } (part) }
+        (joined(", ", &parts))
         @if !parts.is_empty() { ": " }
     }
 }
@@ -516,7 +503,9 @@ fn doubted(t: &Text, calibration: &Calibration, forecast: &Forecast) -> Markup {
                 @let verdict = gyro.requirements.iter().flatten().find(|verdict| verdict.coefficient == one.coefficient);
                 li {
                     strong translate="no" { (gyro.serial) } ": " (violated(t, std::slice::from_ref(one)))
-                    @for said in verdict.into_iter().flat_map(|verdict| verdict.messages().into_iter().take(1)) { (t.colon) (t.words(&said)) }
+                    @for said in verdict.into_iter().flat_map(|verdict| verdict.messages().into_iter().take(1)) {
+                        (t.colon) (t.words(&said))
+                    }
                 }
             }
         }
@@ -528,55 +517,54 @@ fn foreseen(t: &Text, calibration: &Calibration, forecast: &Forecast) -> Markup 
     html! {
         div.scroll tabindex="0" { table.foreseen {
             thead { tr {
-                th { (t.slot) } th { (t.serial) } th { span.hidden { (t.coefficient) } } th.n { (t.value) ", " (t.unit) }
-                th.n { (t.last_value) } th { (t.date) } th.n { (t.change_of_budget) } th.n { (t.load_word) } th { (t.status_word) }
+                th { (t.slot) } th { (t.serial) }
+                th { span.hidden { (t.coefficient) } } th.n { (t.value) ", " (t.unit) }
+                th.n { (t.last_value) } th { (t.date) } th.n { (t.change_of_budget) }
+                th.n { (t.load_word) } th { (t.status_word) }
             } }
             @for (gyro, foreseen) in calibration.gyros.iter().zip(&forecast.gyros) {
-                tbody { @for (column, name) in DRIFTS.into_iter().enumerate() {
-                    tr {
-                        @if column == 0 {
-                            td rowspan="3" { (gyro.slot.name()) }
-                            th scope="rowgroup" rowspan="3" {
-                                @if foreseen.is_known { a href={ "/gyros/" (encoded(gyro.serial.as_str())) } { (gyro.serial) } }
-                                @else { span translate="no" { (gyro.serial) } }
-                                br; (status::badge(t, Some(foreseen.status)))
-                            }
+                tbody { @for (column, name) in DRIFTS.into_iter().enumerate() { tr {
+                    @if column == 0 {
+                        td rowspan="3" { (gyro.slot.name()) }
+                        th scope="rowgroup" rowspan="3" {
+                            @if foreseen.is_known { a href={ "/gyros/" (encoded(gyro.serial.as_str())) } { (gyro.serial) } }
+                            @else { span translate="no" { (gyro.serial) } }
+                            br; (status::badge(t, Some(foreseen.status)))
                         }
-                        td { (symbol(name)) }
-                        td.n { (figure::drift(foreseen.d[column].value, foreseen.d[column].sd)) }
-                        @if let Some((at, last)) = &foreseen.last {
-                            td.n { (figure::drift(last[column].value, last[column].sd)) } td { (day(*at)) }
-                        } @else { td.n { "–" } td { (t.first_calibration) } }
-                        td.n { (share(foreseen.change[column])) }
-                        td.n { (share(foreseen.outlook.load[column])) }
-                        td { (status::badge(t, Some(foreseen.drift[column]))) }
                     }
-                } }
+                    td { (symbol(name)) }
+                    td.n { (figure::drift(foreseen.d[column].value, foreseen.d[column].sd)) }
+                    @if let Some((at, last)) = &foreseen.last {
+                        td.n { (figure::drift(last[column].value, last[column].sd)) } td { (day(*at)) }
+                    } @else { td.n { "–" } td { (t.first_calibration) } }
+                    td.n { (share(foreseen.change[column])) }
+                    td.n { (share(foreseen.outlook.load[column])) }
+                    td { (status::badge(t, Some(foreseen.drift[column]))) }
+                } } }
             }
         } }
     }
 }
 
 fn share(share: Option<Measured>) -> Markup {
-    html! { @if let Some(share) = share { (bullet::percent(share)) } @else { "–" } }
+    or_dash(share.map(bullet::percent))
 }
 
 /// Where it is not held against what is stored.
 fn plain(calibration: &Calibration) -> Markup {
     html! {
-        div.scroll tabindex="0" { table {
-            thead { tr { td {} td {} @for name in DRIFTS { th.n { (symbol(name)) } } } }
-            tbody { @for gyro in &calibration.gyros {
-                @let rigid = &gyro.separation.rigid;
-                @let sd = rigid.sd();
-                tr {
-                    td { (gyro.slot.name()) } th scope="row" { (gyro.serial) }
-                    @for (i, value) in [rigid.d_i, rigid.d_s, rigid.d_o].into_iter().enumerate() {
-                        td.n { (figure::drift(value, sd.map(|sd| sd[i]))) }
-                    }
+        (wide_table("", html! {
+            td {} td {} @for name in DRIFTS { th.n { (symbol(name)) } }
+        }, html! { @for gyro in &calibration.gyros {
+            @let rigid = &gyro.separation.rigid;
+            @let sd = rigid.sd();
+            tr {
+                td { (gyro.slot.name()) } th scope="row" { (gyro.serial) }
+                @for (i, value) in [rigid.d_i, rigid.d_s, rigid.d_o].into_iter().enumerate() {
+                    td.n { (figure::drift(value, sd.map(|sd| sd[i]))) }
                 }
-            } }
-        } }
+            }
+        } }))
     }
 }
 

@@ -2,24 +2,18 @@
 
 use std::collections::HashMap;
 
-use axum::extract::Path;
-use maud::{Markup, html};
-
 use super::alerts::{self, is_open};
-use super::layout::{DRIFTS, Page, Section, encoded, instant, label, symbol};
+use super::layout::{DRIFTS, encoded, instant, label, query, symbol};
 use super::parameters::{self, Parameters};
-use super::text::Text;
-use super::viewer::{Viewer, Visit};
-use super::{Pages, bullet, figure, forecast};
+use super::prelude::*;
+use super::{bullet, figure, forecast, status};
 use crate::core::alert_filter::AlertFilter;
 use crate::core::effects::Effect;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
-use crate::pages::status;
 use crate::pipeline::{Conclusion, ListedRecord, Seats, Standing, sample_of};
 use crate::wire::alert::AlertBody;
 use crate::wire::campaign::CampaignBody;
-use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
 
 /// Calibrations that are listed.
@@ -51,7 +45,7 @@ impl Facts {
     }
 }
 
-pub(super) async fn page(Visit { ref pages, ref viewer }: Visit, Path(ref imu): Path<String>) -> Result<Page, Problem> {
+pub(super) async fn page(Visit(ref pages, ref viewer): Visit, Path(ref imu): Path<String>) -> Result<Page, Problem> {
     let t = viewer.text();
     let Facts { seats, records, parameters } = Facts::of(pages, viewer, imu).await?;
     let number = pages.pipeline.queries.names().imu_number(imu);
@@ -72,8 +66,8 @@ pub(super) async fn page(Visit { ref pages, ref viewer }: Visit, Path(ref imu): 
         p.actions {
             a.action href={ "/imus/" (encoded(imu)) "/report" } { (t.report) }
             @if seats.now.len() > 1 {
-                @let gyros = seats.now.iter().map(|gyro| format!("gyro={}", encoded(&gyro.serial)));
-                a.action href={ "/compare?" (gyros.collect::<Vec<_>>().join("&")) } { (t.compare_gyros) }
+                @let gyros = seats.now.iter().map(|gyro| ("gyro", &*gyro.serial));
+                a.action href={ "/compare?" (query(gyros)) } { (t.compare_gyros) }
             }
         }
         @if !open.is_empty() { (alerts::table(viewer, open.into_iter(), false, None)) }
@@ -134,31 +128,27 @@ pub(super) fn seated(pages: &Pages, t: &Text, seats: &Seats) -> Markup {
 
 fn standings(pages: &Pages, t: &Text, gyros: &[Standing], when: &str) -> Markup {
     html! {
-        div.scroll tabindex="0" { table.cards {
-            thead { tr {
-                th { (t.slot) } th { (t.serial) } th { (t.status_word) }
-                th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (when) }
-            } }
-            tbody { @for gyro in gyros {
-                @if let Some(newest) = &gyro.newest {
-                    tr {
-                        td { (newest.slot.name()) }
-                        th scope="row" { a href={ "/gyros/" (encoded(&gyro.serial)) } { (gyro.serial) } }
-                        td { (status::badge(t, gyro.status)) " " (status::out_of_use(t, gyro.out_of_use)) }
-                        @for (column, measured) in sample_of(newest, pages.config.judging.method).d.into_iter().enumerate() {
-                            td.n {
-                                (label("", DRIFTS[column]))
-                                @if let Some(load) = gyro.outlook.load[column] {
-                                    strong { (bullet::percent(load)) (t.percent_sign) } br;
-                                    span.quiet { (figure::drift(measured.value, measured.sd)) }
-                                } @else { (figure::drift(measured.value, measured.sd)) }
-                            }
+        (wide_table("cards", html! {
+            th { (t.slot) } th { (t.serial) } th { (t.status_word) } @for name in DRIFTS { th.n { (symbol(name)) } } th { (when) }
+        }, html! { @for gyro in gyros {
+            @if let Some(newest) = &gyro.newest {
+                tr {
+                    td { (newest.slot.name()) }
+                    th scope="row" { a href={ "/gyros/" (encoded(&gyro.serial)) } { (gyro.serial) } }
+                    td { (status::badge(t, gyro.status)) " " (status::out_of_use(t, gyro.out_of_use)) }
+                    @for (column, measured) in sample_of(newest, pages.config.judging.method).d.into_iter().enumerate() {
+                        td.n {
+                            (label("", DRIFTS[column]))
+                            @if let Some(load) = gyro.outlook.load[column] {
+                                strong { (bullet::percent(load)) (t.percent_sign) } br;
+                                span.quiet { (figure::drift(measured.value, measured.sd)) }
+                            } @else { (figure::drift(measured.value, measured.sd)) }
                         }
-                        td { (instant(newest.at)) }
                     }
+                    td { (instant(newest.at)) }
                 }
-            } }
-        } }
+            }
+        } }))
         p.note { (t.load_word) ". " (t.unit) }
     }
 }
@@ -170,22 +160,22 @@ fn list(t: &Text, records: &[ListedRecord], concluded: &HashMap<Id, Conclusion>)
     let choice = newest.len() == 2;
     html! {
         form action="/compare" method="get" {
-            div.scroll.tall tabindex="0" { table {
-                thead { tr { @if choice { th { (t.compare) } } th { (t.calibrated) } th { (t.station) } th { (t.kind) } th { (t.diagnosis) } } }
-                tbody { @for head in records {
-                    @let campaign = head.kind == Kind::Campaign;
-                    tr {
-                        @if choice { td { @if campaign {
-                            input type="checkbox" name="campaign" value=(head.id) checked[newest.contains(&head.id)]
-                                aria-label={ (t.compare) " " (head.calibrated_at.date()) };
-                        } } }
-                        td { a href={ (if campaign { "/campaigns/" } else { "/records/" }) (head.id) } { (instant(head.calibrated_at)) } }
-                        td { (head.station) }
-                        td { @if campaign { (t.kind_campaign) } @else { (t.kind_record) } }
-                        td.words { @if campaign { (conclusion(t, head.id, concluded.get(&head.id))) } }
-                    }
-                } }
-            } }
+            (tall_table("", html! {
+                @if choice { th { (t.compare) } }
+                th { (t.calibrated) } th { (t.station) } th { (t.kind) } th { (t.diagnosis) }
+            }, html! { @for head in records {
+                @let campaign = head.kind == Kind::Campaign;
+                tr {
+                    @if choice { td { @if campaign {
+                        input type="checkbox" name="campaign" value=(head.id) checked[newest.contains(&head.id)]
+                            aria-label={ (t.compare) " " (head.calibrated_at.date()) };
+                    } } }
+                    td { a href={ (if campaign { "/campaigns/" } else { "/records/" }) (head.id) } { (instant(head.calibrated_at)) } }
+                    td { (head.station) }
+                    td { @if campaign { (t.kind_campaign) } @else { (t.kind_record) } }
+                    td.words { @if campaign { (conclusion(t, head.id, concluded.get(&head.id))) } }
+                }
+            } }))
             @if choice { p { button { (t.compare_chosen) } } }
         }
     }

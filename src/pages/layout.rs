@@ -11,7 +11,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 
 use super::assets::{SCRIPT, STYLE};
 use super::text::Text;
@@ -21,6 +21,7 @@ use crate::core::effects::Effect;
 use crate::core::judge::Coefficient;
 use crate::core::time::UtcMicros;
 use crate::system;
+use crate::wire::note::NoteBody;
 use crate::wire::problem::Problem;
 pub(super) use crate::wire::text::encoded;
 use crate::wire::time;
@@ -42,7 +43,7 @@ pub(super) struct Page {
     pub body: Markup,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Section {
     Today,
     Fleet,
@@ -54,6 +55,7 @@ pub(super) enum Section {
     Book,
     Api,
     Setup,
+    #[default]
     None,
 }
 
@@ -136,6 +138,9 @@ impl Viewer {
 
     fn document(&self, page: &Page, style: Option<&str>) -> Markup {
         let t = self.text();
+        let entry = |path: &str, name: &str, section: Section| {
+            html! { a href=(path) aria-current=[(page.section == section).then_some("page")] { (name) } }
+        };
         html! {
             (DOCTYPE)
             html lang=(self.language.tag()) data-theme=[self.theme.map(Theme::name)] {
@@ -153,16 +158,16 @@ impl Viewer {
                     header.bar {
                         a.name href="/" { "gyrowatch" }
                         nav aria-label=(t.navigation) {
-                            (entry("/", t.today_title, page.section == Section::Today))
-                            (entry("/fleet", t.fleet, page.section == Section::Fleet))
-                            (entry("/alerts", t.alerts, page.section == Section::Alerts))
-                            (entry("/diagnoses", t.diagnoses, page.section == Section::Diagnoses))
-                            (entry("/stations", t.stations, page.section == Section::Stations))
-                            @if self.may(Role::Station) { (entry("/import", t.import, page.section == Section::Import)) }
-                            @if self.may(Role::Engineer) { (entry("/hooks", t.hooks, page.section == Section::Hooks)) }
-                            (entry("/book", t.book, page.section == Section::Book))
-                            @if self.may(Role::Engineer) { (entry("/setup", t.setup, page.section == Section::Setup)) }
-                            (entry("/docs", t.api, page.section == Section::Api))
+                            (entry("/", t.today_title, Section::Today))
+                            (entry("/fleet", t.fleet, Section::Fleet))
+                            (entry("/alerts", t.alerts, Section::Alerts))
+                            (entry("/diagnoses", t.diagnoses, Section::Diagnoses))
+                            (entry("/stations", t.stations, Section::Stations))
+                            @if self.may(Role::Station) { (entry("/import", t.import, Section::Import)) }
+                            @if self.may(Role::Engineer) { (entry("/hooks", t.hooks, Section::Hooks)) }
+                            (entry("/book", t.book, Section::Book))
+                            @if self.may(Role::Engineer) { (entry("/setup", t.setup, Section::Setup)) }
+                            (entry("/docs", t.api, Section::Api))
                         }
                         form.find role="search" aria-label=(t.find_hint) action="/find" method="get" {
                             input #find type="search" name="q" placeholder=(t.find_short) aria-label=(t.find_hint) title=(t.find_hint);
@@ -220,10 +225,6 @@ fn sheets(about: &[&str]) -> String {
     }
 }
 
-fn entry(path: &str, name: &str, here: bool) -> Markup {
-    html! { a href=(path) aria-current=[here.then_some("page")] { (name) } }
-}
-
 /// An instant: in UTC as it stands, in the viewer's zone once the script has run.
 pub(super) fn instant(at: UtcMicros) -> Markup {
     let utc = time::format(at);
@@ -253,10 +254,38 @@ pub(super) fn written_day(text: &str) -> Markup {
     time::parse(text).map_or_else(|_| html! { (text) }, day)
 }
 
+/// `a=1&b=2`: those that have a value.
+pub(super) fn query<'a>(all: impl IntoIterator<Item = (&'a str, &'a str)>) -> String {
+    let given = all.into_iter().filter(|(_, value)| !value.is_empty());
+    given.map(|(key, value)| format!("{key}={}", encoded(value))).collect::<Vec<_>>().join("&")
+}
+
 /// Who said something, and why, where they said that.
 pub(super) fn remark(said_by: &str, by: &str, reason: &str) -> Markup {
     let reason = if reason.is_empty() { String::new() } else { format!(": {reason}") };
     html! { br; span.quiet { (said_by) " " span translate="no" { (by) (reason) } } }
+}
+
+/// A dash for what there is nothing of.
+pub(super) fn or_dash(said: Option<impl Render>) -> Markup {
+    html! { @if let Some(said) = said { (said) } @else { "–" } }
+}
+
+/// One after the other, with something between them.
+pub(super) fn joined(between: &str, all: impl IntoIterator<Item = impl Render>) -> Markup {
+    html! { @for (k, one) in all.into_iter().enumerate() { @if k > 0 { (between) } (one) } }
+}
+
+/// What was noticed of a record when it came.
+pub(super) fn noted(t: &Text, notes: &[NoteBody]) -> Markup {
+    html! {
+        @if !notes.is_empty() {
+            section.notes {
+                h3 { (t.notes) }
+                ul { @for note in notes { li { (note.detail) } } }
+            }
+        }
+    }
 }
 
 /// What is separated, in the order of the figures.

@@ -36,11 +36,10 @@ mod hooks;
 mod import;
 mod imu;
 mod layout;
-mod notes;
 mod parameters;
+mod prelude;
 mod reference;
 mod report;
-mod reports;
 mod residuals;
 mod sent;
 mod separation;
@@ -53,6 +52,7 @@ mod station;
 mod stations;
 mod status;
 mod suspect;
+mod table;
 mod text;
 mod today;
 mod upload_parts;
@@ -85,11 +85,10 @@ pub fn routes() -> Routes<Pages> {
         .get(ENGINEER, "/gyros/{serial}/events/new", events::ask)
         .post(ENGINEER, "/gyros/{serial}/events/new", events::act)
         .get(VIEWER, "/gyros/{serial}/report", report::gyro)
-        .get(VIEWER, "/reports", reports::page)
+        .get(VIEWER, "/reports", report::several)
         .get(VIEWER, "/imus/{imu}", imu::page)
         .get(VIEWER, "/imus/{imu}/report", report::imu)
-        .get(ENGINEER, "/imus/{imu}/model/undo", form::ask::<adoption::UndoModel>)
-        .post(ENGINEER, "/imus/{imu}/model/undo", form::act::<adoption::UndoModel>)
+        .action::<adoption::UndoModel>(ENGINEER, "/imus/{imu}/model/undo")
         .get(VIEWER, "/compare", compare::page)
         .get(VIEWER, "/alerts", alerts::page)
         .get(ENGINEER, "/alerts/bulk", alerts::ask_bulk)
@@ -99,31 +98,24 @@ pub fn routes() -> Routes<Pages> {
         .post(ENGINEER, "/alerts/{id}/{deed}", alerts::act)
         .get(ENGINEER, "/silences/new", silences::ask_new)
         .post(ENGINEER, "/silences/new", silences::begin)
-        .get(ENGINEER, "/silences/{id}/end", form::ask::<silences::EndSilence>)
-        .post(ENGINEER, "/silences/{id}/end", form::act::<silences::EndSilence>)
+        .action::<silences::EndSilence>(ENGINEER, "/silences/{id}/end")
         .get(ENGINEER, "/hooks", hooks::page)
         .get(ADMIN, "/hooks/new", hooks::ask_add)
         .post(ADMIN, "/hooks/new", hooks::add)
         .get(ENGINEER, "/hooks/{id}", hooks::one)
         .post(ENGINEER, "/hooks/{id}/test", hooks::test)
         .post(ADMIN, "/hooks/{id}/enabled", hooks::switch)
-        .get(ADMIN, "/hooks/{id}/delete", form::ask::<hooks::DeleteHook>)
-        .post(ADMIN, "/hooks/{id}/delete", form::act::<hooks::DeleteHook>)
+        .action::<hooks::DeleteHook>(ADMIN, "/hooks/{id}/delete")
         .post(ENGINEER, "/hooks/{id}/redeliver", hooks::redeliver_dead)
         .post(ENGINEER, "/hooks/{id}/deliveries/{delivery}/redeliver", hooks::redeliver)
         .get(VIEWER, "/records/{id}", calibration::record)
-        .get(ENGINEER, "/records/{id}/void", form::ask::<corrections::VoidCalibration>)
-        .post(ENGINEER, "/records/{id}/void", form::act::<corrections::VoidCalibration>)
-        .get(ENGINEER, "/records/{id}/confirm", form::ask::<confirm::ConfirmTime>)
-        .post(ENGINEER, "/records/{id}/confirm", form::act::<confirm::ConfirmTime>)
+        .action::<corrections::VoidCalibration>(ENGINEER, "/records/{id}/void")
+        .action::<confirm::ConfirmTime>(ENGINEER, "/records/{id}/confirm")
         .get(VIEWER, "/campaigns/{id}", calibration::campaign)
-        .get(ENGINEER, "/campaigns/{id}/void", form::ask::<corrections::VoidCalibration>)
-        .post(ENGINEER, "/campaigns/{id}/void", form::act::<corrections::VoidCalibration>)
-        .get(ENGINEER, "/bench-results/{id}/void", form::ask::<corrections::VoidBench>)
-        .post(ENGINEER, "/bench-results/{id}/void", form::act::<corrections::VoidBench>)
+        .action::<corrections::VoidCalibration>(ENGINEER, "/campaigns/{id}/void")
+        .action::<corrections::VoidBench>(ENGINEER, "/bench-results/{id}/void")
         .get(VIEWER, "/campaigns/{id}/diagnosis", diagnosis::page)
-        .get(ENGINEER, "/campaigns/{id}/adopt", form::ask::<adoption::Adopt>)
-        .post(ENGINEER, "/campaigns/{id}/adopt", form::act::<adoption::Adopt>)
+        .action::<adoption::Adopt>(ENGINEER, "/campaigns/{id}/adopt")
         .get(VIEWER, "/diagnoses", diagnoses::page)
         .post(ENGINEER, "/diagnoses", diagnoses::start)
         .post(ENGINEER, "/diagnoses/{id}/cancel", diagnoses::cancel)

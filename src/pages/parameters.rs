@@ -3,10 +3,8 @@
 
 use std::collections::BTreeSet;
 
-use maud::{Markup, html};
-
 use super::layout::encoded;
-use super::text::Text;
+use super::prelude::*;
 use super::{figure, status};
 use crate::config::Judging;
 use crate::core::judge::Status;
@@ -33,38 +31,41 @@ struct Three {
     sd: [Option<f64>; 3],
 }
 
+impl Three {
+    fn of(values: [f64; 3], sd: Option<[f64; 3]>) -> Self {
+        Self { values, sd: sd.map_or([None; 3], |sd| sd.map(Some)) }
+    }
+
+    fn norm(&self) -> f64 {
+        self.values.iter().map(|v| v * v).sum::<f64>().sqrt()
+    }
+}
+
 impl Parameters {
     /// As a station stated them. G that came in deg/(h g0) is multiplied by |E|.
     pub fn stated(gyro: &GyroBody) -> Self {
-        let e = gyro.e_pulse_per_arcsec.0;
-        let norm = e.iter().map(|v| v * v).sum::<f64>().sqrt();
-        let factor = if gyro.g_pulse_per_s_g0.is_some() { 1.0 } else { norm };
+        let e = Three::of(gyro.e_pulse_per_arcsec.0, gyro.e_sd.map(|sd| sd.0));
+        let factor = if gyro.g_pulse_per_s_g0.is_some() { 1.0 } else { e.norm() };
         let g = gyro.g_pulse_per_s_g0.or(gyro.g_deg_per_h_g0);
-        let three =
-            |values: [f64; 3], sd: Option<[f64; 3]>| Three { values, sd: sd.map_or([None; 3], |sd| sd.map(Some)) };
         Self {
             slot: gyro.slot,
             serial: gyro.serial.clone(),
-            e: Some(three(e, gyro.e_sd.map(|sd| sd.0))),
-            g: g.map(|g| three(g.0.map(|v| v * factor), gyro.g_sd.map(|sd| sd.0.map(|v| v * factor)))),
-            p: gyro.p_pulse_per_s_g02.map(|p| three(p.0, None)),
+            e: Some(e),
+            g: g.map(|g| Three::of(g.0.map(|v| v * factor), gyro.g_sd.map(|sd| sd.0.map(|v| v * factor)))),
+            p: gyro.p_pulse_per_s_g02.map(|p| Three::of(p.0, None)),
         }
     }
 
     /// As they were fitted here.
     pub fn fitted(gyro: &GyroFitBody) -> Self {
-        let sd_of = |unit: &str| {
-            let of_unit: Vec<&ParameterBody> = gyro.parameters.iter().filter(|p| p.unit == unit).collect();
-            [0, 1, 2].map(|i| of_unit.get(i).and_then(|parameter| parameter.sd))
-        };
-        let split = |sd: Option<[f64; 3]>| sd.map_or([None; 3], |sd| sd.map(Some));
-        let g_squared = "pulse/(s*g0^2)";
+        let p: Vec<&ParameterBody> = gyro.parameters.iter().filter(|p| p.unit == "pulse/(s*g0^2)").collect();
+        let p_sd = [0, 1, 2].map(|i| p.get(i).and_then(|parameter| parameter.sd));
         Self {
             slot: gyro.slot,
             serial: gyro.serial.clone(),
-            e: gyro.e_pulse_per_arcsec.map(|e| Three { values: e.0, sd: split(gyro.e_sd.map(|sd| sd.0)) }),
-            g: gyro.g_pulse_per_s_g0.map(|g| Three { values: g.0, sd: split(gyro.g_sd.map(|sd| sd.0)) }),
-            p: gyro.p_pulse_per_s_g02.map(|p| Three { values: p.0, sd: sd_of(g_squared) }),
+            e: gyro.e_pulse_per_arcsec.map(|e| Three::of(e.0, gyro.e_sd.map(|sd| sd.0))),
+            g: gyro.g_pulse_per_s_g0.map(|g| Three::of(g.0, gyro.g_sd.map(|sd| sd.0))),
+            p: gyro.p_pulse_per_s_g02.map(|p| Three { values: p.0, sd: p_sd }),
         }
     }
 }
@@ -77,12 +78,11 @@ pub(super) fn required(judging: &Judging, imu: &str, geometry: &GeometryBody) ->
 
 pub(super) fn tables(t: &Text, gyros: &[Parameters], required: impl Fn(Slot, &str) -> Requirement) -> Markup {
     let required = |gyro: &Parameters| required(gyro.slot, &gyro.serial);
-    let norm = |three: &Three| three.values.iter().map(|v| v * v).sum::<f64>().sqrt();
     html! {
         (table(t, ("E", &t.unit_of("pulse/arcsec")), gyros, |gyro| {
             let e = gyro.e?;
             let required = required(gyro);
-            Some((e, required.e, Some((norm(&e), required.e_norm))))
+            Some((e, required.e, Some((e.norm(), required.e_norm))))
         }))
         (table(t, ("G", &t.unit_of("pulse/(s*g0)")), gyros, |gyro| Some((gyro.g?, required(gyro).g, None))))
         @if gyros.iter().any(|gyro| gyro.p.is_some()) {
@@ -111,25 +111,20 @@ fn table(
     let lines: Vec<(&Parameters, Option<Line>)> = gyros.iter().map(|gyro| (gyro, line(gyro))).collect();
     let with_norm = lines.iter().any(|(_, line)| line.as_ref().is_some_and(|(.., norm)| norm.is_some()));
     html! {
-        div.scroll tabindex="0" { table.parameters.cards {
-            thead { tr {
-                th { var { (symbol) } ", " (unit) } th.n { "X" } th.n { "Y" } th.n { "Z" }
-                @if with_norm { th.n { "|" (symbol) "|" } }
-            } }
-            tbody { @for (gyro, line) in &lines {
-                tr {
-                    th scope="row" { (gyro.slot.name()) " " a href={ "/gyros/" (encoded(&gyro.serial)) } { (gyro.serial) } }
-                    @if let Some((three, bounds, norm)) = line {
-                        @for (i, axis) in ["X", "Y", "Z"].into_iter().enumerate() {
-                            (cell(t, &format!("{symbol} {axis}, {unit}"), three.values[i], three.sd[i], bounds[i]))
-                        }
-                        @if let Some((length, bounds)) = norm { (cell(t, &format!("|{symbol}|, {unit}"), *length, None, *bounds)) }
-                    } @else {
-                        td.quiet colspan="4" { (t.not_determined) }
-                    }
+        (wide_table("parameters cards", html! {
+            th { var { (symbol) } ", " (unit) } th.n { "X" } th.n { "Y" } th.n { "Z" }
+            @if with_norm { th.n { "|" (symbol) "|" } }
+        }, html! { @for (gyro, line) in &lines { tr {
+            th scope="row" { (gyro.slot.name()) " " a href={ "/gyros/" (encoded(&gyro.serial)) } { (gyro.serial) } }
+            @if let Some((three, bounds, norm)) = line {
+                @for (i, axis) in ["X", "Y", "Z"].into_iter().enumerate() {
+                    (cell(t, &format!("{symbol} {axis}, {unit}"), three.values[i], three.sd[i], bounds[i]))
                 }
-            } }
-        } }
+                @if let Some((length, bounds)) = norm { (cell(t, &format!("|{symbol}|, {unit}"), *length, None, *bounds)) }
+            } @else {
+                td.quiet colspan="4" { (t.not_determined) }
+            }
+        } } }))
     }
 }
 

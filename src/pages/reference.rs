@@ -1,19 +1,16 @@
 //! The gap of a campaign against an earlier calibration of its IMU, split into parameters, structure and noise: a
 //! section of the page of its diagnosis.
 
-use maud::{Markup, html};
 use serde::Deserialize;
 
-use super::Pages;
 use super::figure::{self, short};
-use super::layout::{instant, symbol, written};
-use super::text::Text;
+use super::layout::{instant, or_dash, symbol, written};
+use super::prelude::*;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::message::Message;
 use crate::pipeline::{ListedRecord, NotSplit, StoredCampaign};
 use crate::wire::diagnosis::DiagnosisBody;
-use crate::wire::problem::Problem;
 use crate::wire::split::{MovedBody, PartsBody, SplitBody};
 
 /// Calibrations of the IMU that are offered.
@@ -109,19 +106,14 @@ pub(super) fn parts(t: &Text, split: &SplitBody) -> Markup {
     let rows = [(t.all_gyros, &split.all)].into_iter().chain(gyros);
     html! {
         p.note { span translate="no" { (split.station) } " · " (written(&split.measured_at)) " · " (t.against_note) }
-        div.scroll tabindex="0" { table {
-            thead { tr {
-                th { (t.serial) } th.n { (t.whole_gap) } th.n { (t.part_parameters) } th.n { (t.part_structure) }
-                th.n { (t.part_noise) } th.n { (t.p_parameters) }
-            } }
-            tbody { @for (slot, p) in rows { (part_row(slot, p)) } }
-        } }
-        div.scroll tabindex="0" { table {
-            thead { tr {
-                th { (t.serial) } th { (t.coefficient) } th.n { (t.reference) } th.n { (t.now) } th.n { (t.shift) } th.n { "1 σ" } th { (t.unit_word) }
-            } }
-            tbody { @for moved in &split.moved { (moved_row(t, moved)) } }
-        } }
+        (wide_table("", html! {
+            th { (t.serial) } th.n { (t.whole_gap) } th.n { (t.part_parameters) } th.n { (t.part_structure) }
+            th.n { (t.part_noise) } th.n { (t.p_parameters) }
+        }, html! { @for (slot, p) in rows { (part_row(slot, p)) } }))
+        (wide_table("", html! {
+            th { (t.serial) } th { (t.coefficient) } th.n { (t.reference) }
+            th.n { (t.now) } th.n { (t.shift) } th.n { "1 σ" } th { (t.unit_word) }
+        }, html! { @for moved in &split.moved { (moved_row(t, moved)) } }))
         @if !split.notes.is_empty() { ul { @for note in &split.notes { li { (note) } } } }
     }
 }
@@ -139,7 +131,7 @@ fn moved_row(t: &Text, moved: &MovedBody) -> Markup {
             td { (moved.slot) } td { (symbol(&moved.coefficient)) }
             td.n { (format!("{:.places$}", moved.reference)) } td.n { (format!("{:.places$}", moved.now)) }
             td.n { (format!("{:+.places$}", moved.shift)) }
-            td.n { @if let Some(sd) = moved.sd { (format!("{sd:.places$}")) } @else { "–" } }
+            td.n { (or_dash(moved.sd.map(|sd| format!("{sd:.places$}")))) }
             td { (t.unit_of(&moved.unit)) }
         }
     }

@@ -1,88 +1,98 @@
-//! `/gyros/{serial}/report` and `/imus/{imu}/report`: one to put into the acceptance file. Whole without scripts, its
-//! plots drawn by the service; the style sheet keeps what belongs together on one sheet of paper.
+//! `/gyros/{serial}/report` and `/imus/{imu}/report`: one to put into the acceptance file; `/reports`: those on several
+//! gyros, each on sheets of its own. Whole without scripts, plots drawn by the service; the style sheet keeps what
+//! belongs together on one sheet of paper.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use axum::extract::Path;
-use axum::response::Response;
-use maud::{Markup, html};
 use tokio::time::Instant;
 
 use super::gyro::{agreement, calibration_table, explained};
 use super::gyro_facts::{Facts, MOST_ROWS};
-use super::layout::{DRIFTS, Page, Section, instant, symbol};
-use super::text::Text;
-use super::viewer::{Viewer, Visit};
-use super::{Pages, before_after, figure, gyro_head, history_plot, imu, verdicts};
-use crate::core::id::Id;
+use super::layout::{DRIFTS, instant, symbol};
+use super::prelude::*;
+use super::view::View;
+use super::{before_after, figure, gyro_head, history, history_plot, imu, verdicts};
 use crate::core::judge::{Event, Limits, Rule};
 use crate::core::kind::Kind;
-use crate::core::time::UtcMicros;
-use crate::pages::history;
-use crate::pages::view::View;
 use crate::pipeline::{ExplainedHistory, Names};
-use crate::wire::problem::Problem;
-use crate::{system, words};
+use crate::system;
 
-/// Calibrations that a report on a gyro lists; all are in its pictures.
-const ROWS: usize = MOST_ROWS;
+/// Gyros of one page.
+const MOST_GYROS: usize = 30;
 /// How long a report waits for the diagnoses of all its histories: paper has no page to turn to.
-pub(super) const PATIENCE: Duration = Duration::from_secs(10);
+const PATIENCE: Duration = Duration::from_secs(10);
 
-pub(super) async fn gyro(
-    Visit { ref pages, ref viewer }: Visit,
-    Path(serial): Path<String>,
-) -> Result<Response, Problem> {
+pub(super) async fn gyro(Visit(ref pages, ref viewer): Visit, Path(serial): Path<String>) -> Result<Response, Problem> {
     Ok(viewer.show_for_paper(&of_gyro(pages, viewer, &serial, Instant::now() + PATIENCE).await?, &[&serial]))
 }
 
-pub(super) async fn imu(Visit { ref pages, ref viewer }: Visit, Path(imu): Path<String>) -> Result<Response, Problem> {
+pub(super) async fn imu(Visit(ref pages, ref viewer): Visit, Path(imu): Path<String>) -> Result<Response, Problem> {
     Ok(viewer.show_for_paper(&of_imu(pages, viewer, &imu).await?, &[&imu]))
 }
 
+pub(super) async fn several(
+    Visit(ref pages, ref viewer): Visit,
+    Query(asked): Query<Vec<(String, String)>>,
+) -> Result<Response, Problem> {
+    let serials = asked.iter().filter(|(name, _)| name == "gyro").map(|(_, serial)| serial.as_str());
+    let serials: Vec<&str> = serials.take(MOST_GYROS).collect();
+    let t = viewer.text();
+    let until = Instant::now() + PATIENCE;
+    let mut sheets = Vec::new();
+    for serial in &serials {
+        sheets.push(of_gyro(pages, viewer, serial, until).await?.body);
+    }
+    let body = html! {
+        @if sheets.is_empty() { h1 { (t.reports) } p.lead { (t.none_selected) } }
+        @for (k, sheet) in sheets.iter().enumerate() { section.{ "about" (k) }.sheet[k > 0] { (sheet) } }
+    };
+    let page = Page { title: t.reports.into(), section: Section::Fleet, body };
+    Ok(viewer.show_for_paper(&page, &serials))
+}
+
 /// Of one gyro, with the cause of its changes where that is found by `until`.
-pub(super) async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str, until: Instant) -> Result<Page, Problem> {
+async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str, until: Instant) -> Result<Page, Problem> {
     let t = viewer.text();
     let number = pages.gyro_number(serial)?;
     let view = View::whole(pages.config.judging.method);
     let facts = Facts::of(pages, number, serial, &view, 0).await?;
     let explained = explained(pages, number, serial, &facts, until).await?;
-    let rested_on = rested_on(pages, &facts).await?;
+    let hashes = hashes(pages, t, &facts).await?;
     let parameters = match facts.course.figures.last() {
         Some(newest) => imu::parameters_of(pages, t, newest.record, Some(serial)).await?,
         None => None,
     };
     let names = pages.pipeline.queries.names();
-    let plots = history_plot::plots(viewer, serial, view, facts.seen(), &names, "");
+    let plots = history_plot::plots(t, serial, view, facts.seen(), &names, "");
     let count = facts.course.figures.len();
     let body = html! {
         article.report {
             section.decide {
                 h1 { (t.report_of_gyro) " " (serial) " " (facts.badge(t)) }
-                (as_of(pages, viewer))
-                (identity(viewer, serial, &view, &facts, &names))
+                (as_of(pages, t))
+                (identity(t, serial, &view, &facts, &names))
                 (gyro_head::loads(t, &facts.stands(view.judged)))
                 div.causes { (gyro_head::causes(t, &facts, explained.as_ref())) }
                 (conclusion(t, &facts, explained.as_ref()))
                 (plots.of(&[0, 1]))
                 (plots.signs(t))
-                div.beside { (limits(t, &facts.course.limits)) (hashes(t, &rested_on)) }
+                div.beside { (limits(t, &facts.course.limits)) (hashes) }
                 (boxes(t))
             }
             @if let Some(parameters) = parameters { section { h2 { (t.newest_parameters) } (parameters) } }
             section { h2 { (t.verdicts) } (verdicts::table(viewer, &facts.verdicts, &facts.alerts, None)) }
             section { h2 { (symbol("D_O")) ": " (t.meaning_d_o) } (plots.of(&[2])) }
-            (before_after::section(viewer, &facts.course, view.judged))
-            (agreement(viewer, serial, &facts.comparison))
-            (history::happenings(viewer, &facts.course, &names))
+            (before_after::section(t, &facts.course, view.judged))
+            (agreement(t, serial, &facts.comparison))
+            (history::happenings(t, &facts.course, &names))
             section {
                 h2 { (t.calibrations) }
                 p.note {
-                    (t.newest_of) " " (count.min(ROWS)) " / " (count) ", " (t.method_of(view.shown.separation())) ", "
+                    (t.newest_of) " " (count.min(MOST_ROWS)) " / " (count) ", " (t.method_of(view.shown.separation())) ", "
                     (t.unit)
                 }
-                @let rows = facts.course.figures.iter().rev().take(ROWS);
+                @let rows = facts.course.figures.iter().rev().take(MOST_ROWS);
                 (calibration_table(viewer, view.shown, &facts.statuses, rows, &names, false))
             }
         }
@@ -90,49 +100,29 @@ pub(super) async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str, until:
     Ok(Page { title: format!("{} {serial}", t.report_of_gyro), section: Section::Fleet, body })
 }
 
-/// A record that the verdicts rest on, and what it is for.
-struct RestedOn {
-    what: &'static str,
-    id: Id,
-    at: UtcMicros,
-    sha256: String,
-}
-
 /// The newest record and those that made the baseline of D_I, as they were sent.
-async fn rested_on(pages: &Pages, facts: &Facts) -> Result<Vec<RestedOn>, Problem> {
-    let t = words::asked().text();
+async fn hashes(pages: &Pages, t: &Text, facts: &Facts) -> Result<Markup, Problem> {
     let rows = &facts.course.figures;
     let made = facts.epochs[0].last().and_then(|epoch| epoch.made);
     let of_baseline = rows.iter().filter(|row| made.is_some_and(|(from, until)| from <= row.at && row.at <= until));
     let newest = rows.last().map(|row| (t.newest_record, row));
-    let mut found = Vec::new();
+    let mut lines = Vec::new();
     for (what, row) in newest.into_iter().chain(of_baseline.map(|row| (t.baseline_record, row))) {
         if let Some(item) = pages.pipeline.queries.records.sent(row.record).await? {
-            found.push(RestedOn {
-                what,
-                id: row.record,
-                at: row.at,
-                sha256: hex::encode(system::sha256(item.body.as_bytes())),
-            });
+            let sha256 = hex::encode(system::sha256(item.body.as_bytes()));
+            lines.push(html! { tr {
+                td { (what) } td { (instant(row.at)) }
+                td { a href={ "/records/" (row.record) } { code { (row.record) } } } td { code { (sha256) } }
+            } });
         }
     }
-    Ok(found)
-}
-
-fn hashes(t: &Text, rested_on: &[RestedOn]) -> Markup {
-    html! {
-        @if !rested_on.is_empty() {
-            div.scroll tabindex="0" { table.small {
-                thead { tr { th { (t.records_judged) } th { (t.calibrated) } th { (t.identifier) } th { "SHA-256" } } }
-                tbody { @for one in rested_on {
-                    tr {
-                        td { (one.what) } td { (instant(one.at)) }
-                        td { a href={ "/records/" (one.id) } { code { (one.id) } } } td { code { (one.sha256) } }
-                    }
-                } }
-            } }
+    Ok(html! {
+        @if !lines.is_empty() {
+            (wide_table("small", html! {
+                th { (t.records_judged) } th { (t.calibrated) } th { (t.identifier) } th { "SHA-256" }
+            }, html! { @for line in &lines { (line) } }))
         }
-    }
+    })
 }
 
 /// What the verdicts suggest, and what was decided.
@@ -153,27 +143,24 @@ fn limits(t: &Text, limits: &Limits) -> Markup {
     };
     let rules = Rule::ALL.map(|rule| (rule, of_rule(rule))).into_iter();
     html! { div {
-        div.scroll tabindex="0" { table.small {
-            thead { tr {
-                th { (t.limits_in_force) } @for name in DRIFTS { th.n { (symbol(name)) } } th { (t.set_by) }
-            } }
-            tbody {
-                @for (rule, all) in rules.filter(|(_, all)| all.iter().any(Option::is_some)) {
-                    tr {
-                        td { (t.rule(rule)) }
-                        @for limit in &all { td.n { @if let Some(limit) = limit { (figure::limit(rule, *limit)) } } }
-                        @let keys = all.iter().flatten().map(|limit| limit.from.to_string());
-                        td { @for key in keys.collect::<BTreeSet<String>>() { code { (key) } " " } }
-                    }
-                }
-                @if let Some(limit) = &limits.interval_days {
-                    tr {
-                        td { (t.rule(Rule::Overdue)) } td.n colspan="3" { (limit.value) " " (t.days) }
-                        td { code { (limit.from) } }
-                    }
+        (wide_table("small", html! {
+            th { (t.limits_in_force) } @for name in DRIFTS { th.n { (symbol(name)) } } th { (t.set_by) }
+        }, html! {
+            @for (rule, all) in rules.filter(|(_, all)| all.iter().any(Option::is_some)) {
+                tr {
+                    td { (t.rule(rule)) }
+                    @for limit in &all { td.n { @if let Some(limit) = limit { (figure::limit(rule, *limit)) } } }
+                    @let keys = all.iter().flatten().map(|limit| limit.from.to_string());
+                    td { @for key in keys.collect::<BTreeSet<String>>() { code { (key) } " " } }
                 }
             }
-        } }
+            @if let Some(limit) = &limits.interval_days {
+                tr {
+                    td { (t.rule(Rule::Overdue)) } td.n colspan="3" { (limit.value) " " (t.days) }
+                    td { code { (limit.from) } }
+                }
+            }
+        }))
         p.note { (t.unit) " · " (t.confidence_word) " " (figure::percent(limits.confidence)) }
     } }
 }
@@ -206,12 +193,14 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
     let body = html! {
         article.report {
             h1 { (t.report_of_imu) " " (name) }
-            (as_of(pages, viewer))
+            (as_of(pages, t))
             section {
                 h2 { (t.identity) }
                 dl.facts {
                     dt { (t.imu) } dd { (name) }
-                    @if let Some(newest) = found.records.first() { dt { (t.calibrated) } dd { (instant(newest.calibrated_at)) } }
+                    @if let Some(newest) = found.records.first() {
+                        dt { (t.calibrated) } dd { (instant(newest.calibrated_at)) }
+                    }
                     dt { (t.records_word) } dd { (found.records.len()) " (" (t.kind_campaign) ": " (campaigns) ")" }
                     dt { (t.judged_by) } dd { (t.method_of(view.shown.separation())) }
                 }
@@ -225,25 +214,24 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
                     (conclusion(t, facts, explained.as_ref()))
                     (limits(t, &facts.course.limits))
                     (verdicts::table(viewer, &facts.verdicts, &facts.alerts, None))
-                    @let plots = history_plot::plots(viewer, serial, view, facts.seen(), &names, &format!("-{serial}"));
+                    @let plots = history_plot::plots(t, serial, view, facts.seen(), &names, &format!("-{serial}"));
                     (plots.of(&[0, 1, 2])) (plots.signs(t))
-                    (before_after::section(viewer, &facts.course, pages.config.judging.method))
-                    (agreement(viewer, serial, &facts.comparison))
-                    (history::happenings(viewer, &facts.course, &names))
+                    (before_after::section(t, &facts.course, pages.config.judging.method))
+                    (agreement(t, serial, &facts.comparison))
+                    (history::happenings(t, &facts.course, &names))
                 }
             }
-            (signature(viewer))
+            (signature(t))
         }
     };
     Ok(Page { title: format!("{} {name}", t.report_of_imu), section: Section::Fleet, body })
 }
 
-pub(super) fn as_of(pages: &Pages, viewer: &Viewer) -> Markup {
-    html! { p.note { (viewer.text().printed_at) " " (instant(pages.clock.now())) " · gyrowatch " (env!("CARGO_PKG_VERSION")) } }
+pub(super) fn as_of(pages: &Pages, t: &Text) -> Markup {
+    html! { p.note { (t.printed_at) " " (instant(pages.clock.now())) " · gyrowatch " (env!("CARGO_PKG_VERSION")) } }
 }
 
-fn identity(viewer: &Viewer, serial: &str, view: &View, facts: &Facts, names: &Names<'_>) -> Markup {
-    let t = viewer.text();
+fn identity(t: &Text, serial: &str, view: &View, facts: &Facts, names: &Names<'_>) -> Markup {
     html! {
         dl.facts {
             dt { (t.serial) } dd { (serial) }
@@ -258,6 +246,6 @@ fn identity(viewer: &Viewer, serial: &str, view: &View, facts: &Facts, names: &N
     }
 }
 
-fn signature(viewer: &Viewer) -> Markup {
-    html! { p.signature { (viewer.text().signature) ":" } }
+fn signature(t: &Text) -> Markup {
+    html! { p.signature { (t.signature) ":" } }
 }

@@ -1,11 +1,10 @@
 //! Residuals dwell by dwell, and gyro by dwell, as pictures without a script.
 
-use maud::{Markup, html};
 use nalgebra::Vector3;
 
 use super::chart::{Across, Chart, Dot, Level, Track, bounds, widened};
-use super::figure::short;
-use super::text::Text;
+use super::figure::{percent, short};
+use super::prelude::*;
 use crate::core::campaign::{Campaign, Dwell, Phase};
 use crate::wire::diagnosis::{ResidualBody, TableBody};
 
@@ -55,13 +54,12 @@ pub(super) fn before_and_after(t: &Text, all: &[ResidualBody], slot: &str, exten
 }
 
 fn track(class: &str, values: impl Iterator<Item = (usize, f64)>, unit: &str, t: &Text) -> Track {
-    let dot = |(dwell, y): (usize, f64)| Dot {
-        x: dwell as f64,
-        y,
-        said: format!("{} {dwell}: {} {unit}", t.dwell, short(y)),
-        ..Dot::default()
-    };
-    Track { class: class.into(), dots: values.map(dot).collect(), ..Track::default() }
+    let dots = values.map(|(dwell, y)| Dot { x: dwell as f64, y, said: said(t, dwell, y, unit), ..Dot::default() });
+    Track { class: class.into(), dots: dots.collect(), ..Track::default() }
+}
+
+fn said(t: &Text, dwell: usize, y: f64, unit: &str) -> String {
+    format!("{} {dwell}: {} {unit}", t.dwell, short(y))
 }
 
 /// Dwells across; a band to either side of zero; the y axis reaches to `extent` on either side.
@@ -81,17 +79,15 @@ fn picture(t: &Text, name: &str, unit: &str, tracks: Vec<Track>, band: Option<f6
 }
 
 /// One dwell: the figure that an effect follows, deg/h that it does not leave unexplained, and their uncertainty.
-pub(super) struct Point {
-    pub dwell: usize,
-    pub x: f64,
-    pub y: f64,
-    pub sd: f64,
+pub(super) fn point(t: &Text, dwell: usize, x: f64, y: f64, sd: f64) -> Dot {
+    Dot { x, y, sd: Some(sd), said: said(t, dwell, y, t.rate_unit), ..Dot::default() }
 }
 
 /// An effect in one gyro.
 pub(super) struct Evidence {
     pub name: String,
-    pub points: Vec<Point>,
+    /// Of its dwells, as [`point`] has them.
+    pub points: Vec<Dot>,
     /// Of the fit through zero, deg/h per unit of x.
     pub slope: f64,
     /// Of x.
@@ -105,26 +101,17 @@ pub(super) fn evidence(t: &Text, all: &[Evidence]) -> Markup {
     let Some(x) = bounds(points().map(|point| point.x)) else { return html! {} };
     let x = widened(x, 0.05, 1.0);
     let unit = t.rate_unit;
-    let chart = |one: &Evidence| {
-        let dot = |point: &Point| Dot {
-            x: point.x,
-            y: point.y,
-            sd: Some(point.sd),
-            said: format!("{} {}: {} {unit}", t.dwell, point.dwell, short(point.y)),
-            ..Dot::default()
-        };
-        Chart {
-            range: Some((-reach, reach)),
-            height: HEIGHT,
-            tracks: vec![Track { class: "dot".into(), dots: one.points.iter().map(dot).collect(), ..Track::default() }],
-            lines: vec![("fit", [x.0, x.1].map(|x| (x, one.slope * x)).to_vec())],
-            ..Chart::new(
-                format!("{}: {}", one.name, t.evidence_note),
-                html! { span { (one.name) (t.colon) " " (t.residual_word) ", " (unit) } },
-                Across::Figure(format!("{}, {}", t.regressor, one.unit)),
-                x,
-            )
-        }
+    let chart = |one: &Evidence| Chart {
+        range: Some((-reach, reach)),
+        height: HEIGHT,
+        tracks: vec![Track { class: "dot".into(), dots: one.points.clone(), ..Track::default() }],
+        lines: vec![("fit", [x.0, x.1].map(|x| (x, one.slope * x)).to_vec())],
+        ..Chart::new(
+            format!("{}: {}", one.name, t.evidence_note),
+            html! { span { (one.name) (t.colon) " " (t.residual_word) ", " (unit) } },
+            Across::Figure(format!("{}, {}", t.regressor, one.unit)),
+            x,
+        )
     };
     html! { div.charts.three { @for one in all { (chart(one).markup()) } } }
 }
@@ -223,7 +210,9 @@ fn signed_map(t: &Text, all: &[ResidualBody], slots: &[String], settings: &[Sett
             @for (from, count, turning) in phases_from {
                 @let (class, name) = if turning { ("lane1", t.phase_rate) } else { ("lane0", t.phase_static) };
                 @let (left, width) = (LEFT + cell * from as f64, cell * count as f64);
-                rect class=(class) x=(tenth(left)) y=(phases) width=(tenth(width - 1.0)) height=(LANE - 3.0) { title { (name) } }
+                rect class=(class) x=(tenth(left)) y=(phases) width=(tenth(width - 1.0)) height=(LANE - 3.0) {
+                    title { (name) }
+                }
                 @if width > 44.0 {
                     text.own x=(tenth(left + 0.5 * width)) y=(phases + 11.0) text-anchor="middle" { (name) }
                 }
@@ -244,25 +233,33 @@ fn signed_map(t: &Text, all: &[ResidualBody], slots: &[String], settings: &[Sett
             }
             @if fastest > 0.0 {
                 @let base = foot + LANE - 2.0;
-                text x=(LEFT - 6.0) y=(tenth(base)) text-anchor="end" { (format!("{fastest:.*} {}", usize::from(fastest < 1.0), t.unit_of("deg/s"))) }
+                text x=(LEFT - 6.0) y=(tenth(base)) text-anchor="end" {
+                    (format!("{fastest:.*} {}", usize::from(fastest < 1.0), t.unit_of("deg/s")))
+                }
                 @for (dwell, rate) in settings.iter().enumerate().filter_map(|(dwell, one)| Some((dwell, one.deg_per_s?))) {
                     @let size = (LANE - 4.0) * rate / fastest;
                     rect.set x=(x(dwell)) y=(tenth(base - size)) width=(wide) height=(tenth(size)) {}
                 }
             }
-            @let key = height - 4.0;
-            @if order.is_sorted() {
-                text x=(LEFT) y=(tenth(key)) { (t.dwell) " 0" }
-                text x=(WIDTH - RIGHT) y=(tenth(key)) text-anchor="end" { (order.len().saturating_sub(1)) }
-            }
-            @for k in (-6_i32..=6).filter(|k| *k != 0) {
-                @let top = if k < 0 { key - 4.0 } else { key - 10.0 };
-                rect class={ "heat" @if k < 0 { " below" } } x=(tenth(0.5 * WIDTH + 14.0 * f64::from(k))) y=(tenth(top)) width="13" height="6"
-                    fill-opacity=(shade(f64::from(k))) {}
-            }
-            text x=(tenth(0.5 * WIDTH - 90.0)) y=(tenth(key)) text-anchor="end" { "-6 σ" }
-            text x=(tenth(0.5 * WIDTH + 104.0)) y=(tenth(key)) { "+6 σ" }
+            (key(t, order, height - 4.0))
         } }
+    }
+}
+
+/// How many dwells there are, where they stand by time, and what the shades mean; on one line at `y`.
+fn key(t: &Text, order: &[usize], y: f64) -> Markup {
+    html! {
+        @if order.is_sorted() {
+            text x=(LEFT) y=(tenth(y)) { (t.dwell) " 0" }
+            text x=(WIDTH - RIGHT) y=(tenth(y)) text-anchor="end" { (order.len().saturating_sub(1)) }
+        }
+        @for k in (-6_i32..=6).filter(|k| *k != 0) {
+            @let top = if k < 0 { y - 4.0 } else { y - 10.0 };
+            rect class={ "heat" @if k < 0 { " below" } } x=(tenth(0.5 * WIDTH + 14.0 * f64::from(k))) y=(tenth(top)) width="13" height="6"
+                fill-opacity=(shade(f64::from(k))) {}
+        }
+        text x=(tenth(0.5 * WIDTH - 90.0)) y=(tenth(y)) text-anchor="end" { "-6 σ" }
+        text x=(tenth(0.5 * WIDTH + 104.0)) y=(tenth(y)) { "+6 σ" }
     }
 }
 
@@ -274,7 +271,7 @@ fn shade(ratio: f64) -> String {
 pub(super) fn closure_bar(closure: f64, interval: Option<[f64; 2]>) -> Markup {
     let x = |share: f64| 2.0 + 156.0 * share.clamp(0.0, 1.0);
     html! {
-        svg.closure viewBox="0 0 160 14" role="img" aria-label=(super::figure::percent(closure)) {
+        svg.closure viewBox="0 0 160 14" role="img" aria-label=(percent(closure)) {
             rect.frame x="2" y="3" width="156" height="8" {}
             rect.filled x="2" y="3" width=(tenth(x(closure) - 2.0)) height="8" {}
             @if let Some([low, high]) = interval {
@@ -340,9 +337,10 @@ mod tests {
 
     #[test]
     fn the_fit_of_an_effect_goes_through_its_points() {
-        let point = |k: i32| Point { dwell: 0, x: f64::from(k), y: 0.002 * f64::from(k), sd: 1e-4 };
+        let t = Language::English.text();
+        let point = |k: i32| point(t, 0, f64::from(k), 0.002 * f64::from(k), 1e-4);
         let one = Evidence { name: "G1".into(), points: (-3..=3).map(point).collect(), slope: 0.002, unit: "K".into() };
-        let drawn = evidence(Language::English.text(), &[one]).into_string();
+        let drawn = evidence(t, &[one]).into_string();
         let line = drawn.split("<polyline class=\"fit\" points=\"").nth(1).unwrap();
         let ends: Vec<f64> = line
             .split('"')

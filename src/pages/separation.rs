@@ -1,42 +1,31 @@
 //! What was separated from one calibration: D_I, D_S and the closure by both methods, angles and branches.
 
-use maud::{Markup, html};
-
 use super::figure;
-use super::layout::{DRIFTS, encoded, label, symbol};
-use super::text::Text;
+use super::layout::{DRIFTS, encoded, label, or_dash, symbol};
+use super::prelude::*;
 use crate::core::mounting::Slot;
 use crate::wire::answer::{FigureBody, SeparationBody, UncertaintiesBody, UncertaintyBody};
 
 pub(super) fn tables(t: &Text, separations: &[SeparationBody]) -> Markup {
     html! {
-        div.scroll tabindex="0" { table.cards {
-            thead { tr {
-                th { (t.serial) } th { (t.method) } th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) }
-                th.n { (t.closure_rms) }
-            } }
-            tbody { @for one in separations { (figures(t, one)) } }
-        } }
+        (wide_table("cards", html! {
+            th { (t.serial) } th { (t.method) } @for name in DRIFTS { th.n { (symbol(name)) } } th.n { (t.closure_rms) }
+        }, html! { @for one in separations { (figures(t, one)) } }))
         p.note { (t.unit) ". " (t.as_printed_note) }
         (budgets(t, separations))
         h3 { (t.mounting) }
-        div.scroll tabindex="0" { table.cards {
-            thead { tr {
-                th { (t.serial) } th.n { "α" sub { "x" } } th.n { "α" sub { "y" } } th.n { "α" sub { "z" } }
-                th.n { (t.misalignment) ", ′" } th.n { (t.clocking) ", °" } th.n { "|E|, pulse/arcsec" }
-            } }
-            tbody { @for one in separations {
-                tr {
-                    (gyro(one))
-                    @for (angle, name) in one.alpha_deg.0.into_iter().zip(["αx", "αy", "αz"]) {
-                        td.n data-label=(name) { (figure::fixed(angle, 6)) "°" }
-                    }
-                    td.n data-label={ (t.misalignment) ", ′" } { (figure::fixed(one.misalignment_arcmin, 3)) }
-                    td.n data-label={ (t.clocking) ", °" } { (measured(&one.clocking_deg)) }
-                    td.n data-label="|E|, pulse/arcsec" { (measured(&one.scale_factor)) }
-                }
-            } }
-        } }
+        (wide_table("cards", html! {
+            th { (t.serial) } th.n { "α" sub { "x" } } th.n { "α" sub { "y" } } th.n { "α" sub { "z" } }
+            th.n { (t.misalignment) ", ′" } th.n { (t.clocking) ", °" } th.n { "|E|, pulse/arcsec" }
+        }, html! { @for one in separations { tr {
+            (gyro(one))
+            @for (angle, name) in one.alpha_deg.0.into_iter().zip(["αx", "αy", "αz"]) {
+                td.n data-label=(name) { (figure::fixed(angle, 6)) "°" }
+            }
+            td.n data-label={ (t.misalignment) ", ′" } { (figure::fixed(one.misalignment_arcmin, 3)) }
+            td.n data-label={ (t.clocking) ", °" } { (measured(&one.clocking_deg)) }
+            td.n data-label="|E|, pulse/arcsec" { (measured(&one.scale_factor)) }
+        } } }))
     }
 }
 
@@ -96,24 +85,20 @@ fn budgets(t: &Text, separations: &[SeparationBody]) -> Markup {
         @if !all.is_empty() {
             details #budget open[beyond_noise] {
                 summary { (t.uncertainty_budget) }
-                div.scroll tabindex="0" { table.cards {
-                    thead { tr {
-                        th { (t.serial) } th { (t.coefficient) } @for (name, _) in &parts { th.n { (name) } } th.n { (t.combined) }
-                    } }
-                    tbody { @for (budgets, slot, serial) in &all {
-                        @for (budget, name) in budgets.iter().zip(DRIFTS) {
-                            tr {
-                                td { (slot.name()) " " (serial) } td { (symbol(name)) }
-                                @for (name, part) in &parts {
-                                    td.n data-label=(name) {
-                                        @if let Some(sd) = part(budget) { (figure::short(sd)) } @else { "–" }
-                                    }
-                                }
-                                td.n data-label=(t.combined) { strong { (figure::short(budget.combined)) } }
+                (wide_table("cards", html! {
+                    th { (t.serial) } th { (t.coefficient) }
+                    @for (name, _) in &parts { th.n { (name) } } th.n { (t.combined) }
+                }, html! { @for (budgets, slot, serial) in &all {
+                    @for (budget, name) in budgets.iter().zip(DRIFTS) {
+                        tr {
+                            td { (slot.name()) " " (serial) } td { (symbol(name)) }
+                            @for (name, part) in &parts {
+                                td.n data-label=(name) { (or_dash(part(budget).map(figure::short))) }
                             }
+                            td.n data-label=(t.combined) { strong { (figure::short(budget.combined)) } }
                         }
-                    } }
-                } }
+                    }
+                } }))
                 p.note { (t.unit) ". " (t.uncertainty_note) }
             }
         }

@@ -1,23 +1,19 @@
 //! `/setup`: the limits in force and where each comes from; who may use the service, and what was done with it.
 
-use maud::{Markup, html};
-
-use super::layout::{DRIFTS, Page, Section, instant, symbol};
-use super::text::Text;
-use super::viewer::Visit;
-use super::{Pages, figure};
+use super::figure;
+use super::layout::{DRIFTS, instant, symbol};
+use super::prelude::*;
 use crate::config::{Config, Layer};
-use crate::core::access::{AuditEntry, AuditFilter, Role};
+use crate::core::access::{AuditEntry, AuditFilter};
 use crate::core::judge::limits::{Bounds, LimitKey, Requirement};
 use crate::core::judge::{Limit, Rule};
 use crate::core::mounting::Slot;
 use crate::pipeline::Token;
-use crate::wire::problem::Problem;
 
 /// Lines of the audit trail that are shown.
 const LINES: u32 = 50;
 
-pub(super) async fn page(Visit { ref pages, ref viewer }: Visit) -> Result<Page, Problem> {
+pub(super) async fn page(Visit(ref pages, ref viewer): Visit) -> Result<Page, Problem> {
     let t = viewer.text();
     let access = match viewer.may(Role::Admin) {
         true => {
@@ -64,16 +60,16 @@ fn limits(t: &Text, config: &Config) -> Markup {
         section {
             h2 { (t.setup_limits) }
             p.note { (t.limits_note) }
-            div.scroll tabindex="0" { table {
-                thead { tr { th { (t.coefficient) } th { (t.rule_word) } th.n { (t.limit) } th { (t.unit_word) } th { (t.set_by_key) } } }
-                tbody {
-                    @for (name, drift) in DRIFTS.iter().zip([&limits.d_i, &limits.d_s]) {
-                        @for rule in Rule::ALL { @if let Some(limit) = drift.stated(rule) { (row(name, rule, limit, t.unit)) } }
-                    }
-                    @if let Some(closure) = limits.closure { (row(DRIFTS[2], Rule::Closure, closure, t.unit)) }
-                    @if let Some(interval) = limits.interval_days { (row("all", Rule::Overdue, interval, t.days_word)) }
+            (wide_table("", html! {
+                th { (t.coefficient) } th { (t.rule_word) }
+                th.n { (t.limit) } th { (t.unit_word) } th { (t.set_by_key) }
+            }, html! {
+                @for (name, drift) in DRIFTS.iter().zip([&limits.d_i, &limits.d_s]) {
+                    @for rule in Rule::ALL { @if let Some(limit) = drift.stated(rule) { (row(name, rule, limit, t.unit)) } }
                 }
-            } }
+                @if let Some(closure) = limits.closure { (row(DRIFTS[2], Rule::Closure, closure, t.unit)) }
+                @if let Some(interval) = limits.interval_days { (row("all", Rule::Overdue, interval, t.days_word)) }
+            }))
             (requirements(t, config))
             @if !judging.overrides.is_empty() {
                 h3 { (t.overrides) }
@@ -103,15 +99,12 @@ fn requirements(t: &Text, config: &Config) -> Markup {
     html! {
         h3.capital { (t.rule(Rule::Requirement)) }
         @if any {
-            div.scroll tabindex="0" { table.small {
-                thead { tr { th { (t.slot) } th { (t.parameter) } th.n { (t.limit) } th { (t.unit_word) } th { (t.set_by_key) } } }
-                tbody { @for (slot, of) in &required { @for (name, Bounds { low, high, from }) in bounds(of) {
-                    tr {
-                        td { (slot.name()) } th scope="row" { (symbol(name)) }
-                        td.n { (low) " … " (high) } td { (t.unit_of(unit(name))) } td { (set_by(t, config, from)) }
-                    }
-                } } }
-            } }
+            (wide_table("small", html! {
+                th { (t.slot) } th { (t.parameter) } th.n { (t.limit) } th { (t.unit_word) } th { (t.set_by_key) }
+            }, html! { @for (slot, of) in &required { @for (name, Bounds { low, high, from }) in bounds(of) { tr {
+                td { (slot.name()) } th scope="row" { (symbol(name)) }
+                td.n { (low) " … " (high) } td { (t.unit_of(unit(name))) } td { (set_by(t, config, from)) }
+            } } } }))
         } @else {
             p { (t.nothing_required) " " (set_by(t, config, LimitKey { place: None, key: "requirements" })) }
         }
@@ -125,19 +118,17 @@ fn tokens(pages: &Pages, t: &Text, tokens: &[Token]) -> Markup {
         section {
             h2 { (t.tokens) }
             p.note { (t.tokens_note) }
-            @if tokens.is_empty() { p { (t.no_tokens) } } @else { div.scroll tabindex="0" { table {
-                thead { tr { th { (t.name_word) } th { (t.role_word) } th { (t.station) } th { (t.created) } th { (t.expires) } th { (t.status_word) } } }
-                tbody { @for token in tokens {
-                    tr {
-                        th scope="row" translate="no" { (token.name) }
-                        td { (t.role(token.role)) }
-                        td translate="no" { (token.station.as_deref().unwrap_or("–")) }
-                        td { (instant(token.created_at)) }
-                        td { @if let Some(at) = token.expires_at { (instant(at)) } @else { (t.never) } }
-                        td { @if holds(token) { (t.valid) } @else { span.quiet { (t.not_valid) } } }
-                    }
-                } }
-            } } }
+            @if tokens.is_empty() { p { (t.no_tokens) } } @else { (wide_table("", html! {
+                th { (t.name_word) } th { (t.role_word) } th { (t.station) }
+                th { (t.created) } th { (t.expires) } th { (t.status_word) }
+            }, html! { @for token in tokens { tr {
+                th scope="row" translate="no" { (token.name) }
+                td { (t.role(token.role)) }
+                td translate="no" { (token.station.as_deref().unwrap_or("–")) }
+                td { (instant(token.created_at)) }
+                td { @if let Some(at) = token.expires_at { (instant(at)) } @else { (t.never) } }
+                td { @if holds(token) { (t.valid) } @else { span.quiet { (t.not_valid) } } }
+            } } })) }
         }
     }
 }
@@ -147,18 +138,15 @@ fn trail(t: &Text, lines: &[AuditEntry]) -> Markup {
         section {
             h2 { (t.audit) }
             p.note { (t.audit_note) " " code { "GET /v1/audit" } }
-            div.scroll tabindex="0" { table {
-                thead { tr { th { (t.date) } th { (t.name_word) } th { (t.what_word) } th { (t.subject) } th { (t.from_where) } } }
-                tbody { @for line in lines {
-                    tr {
-                        td { (instant(line.at)) }
-                        td translate="no" { (line.who) }
-                        td translate="no" { (line.action) }
-                        td translate="no" { code { (line.subject) } }
-                        td translate="no" { (line.source) }
-                    }
-                } }
-            } }
+            (wide_table("", html! {
+                th { (t.date) } th { (t.name_word) } th { (t.what_word) } th { (t.subject) } th { (t.from_where) }
+            }, html! { @for line in lines { tr {
+                td { (instant(line.at)) }
+                td translate="no" { (line.who) }
+                td translate="no" { (line.action) }
+                td translate="no" { code { (line.subject) } }
+                td translate="no" { (line.source) }
+            } } }))
         }
     }
 }

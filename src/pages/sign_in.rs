@@ -5,17 +5,11 @@ use std::net::SocketAddr;
 use axum::extract::{ConnectInfo, State as Held};
 use axum::http::header::{LOCATION, RETRY_AFTER, SET_COOKIE, USER_AGENT};
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
-use axum::response::{IntoResponse, Response};
-use maud::html;
 use serde::Deserialize;
 
-use super::Pages;
-use super::layout::{Page, Section};
-use super::viewer::{Viewer, is_local};
-use crate::core::access::Role;
-use crate::pages::sent::{Form, Query};
+use super::prelude::*;
+use super::viewer::is_local;
 use crate::pipeline::{Caller, Denied, SESSION_COOKIE};
-use crate::wire::problem::Problem;
 
 #[derive(Debug, Deserialize)]
 pub(super) struct SignInQuery {
@@ -34,7 +28,7 @@ pub(super) async fn page(viewer: Viewer, Query(asked): Query<SignInQuery>) -> Pa
     let t = viewer.text();
     let lacking =
         asked.takes.as_deref().and_then(Role::from_name).map(|role| format!("{}{}", t.takes_role, t.role(role)));
-    form(&viewer, asked.back.as_deref(), lacking.as_deref())
+    form(t, asked.back.as_deref(), lacking.as_deref())
 }
 
 /// Takes the token for a cookie that no script reads and no other site's page has sent along.
@@ -55,10 +49,10 @@ pub(super) async fn enter(
         }
         Ok(Err(Denied::TooManyFailures { wait } | Denied::TooManyRequests { wait })) => {
             let after = [(RETRY_AFTER, HeaderValue::from(wait.as_secs().max(1)))];
-            let page = form(&viewer, Some(back), Some(t.too_many_tokens));
+            let page = form(t, Some(back), Some(t.too_many_tokens));
             (StatusCode::TOO_MANY_REQUESTS, after, page).into_response()
         }
-        Ok(Err(_)) => (StatusCode::UNAUTHORIZED, form(&viewer, Some(back), Some(t.wrong_token))).into_response(),
+        Ok(Err(_)) => (StatusCode::UNAUTHORIZED, form(t, Some(back), Some(t.wrong_token))).into_response(),
         Err(refused) => Problem::new(503, "title_try_again", refused.message()).into_response(),
     }
 }
@@ -81,8 +75,7 @@ fn header(text: &str) -> HeaderValue {
     HeaderValue::from_str(text).unwrap_or_else(|_| HeaderValue::from_static("/"))
 }
 
-fn form(viewer: &Viewer, back: Option<&str>, fault: Option<&str>) -> Page {
-    let t = viewer.text();
+fn form(t: &Text, back: Option<&str>, fault: Option<&str>) -> Page {
     let body = html! {
         h1 { (t.sign_in) }
         p.lead { (t.sign_in_note) }

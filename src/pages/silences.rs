@@ -1,24 +1,17 @@
 //! Silences of many alerts: those that hold, on the page of alerts; begun and ended on pages of their own.
 
-use axum::response::Response;
-use maud::{Markup, html};
 use serde::Deserialize;
 
-use super::Pages;
 use super::form::{ActionForm, ItemAction, Word, rule_choice, see_other};
-use super::layout::{Page, Section, remark, written};
-use super::text::Text;
-use super::viewer::{Viewer, Visit};
-use crate::core::access::Role;
+use super::layout::{remark, written};
+use super::prelude::*;
 use crate::core::alert_filter::Matchers;
 use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::judge::Rule;
 use crate::core::message::Message;
 use crate::core::time::UtcMicros;
-use crate::pages::sent::Form;
 use crate::pipeline::SilenceOrder;
-use crate::wire::problem::Problem;
 use crate::wire::silence::MatchersBody;
 use crate::wire::text;
 
@@ -54,23 +47,19 @@ pub(super) async fn list(pages: &Pages, viewer: &Viewer) -> Result<Markup, Probl
         @if may { p.actions.no-print { a.action href="/silences/new" { (t.silence_many) } } }
         @if !silences.is_empty() {
             h2 { (t.silences) }
-            div.scroll tabindex="0" { table {
-                thead { tr { th { (t.silence_of) } th { (t.until) } th { (t.reason_word) } @if may { th { (t.actions_word) } } } }
-                tbody { @for silence in &silences {
-                    tr {
-                        th.words scope="row" { (of(viewer, &silence.matchers)) }
-                        td data-label=(t.until) { (written(&silence.until)) }
-                        td.words { (remark(t.said_by, &silence.by, &silence.reason)) }
-                        @if may { td { a href={ "/silences/" (silence.id) "/end" } { (t.end_silence) } } }
-                    }
-                } }
-            } }
+            (wide_table("", html! {
+                th { (t.silence_of) } th { (t.until) } th { (t.reason_word) } @if may { th { (t.actions_word) } }
+            }, html! { @for silence in &silences { tr {
+                th.words scope="row" { (of(t, &silence.matchers)) }
+                td data-label=(t.until) { (written(&silence.until)) }
+                td.words { (remark(t.said_by, &silence.by, &silence.reason)) }
+                @if may { td { a href={ "/silences/" (silence.id) "/end" } { (t.end_silence) } } }
+            } } }))
         }
     })
 }
 
-fn of(viewer: &Viewer, matchers: &MatchersBody) -> Markup {
-    let t = viewer.text();
+fn of(t: &Text, matchers: &MatchersBody) -> Markup {
     let names = [(t.serial, &matchers.serial), (t.imu, &matchers.imu), (t.station, &matchers.station)];
     let rule = matchers.rule.as_deref().and_then(Rule::from_name);
     html! {
@@ -93,11 +82,11 @@ pub(super) struct NewSilence {
 
 pub(super) async fn ask_new(viewer: Viewer) -> Page {
     let new = NewSilence::default();
-    form(&viewer, &new).fresh(&viewer, &new.word)
+    form(viewer.text(), &new).fresh(&viewer, &new.word)
 }
 
 pub(super) async fn begin(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Form(ref new): Form<NewSilence>,
 ) -> Result<Response, Problem> {
     let mut faults = Faults::default();
@@ -117,15 +106,14 @@ pub(super) async fn begin(
         faults.push("serial", Message::verbatim(viewer.text().silence_of_nothing));
     }
     if !faults.is_empty() {
-        return Ok(form(viewer, new).again(viewer, &new.word, &faults));
+        return Ok(form(viewer.text(), new).again(viewer, &new.word, &faults));
     }
     let Word { by, reason, .. } = new.word.clone();
     pages.pipeline.alerts.order_silence(SilenceOrder::Begin { matchers, until, by, reason }).await?;
     Ok(see_other("/alerts"))
 }
 
-fn form(viewer: &Viewer, new: &NewSilence) -> ActionForm {
-    let t = viewer.text();
+fn form(t: &Text, new: &NewSilence) -> ActionForm {
     let names = [("serial", t.serial, &new.serial), ("imu", t.imu, &new.imu), ("station", t.station, &new.station)];
     let fields = html! {
         @for (name, label, value) in names { label { (label) input name=(name) value=(value) maxlength="128" translate="no"; } }
@@ -140,8 +128,7 @@ fn form(viewer: &Viewer, new: &NewSilence) -> ActionForm {
         action: "/silences/new".into(),
         button: t.silence,
         back: "/alerts".into(),
-        reasoned: true,
-        is_final: false,
+        ..ActionForm::default()
     }
 }
 
@@ -158,13 +145,11 @@ impl ItemAction for EndSilence {
         let form = ActionForm {
             section: Section::Alerts,
             title: t.end_silence_title.into(),
-            what: html! { p { (of(viewer, &silence.matchers)) } p.lead { (t.end_silence_what) } },
-            fields: html! {},
+            what: html! { p { (of(t, &silence.matchers)) } p.lead { (t.end_silence_what) } },
             action: format!("/silences/{number}/end"),
             button: t.end_silence,
             back: "/alerts".into(),
-            reasoned: true,
-            is_final: false,
+            ..ActionForm::default()
         };
         Ok((number, form))
     }

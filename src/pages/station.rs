@@ -1,30 +1,20 @@
 //! `/stations/{name}`: one station by what the gyros of the fleet share there.
 
-use axum::extract::Path;
-use maud::{Markup, html};
-
 use super::alerts::is_open_of;
 use super::bullet::percent;
 use super::course::Course;
-use super::layout::{DRIFTS, Page, Section, day, encoded, instant, symbol};
-use super::text::Text;
-use super::viewer::{Viewer, Visit};
+use super::layout::{DRIFTS, day, encoded, instant, symbol};
+use super::prelude::*;
 use super::{alerts, figure};
-use crate::core::access::Role;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{FleetStations, Shared, Spread, StationColumn, StationFigures};
 use crate::core::judge::Measured;
 use crate::core::suspect_window::SuspectWindow;
 use crate::core::time::UtcMicros;
-use crate::message;
 use crate::wire::alert::AlertBody;
-use crate::wire::problem::Problem;
 use crate::wire::time;
 
-pub(super) async fn page(
-    Visit { ref pages, ref viewer }: Visit,
-    Path(ref name): Path<String>,
-) -> Result<Page, Problem> {
+pub(super) async fn page(Visit(ref pages, ref viewer): Visit, Path(ref name): Path<String>) -> Result<Page, Problem> {
     let t = viewer.text();
     let fleet = &pages.pipeline.queries.fleet;
     let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);
@@ -129,10 +119,8 @@ fn section(
     let t = viewer.text();
     let course = Course {
         symbol: coefficient,
-        unit: t.unit,
         name,
         budget: Some(budget),
-        of_budget: t.percent_of_budget,
         points: column.course.iter().map(|point| (point.at, point.value, Some(point.sd))).collect(),
         lines: Vec::new(),
         marks: changes(column).into_iter().map(|(from, until, _)| (from, found(t, until).to_owned())).collect(),
@@ -140,7 +128,7 @@ fn section(
     html! {
         section id=(coefficient) {
             h2 { (symbol(coefficient)) }
-            (course.markup())
+            (course.markup(t))
             dl.facts {
                 dt { (t.repeatability) } dd { (said(column.repeatability.as_ref())) }
                 @if let Some(offset) = &column.offset {

@@ -1,19 +1,15 @@
 //! `/stations`: what each station does to results, the one that is furthest out first.
 
-use maud::{Markup, html};
-
 use super::alerts::is_open_of;
 use super::bullet;
-use super::layout::{DRIFTS, Page, Section, day, encoded, label, symbol};
+use super::layout::{DRIFTS, day, encoded, label, symbol};
+use super::prelude::*;
 use super::station::changes;
-use super::text::Text;
-use super::viewer::Visit;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{Shared, StationFigures};
 use crate::core::judge::{Measured, Status};
-use crate::wire::problem::Problem;
 
-pub(super) async fn page(Visit { ref pages, ref viewer }: Visit) -> Result<Page, Problem> {
+pub(super) async fn page(Visit(ref pages, ref viewer): Visit) -> Result<Page, Problem> {
     let t = viewer.text();
     let fleet = &pages.pipeline.queries.fleet;
     let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);
@@ -25,19 +21,16 @@ pub(super) async fn page(Visit { ref pages, ref viewer }: Visit) -> Result<Page,
         h1 { (t.stations) }
         @if let Some(found) = &found {
             p.note { (t.offset_against) " " (found.against) ". " (t.stations_note) }
-            div.scroll tabindex="0" { table.cards {
-                thead { tr {
-                    th { (t.station) } th.capital { (t.alerts) }
-                    @for name in DRIFTS.iter().take(2) { th.nowrap { (t.offset) " " (symbol(name)) } }
-                    th { (t.repeatability_short) } th { (t.drift_a_year) } th { (t.last_step) }
-                    th.n.capital { (t.overdue_gyros) } th { (t.last_seen) }
-                } }
-                tbody { @for station in stations {
-                    @let is_open = |alert: &&_| is_open_of(alert, &station.name);
-                    @let alerts = told.iter().filter(is_open).count();
-                    (line(t, station, budget, alerts, overdue.get(&*station.name).copied().unwrap_or_default()))
-                } }
-            } }
+            (wide_table("cards", html! {
+                th { (t.station) } th.capital { (t.alerts) }
+                @for name in DRIFTS.iter().take(2) { th.nowrap { (t.offset) " " (symbol(name)) } }
+                th { (t.repeatability_short) } th { (t.drift_a_year) } th { (t.last_step) }
+                th.n.capital { (t.overdue_gyros) } th { (t.last_seen) }
+            }, html! { @for station in stations {
+                @let is_open = |alert: &&_| is_open_of(alert, &station.name);
+                @let alerts = told.iter().filter(is_open).count();
+                (line(t, station, budget, alerts, overdue.get(&*station.name).copied().unwrap_or_default()))
+            } }))
         } @else { p.lead { (t.nothing_yet) } }
     };
     Ok(Page { title: t.stations.into(), section: Section::Stations, body })
@@ -61,7 +54,9 @@ fn line(t: &Text, station: &StationFigures, budget: f64, alerts: usize, overdue:
         tr {
             th.nowrap scope="row" {
                 a href={ "/stations/" (encoded(&station.name)) } { (station.name) }
-                " · " a href={ "/fleet?station=" (encoded(&station.name)) "&station_when=ever" } { (t.count_of_gyros(station.gyros)) }
+                " · " a href={ "/fleet?station=" (encoded(&station.name)) "&station_when=ever" } {
+                    (t.count_of_gyros(station.gyros))
+                }
             }
             td data-label=(t.alerts) { @if alerts > 0 { a href={ "/stations/" (encoded(&station.name)) } { (alerts) } } }
             @for (column, name) in columns() {

@@ -1,8 +1,6 @@
 //! A status as a badge: told by its shape and word as well as by its colour.
 
-use maud::{Markup, html};
-
-use super::text::Text;
+use super::prelude::*;
 use crate::core::judge::{Event, Status};
 
 /// The sign of a status about the origin, in badges, pictures and legends alike: a disc is in order, a circle waits for
@@ -38,7 +36,9 @@ pub(super) fn badge(t: &Text, status: Option<Status>) -> Markup {
 /// Something else that stands as well or as badly.
 pub(super) fn said(status: Option<Status>, word: &str) -> Markup {
     html! {
-        span class={ "badge " (status.map_or("none", Status::name)) } { @if let Some(status) = status { (mark(status)) } (word) }
+        span class={ "badge " (status.map_or("none", Status::name)) } {
+            @if let Some(status) = status { (mark(status)) } (word)
+        }
     }
 }
 

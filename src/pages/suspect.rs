@@ -1,20 +1,14 @@
 //! `/stations/{name}/suspect` and `/stations/{name}/trust`: what a station measured in a window of time does not count,
 //! and counts again.
 
-use axum::extract::Path;
-use axum::response::Response;
-use maud::html;
 use serde::Deserialize;
 
-use super::Pages;
 use super::form::{ActionForm, Word, see_other, typed_time};
-use super::layout::{Page, Section, encoded};
-use super::viewer::{Viewer, Visit};
+use super::layout::encoded;
+use super::prelude::*;
 use crate::core::fault::Faults;
 use crate::core::suspect_window::{Mark, SuspectWindow};
-use crate::pages::sent::{Form, Query};
 use crate::pipeline::{Actor, WindowMark};
-use crate::wire::problem::Problem;
 use crate::wire::text;
 
 #[derive(Debug, Default, Deserialize)]
@@ -28,12 +22,12 @@ pub(super) struct Window {
 
 /// The page on which a window is suspected, or with `TRUSTED` trusted again.
 pub(super) async fn ask<const TRUSTED: bool>(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Path(name): Path<String>,
     Query(window): Query<Window>,
 ) -> Result<Page, Problem> {
     known(pages, &name).await?;
-    Ok(form(viewer, &name, &window, TRUSTED).fresh(viewer, &window.word))
+    Ok(form(viewer.text(), &name, &window, TRUSTED).fresh(viewer, &window.word))
 }
 
 async fn known(pages: &Pages, name: &str) -> Result<(), Problem> {
@@ -42,7 +36,7 @@ async fn known(pages: &Pages, name: &str) -> Result<(), Problem> {
 }
 
 pub(super) async fn act<const TRUSTED: bool>(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Path(ref name): Path<String>,
     Form(ref said): Form<Window>,
 ) -> Result<Response, Problem> {
@@ -51,7 +45,7 @@ pub(super) async fn act<const TRUSTED: bool>(
     said.word.check(&mut faults);
     let span = text::span(("from", &typed_time(&said.from)), ("to", &typed_time(&said.to)), &mut faults);
     if !faults.is_empty() {
-        return Ok(form(viewer, name, said, TRUSTED).again(viewer, &said.word, &faults));
+        return Ok(form(viewer.text(), name, said, TRUSTED).again(viewer, &said.word, &faults));
     }
     let Word { by: author, reason, .. } = said.word.clone();
     let mark = Mark { window: SuspectWindow { span, author, reason }, trusted: TRUSTED };
@@ -62,8 +56,7 @@ pub(super) async fn act<const TRUSTED: bool>(
     }
 }
 
-fn form(viewer: &Viewer, name: &str, said: &Window, trusted: bool) -> ActionForm {
-    let t = viewer.text();
+fn form(t: &Text, name: &str, said: &Window, trusted: bool) -> ActionForm {
     let (title, what, path) =
         if trusted { (t.trust_window, t.trust_what, "trust") } else { (t.suspect_window, t.suspect_what, "suspect") };
     let home = format!("/stations/{}", encoded(name));
@@ -78,7 +71,6 @@ fn form(viewer: &Viewer, name: &str, said: &Window, trusted: bool) -> ActionForm
         action: format!("{home}/{path}"),
         button: title,
         back: home,
-        reasoned: true,
-        is_final: false,
+        ..ActionForm::default()
     }
 }

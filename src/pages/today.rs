@@ -6,31 +6,24 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use axum::http::Uri;
-use axum::response::{IntoResponse, Redirect, Response};
-use maud::{Markup, html};
+use axum::response::Redirect;
 use serde::Deserialize;
 
 use super::alerts::{self, done_to_alerts, is_open, open_ones};
 use super::fleet::{Filters, as_day, bad_parameter, slopes, violated};
-use super::layout::{DRIFTS, Page, Section, day, encoded, symbol, written_day};
+use super::layout::{DRIFTS, day, encoded, symbol, written_day};
+use super::prelude::*;
 use super::station::changes;
-use super::text::Text;
-use super::viewer::{Viewer, Visit};
-use super::{Pages, bullet, figure};
-use crate::core::access::Role;
+use super::{bullet, figure, status as badges};
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{FleetStations, Shared};
 use crate::core::judge::{Measured, Rule, Status};
 use crate::core::time::UtcMicros;
-use crate::message;
-use crate::pages::sent::Query;
-use crate::pages::status as badges;
 use crate::pipeline::{
     CommonShift, DueDate, DueImu, FirstOf, FleetFilter, FleetPage, LINES, Names, Standing, Today, Together, Violation,
     today,
 };
 use crate::wire::alert::AlertBody;
-use crate::wire::problem::Problem;
 use crate::wire::time;
 
 /// Gyros that drift whose dates are asked for.
@@ -53,7 +46,7 @@ pub(super) struct TodayQuery {
 }
 
 pub(super) async fn page(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     uri: Uri,
     Query(asked): Query<TodayQuery>,
 ) -> Result<Response, Problem> {
@@ -92,7 +85,7 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &TodayQuery) -> Result<Pag
         @if !today.worse.first.is_empty() || !out.is_empty() { a.skip href="#first" { (t.skip_to_first) } }
         h1 { (t.today_title) }
         (done_to_alerts(viewer, &asked.deed, &asked.done, "/"))
-        (Filters::default().tiles(viewer, &fleet))
+        (Filters::default().tiles(t, &fleet))
         div.blocks {
             (worse(viewer, &today.worse, since, &known, &names))
             (still_out(viewer, &fleet, (&today.worse, &out), &known, &names))
@@ -189,7 +182,9 @@ fn all_of<'a, T>(t: &'a Text, list: &FirstOf<T>, address: impl FnOnce() -> Strin
 /// `first`: whether it is the first of the page, which the keyboard skips to.
 fn gyro(standing: &Standing, first: bool, names: &Names<'_>) -> Markup {
     html! {
-        th scope="row" { a.id id=[first.then_some("first")] href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) } }
+        th scope="row" {
+            a.id id=[first.then_some("first")] href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) }
+        }
         td {
             @if let Some(newest) = &standing.newest {
                 @let imu = names.imu(newest.imu);
@@ -280,15 +275,10 @@ fn violating<'a>(
     }
 }
 
-/// A gyro on its way to its budget.
-struct Approach<'a> {
-    standing: &'a Standing,
-    due: DueDate,
-}
-
+/// Gyros on their way to their budgets.
 struct Approaching<'a> {
-    /// The first to reach it first.
-    first: Vec<Approach<'a>>,
+    /// The first to reach it first, and when.
+    first: Vec<(&'a Standing, DueDate)>,
     of: usize,
     all: Option<String>,
 }
@@ -301,16 +291,13 @@ impl<'a> Approaching<'a> {
         dues: &HashMap<u32, DueDate>,
         now: UtcMicros,
     ) -> Self {
-        let dated = drifting
-            .iter()
-            .filter_map(|standing| dues.get(&standing.number).map(|due| Approach { standing, due: *due }));
+        let dated = drifting.iter().filter_map(|standing| Some((standing, *dues.get(&standing.number)?)));
+        let is_by_history = |(standing, _): &(&Standing, _)| standing.outlook.reach.is_none_or(|reach| reach.at < now);
+        let by_history_alone = dated.clone().filter(is_by_history).count();
         let others = by_trend.first.iter().filter(|standing| !dues.contains_key(&standing.number));
-        let others = others.filter_map(|standing| Some(Approach { standing, due: DueDate::by_trend(standing)? }));
-        let by_history_alone = drifting.iter().filter(|standing| dues.contains_key(&standing.number));
-        let by_history_alone =
-            by_history_alone.filter(|standing| standing.outlook.reach.is_none_or(|reach| reach.at < now)).count();
-        let mut first: Vec<Approach<'_>> = dated.chain(others).collect();
-        first.sort_by_key(|one| one.due.at);
+        let others = others.filter_map(|standing| Some((standing, DueDate::by_trend(standing)?)));
+        let mut first: Vec<(&Standing, DueDate)> = dated.chain(others).collect();
+        first.sort_by_key(|(_, due)| due.at);
         first.truncate(LINES);
         let more = by_trend.of > by_trend.first.len();
         let all = more.then(|| Filters { sort: "eta".into(), ..Filters::default() }.at_page(0));
@@ -320,8 +307,7 @@ impl<'a> Approaching<'a> {
     /// `undated`: how many gyros drift of which no date was asked for.
     fn shown(&self, t: &Text, undated: usize, names: &Names<'_>) -> Markup {
         let rows = html! {
-            div.scroll tabindex="0" { table.lines { tbody { @for one in &self.first {
-                @let Approach { standing, due } = one;
+            div.scroll tabindex="0" { table.lines { tbody { @for (standing, due) in &self.first {
                 tr {
                     td {
                         strong.nowrap { (day(due.at)) @if due.provisional { " ?" } }
@@ -484,16 +470,14 @@ fn several(
 /// Campaigns of which something else was foretold.
 fn outside(t: &Text, today: &Today) -> Markup {
     let rows = html! {
-        div.scroll tabindex="0" { table.lines { tbody { @for found in &today.outside.first {
-            tr {
-                th scope="row" { a.id href={ "/imus/" (encoded(&found.imu)) "#forecasts" } { (found.imu) } }
-                td.nowrap {
-                    a href={ "/campaigns/" (found.campaign.campaign) "/diagnosis#forecast" } { (found.campaign.measured_at[..10]) }
-                }
-                td { (found.campaign.station) } td { (found.slot) }
-                td.nowrap { (t.error_in_sd) " " (figure::short(found.rms_over_sd)) }
+        div.scroll tabindex="0" { table.lines { tbody { @for found in &today.outside.first { tr {
+            th scope="row" { a.id href={ "/imus/" (encoded(&found.imu)) "#forecasts" } { (found.imu) } }
+            td.nowrap {
+                a href={ "/campaigns/" (found.campaign.campaign) "/diagnosis#forecast" } { (found.campaign.measured_at[..10]) }
             }
-        } } } }
+            td { (found.campaign.station) } td { (found.slot) }
+            td.nowrap { (t.error_in_sd) " " (figure::short(found.rms_over_sd)) }
+        } } } } }
         p.note { (t.outside_note) }
     };
     block(&html! { (t.outside_forecast_title) }, today.outside.of, "", &rows, None)

@@ -26,11 +26,10 @@ pub(super) fn pieces(text: &str) -> Vec<Piece<'_>> {
     if let Ok(members) = serde_json::from_str::<Vec<&RawValue>>(body) {
         return members.into_iter().map(|member| json(member.get())).collect();
     }
-    let mut lines = body.lines().map(str::trim).filter(|line| !line.is_empty());
-    let several = lines.clone().count() > 1;
-    if several && lines.next().is_some_and(|first| first.starts_with('{') && is_json(first)) {
-        let all = body.lines().map(str::trim).filter(|line| !line.is_empty());
-        return all.map(json).collect();
+    let lines = body.lines().map(str::trim).filter(|line| !line.is_empty());
+    let is_several = lines.clone().nth(1).is_some();
+    if is_several && lines.clone().next().is_some_and(|first| first.starts_with('{') && is_json(first)) {
+        return lines.map(json).collect();
     }
     if body.starts_with(['{', '[', '"']) {
         return vec![json(body)];

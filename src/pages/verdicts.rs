@@ -1,15 +1,9 @@
 //! Verdicts in words: the worst first, what has passed folded away.
 
-use maud::{Markup, html};
-
-use super::figure;
 use super::layout::{encoded, remark, symbol, written};
-use super::text::Text;
-use super::viewer::Viewer;
-use crate::core::access::Role;
+use super::prelude::*;
+use super::{figure, status};
 use crate::core::judge::{Coefficient, Finding, Rule, Status, Unit, Verdict, digits, sd_digits};
-use crate::message;
-use crate::pages::status;
 use crate::pipeline::Violation;
 use crate::wire::alert::AlertBody;
 use crate::wire::answer::VerdictBody;
@@ -54,14 +48,18 @@ impl SeenVerdict {
     }
 }
 
+/// What the rules saw, where that is known.
+pub(super) fn seen(verdicts: &[SeenVerdict]) -> impl Iterator<Item = &Verdict> {
+    verdicts.iter().filter_map(|said| said.seen.as_ref())
+}
+
 /// What is the matter in full, the worst first; the rest folded.
-pub(super) fn list(viewer: &Viewer, verdicts: &[SeenVerdict]) -> Markup {
-    let t = viewer.text();
+pub(super) fn list(t: &Text, verdicts: &[SeenVerdict]) -> Markup {
     let (rest, grave): (Vec<&SeenVerdict>, Vec<&SeenVerdict>) =
         sorted(verdicts).into_iter().partition(|said| said.is_calm());
     html! {
-        ul.verdicts { @for verdict in grave { (one(viewer, verdict)) } }
-        (folded(t, &rest, &html! { ul.verdicts { @for verdict in &rest { (one(viewer, verdict)) } } }))
+        ul.verdicts { @for verdict in grave { (one(t, verdict)) } }
+        (folded(t, &rest, &html! { ul.verdicts { @for verdict in &rest { (one(t, verdict)) } } }))
     }
 }
 
@@ -105,13 +103,10 @@ pub(super) fn table(viewer: &Viewer, verdicts: &[SeenVerdict], alerts: &[AlertBo
 
 fn framed(t: &Text, rows: &Markup) -> Markup {
     html! {
-        div.scroll tabindex="0" { table.judged.cards {
-            thead { tr {
-                th { (t.status_word) } th { (t.rule_word) } th.n { (t.value) } th.n { (t.limit) } th.n { "%" }
-                th { (t.since) } th.n { (t.probability) } th { (t.alert_word) }
-            } }
-            tbody { (rows) }
-        } }
+        (wide_table("judged cards", html! {
+            th { (t.status_word) } th { (t.rule_word) } th.n { (t.value) } th.n { (t.limit) } th.n { "%" }
+            th { (t.since) } th.n { (t.probability) } th { (t.alert_word) }
+        }, html! { (rows) }))
     }
 }
 
@@ -169,9 +164,7 @@ fn alert_row(viewer: &Viewer, alert: &AlertBody, here: Option<&str>) -> Markup {
             td { (status::badge(t, alert.status())) }
             th.words scope="row" {
                 details.why {
-                    summary {
-                        (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule)))
-                    }
+                    summary { (violated(t, alert)) }
                     p { (t.reason(&alert.finding.reason)) }
                 }
             }
@@ -181,6 +174,11 @@ fn alert_row(viewer: &Viewer, alert: &AlertBody, here: Option<&str>) -> Markup {
             td { (told(viewer, alert, here)) }
         }
     }
+}
+
+/// What an alert is about: a coefficient and a rule.
+pub(super) fn violated(t: &Text, alert: &AlertBody) -> Markup {
+    html! { (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule))) }
 }
 
 fn certainty(probability: f64) -> String {
@@ -234,8 +232,8 @@ fn sorted(verdicts: &[SeenVerdict]) -> Vec<&SeenVerdict> {
     sorted
 }
 
-fn one(viewer: &Viewer, said: &SeenVerdict) -> Markup {
-    let (t, verdict) = (viewer.text(), &said.body);
+fn one(t: &Text, said: &SeenVerdict) -> Markup {
+    let verdict = &said.body;
     let rule = Rule::from_name(&verdict.rule);
     let coefficient = Coefficient::from_name(&verdict.coefficient);
     html! {

@@ -64,17 +64,14 @@ impl FromRequestParts<Pages> for Viewer {
     }
 }
 
-/// Who looks, and what every page may use.
-pub(super) struct Visit {
-    pub pages: Pages,
-    pub viewer: Viewer,
-}
+/// What every page may use, and who looks.
+pub(super) struct Visit(pub Pages, pub Viewer);
 
 impl FromRequestParts<Pages> for Visit {
     type Rejection = Infallible;
 
     async fn from_request_parts(parts: &mut Parts, pages: &Pages) -> Result<Self, Infallible> {
-        Ok(Self { pages: pages.clone(), viewer: Viewer::from_request_parts(parts, pages).await? })
+        Ok(Self(pages.clone(), Viewer::from_request_parts(parts, pages).await?))
     }
 }
 

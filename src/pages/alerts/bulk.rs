@@ -1,23 +1,17 @@
 //! One word for many alerts: of the gyros that are ticked, or of those that are named.
 
 use axum::http::StatusCode;
-use axum::response::{IntoResponse, Response};
-use maud::{Markup, html};
 
 use super::table::{known, open_ones, table};
 use crate::core::alert_decision::Standing;
 use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
-use crate::message;
-use crate::pages::Pages;
 use crate::pages::form::{fault_list, see_other};
-use crate::pages::layout::{Page, Section};
-use crate::pages::sent::{Form, Query};
+use crate::pages::prelude::*;
 use crate::pages::silences::{days_field, silent_until};
-use crate::pages::viewer::{Viewer, Visit, is_local};
+use crate::pages::viewer::is_local;
 use crate::pipeline::{AlertChange, AlertOrder};
 use crate::wire::alert::AlertBody;
-use crate::wire::problem::Problem;
 use crate::wire::text;
 
 /// Alerts of one form, and gyros that are looked through for them.
@@ -76,7 +70,7 @@ impl BulkForm {
 }
 
 pub(in crate::pages) async fn ask(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Query(fields): Query<Vec<(String, String)>>,
 ) -> Result<Page, Problem> {
     let said = BulkForm::of(fields);
@@ -85,7 +79,7 @@ pub(in crate::pages) async fn ask(
 }
 
 pub(in crate::pages) async fn act(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Form(fields): Form<Vec<(String, String)>>,
 ) -> Result<Response, Problem> {
     let said = BulkForm::of(fields);
@@ -124,7 +118,7 @@ pub(in crate::pages) async fn act(
     }
     let back = said.back();
     let is_list = back == "/" || back == "/alerts" || back.starts_with("/alerts?");
-    if Undo::of(change.name()).is_some() && is_list && (1..=MOST_DONE).contains(&done.len()) {
+    if undo_of(change.name()).is_some() && is_list && (1..=MOST_DONE).contains(&done.len()) {
         let joint = if back.contains('?') { '&' } else { '?' };
         return Ok(see_other(&format!("{back}{joint}deed={}&done={}", change.name(), done.join(","))));
     }
@@ -197,32 +191,25 @@ pub(super) fn acknowledge(viewer: &Viewer, serial: &str, here: &str) -> Markup {
 }
 
 /// How alerts stand after a deed, and the deed that takes it back.
-struct Undo {
-    standing: Standing,
-    deed: &'static str,
-}
-
-impl Undo {
-    fn of(deed: &str) -> Option<Self> {
-        match deed {
-            "acknowledge" => Some(Self { standing: Standing::Acknowledged, deed: "unacknowledge" }),
-            "silence" => Some(Self { standing: Standing::Silenced, deed: "unsilence" }),
-            _ => None,
-        }
+fn undo_of(deed: &str) -> Option<(Standing, &'static str)> {
+    match deed {
+        "acknowledge" => Some((Standing::Acknowledged, "unacknowledge")),
+        "silence" => Some((Standing::Silenced, "unsilence")),
+        _ => None,
     }
 }
 
 /// What has just been done to alerts, parted by commas, and the way to take that back.
 pub(in crate::pages) fn done(viewer: &Viewer, deed: &str, alerts: &str, here: &str) -> Markup {
     let t = viewer.text();
-    let Some(undo) = Undo::of(deed) else { return html! {} };
+    let Some((standing, undo)) = undo_of(deed) else { return html! {} };
     let ids: Vec<&str> = alerts.split(',').filter(|id| id.parse::<Id>().is_ok()).take(MOST_DONE).collect();
     let method = if viewer.signed_in.is_some() { "post" } else { "get" };
     html! {
         @if !ids.is_empty() {
             form.done role="status" action="/alerts/bulk" method=(method) {
-                span { (t.standing(undo.standing.name())) (t.colon) (ids.len()) }
-                input type="hidden" name="deed" value=(undo.deed);
+                span { (t.standing(standing.name())) (t.colon) (ids.len()) }
+                input type="hidden" name="deed" value=(undo);
                 input type="hidden" name="back" value=(here);
                 @for id in ids { input type="hidden" name="alert" value=(id); }
                 button { (t.undo) }

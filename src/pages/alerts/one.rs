@@ -1,22 +1,17 @@
 //! `/alerts/{id}`: one alert, what became of it step by step, and what people said.
 
-use axum::extract::Path;
-use maud::html;
-
 use super::table::table;
-use crate::core::access::Role;
 use crate::core::alert_decision::Action;
 use crate::core::id::Id;
 use crate::core::judge::Rule;
 use crate::pages::history::event_name;
-use crate::pages::layout::{Page, Section, encoded, instant, symbol};
-use crate::pages::viewer::Visit;
+use crate::pages::layout::{encoded, instant, symbol};
+use crate::pages::prelude::*;
 use crate::pipeline::{AlertStep, EventItem};
-use crate::wire::problem::Problem;
 use crate::wire::time;
 
 pub(in crate::pages) async fn page(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Path(ref id): Path<String>,
 ) -> Result<Page, Problem> {
     let t = viewer.text();
@@ -40,25 +35,24 @@ pub(in crate::pages) async fn page(
             (table(viewer, inhibited.iter(), true, None))
         }
         h2 { (t.what_became) }
-        div.scroll tabindex="0" { table {
-            thead { tr { th { (t.date) } th { (t.what_word) } th { (t.author) } th { (t.reason_word) } th { (t.told_word) } } }
-            tbody { @for step in record.steps.iter().rev() {
-                @let event = ended_by(step, &events);
-                @let author = step.author.as_deref().or(event.and_then(|event| event.author.as_deref()));
-                @let reason = step.reason.as_ref().map(|reason| t.words(reason));
-                @let reason = reason.as_deref().or(event.map(|event| event.reason.as_str()));
-                tr {
-                    td { (instant(step.at)) }
-                    td { (t.alert_step(&step.action)) }
-                    td translate="no" { (author.unwrap_or_default()) }
-                    td.words {
-                        @if let Some(event) = event { (event_name(t, event)) " " (instant(event.at)) (t.colon) }
-                        (reason.unwrap_or_default())
-                    }
-                    td { @if step.told { (t.told_yes) } }
+        (wide_table("", html! {
+            th { (t.date) } th { (t.what_word) } th { (t.author) } th { (t.reason_word) } th { (t.told_word) }
+        }, html! { @for step in record.steps.iter().rev() {
+            @let event = ended_by(step, &events);
+            @let author = step.author.as_deref().or(event.and_then(|event| event.author.as_deref()));
+            @let reason = step.reason.as_ref().map(|reason| t.words(reason));
+            @let reason = reason.as_deref().or(event.map(|event| event.reason.as_str()));
+            tr {
+                td { (instant(step.at)) }
+                td { (t.alert_step(&step.action)) }
+                td translate="no" { (author.unwrap_or_default()) }
+                td.words {
+                    @if let Some(event) = event { (event_name(t, event)) " " (instant(event.at)) (t.colon) }
+                    (reason.unwrap_or_default())
                 }
-            } }
-        } }
+                td { @if step.told { (t.told_yes) } }
+            }
+        } }))
         @if viewer.may(Role::Engineer) {
             h2 { (t.comment) }
             form.deed action="/alerts/bulk" method="post" {

@@ -1,18 +1,14 @@
 //! One table of alerts, wherever some are shown.
 
-use maud::{Markup, html};
-
 use crate::core::alert_decision::Standing;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::id::Id;
 use crate::core::judge::{Rule, Severity};
-use crate::pages::layout::{symbol, written};
-use crate::pages::text::Text;
-use crate::pages::verdicts::{actions, remarks};
-use crate::pages::viewer::Viewer;
-use crate::pages::{Pages, status};
+use crate::pages::layout::written;
+use crate::pages::prelude::*;
+use crate::pages::status;
+use crate::pages::verdicts::{actions, remarks, violated};
 use crate::wire::alert::AlertBody;
-use crate::wire::problem::Problem;
 
 /// Alerts of one gyro, one for each coefficient and rule: never more than so many.
 const MOST_OF_A_GYRO: u32 = 200;
@@ -37,21 +33,6 @@ fn is_back_within(alert: &AlertBody) -> bool {
     of_one_limit && alert.finding.value.is_some_and(|value| value <= alert.finding.limit)
 }
 
-pub(super) fn violated(t: &Text, alert: &AlertBody) -> Markup {
-    html! { (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule))) }
-}
-
-fn heading(viewer: &Viewer, gyros: bool) -> Markup {
-    let t = viewer.text();
-    html! {
-        thead { tr {
-            th { (t.status_word) }
-            @if gyros { th { (t.serial) } }
-            th { (t.violates) } th { (t.reason_word) } th { (t.since) } th { (t.fired) } th { (t.handling) }
-        } }
-    }
-}
-
 /// `gyros`: whether each line names its gyro. `here`: where to come back to from what is done; none where nothing can
 /// be.
 pub(in crate::pages) fn table<'a>(
@@ -60,11 +41,13 @@ pub(in crate::pages) fn table<'a>(
     gyros: bool,
     here: Option<&str>,
 ) -> Markup {
+    let t = viewer.text();
     html! {
-        div.scroll tabindex="0" { table.alerts {
-            (heading(viewer, gyros))
-            tbody { @for alert in alerts { (line(viewer, alert, gyros, here)) } }
-        } }
+        (wide_table("alerts", html! {
+            th { (t.status_word) }
+            @if gyros { th { (t.serial) } }
+            th { (t.violates) } th { (t.reason_word) } th { (t.since) } th { (t.fired) } th { (t.handling) }
+        }, html! { @for alert in alerts { (line(viewer, alert, gyros, here)) } }))
     }
 }
 

@@ -11,9 +11,9 @@ use std::fmt::Write;
 
 use maud::{Markup, html};
 
+use super::status::sign;
 use crate::core::judge::Status;
 use crate::core::time::UtcMicros;
-use crate::pages::status::sign;
 use ticks::{dates, figures_apart, round_steps};
 
 /// How wide the figures of the left axis are, and room above the points, pixels. The style sheet's `.picture` and
@@ -37,9 +37,10 @@ const COLUMNS: f64 = 320.0;
 const MOST_BARS: usize = 400;
 
 /// What stands along the x axis.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(super) enum Across {
     /// Milliseconds since 1970.
+    #[default]
     Time,
     /// A figure, with its unit or name.
     Figure(String),
@@ -123,7 +124,7 @@ pub(super) struct Ahead {
 }
 
 /// One picture.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Chart {
     /// For those who do not see it, and above it.
     pub label: String,
@@ -151,36 +152,21 @@ pub(super) struct Chart {
 
 impl Chart {
     pub fn new(label: String, caption: Markup, across: Across, x: (f64, f64)) -> Self {
-        Self {
-            label,
-            caption,
-            across,
-            x,
-            around: 0.0,
-            range: None,
-            whole: None,
-            signed: false,
-            levels: Vec::new(),
-            tracks: Vec::new(),
-            lines: Vec::new(),
-            lanes: Vec::new(),
-            flags: Vec::new(),
-            ahead: None,
-            height: 170.0,
-            clips: false,
-        }
+        Self { label, caption, across, x, height: 170.0, ..Self::default() }
     }
 
     fn dots(&self) -> impl Iterator<Item = &Dot> {
         self.tracks.iter().flat_map(|track| &track.dots)
     }
 
+    fn envelopes(&self) -> impl Iterator<Item = &[f64; 4]> {
+        self.tracks.iter().flat_map(|track| &track.envelope)
+    }
+
     /// How far from zero a point may lie to be drawn where it is.
     fn reach(&self) -> f64 {
         let mut all: Vec<f64> = self.dots().map(|dot| dot.y.abs()).collect();
-        all.extend(
-            self.tracks.iter().flat_map(|track| &track.envelope).map(|[_, low, _, high]| low.abs().max(high.abs())),
-        );
+        all.extend(self.envelopes().map(|[_, low, _, high]| low.abs().max(high.abs())));
         if !self.clips || all.is_empty() {
             return f64::INFINITY;
         }
@@ -201,19 +187,15 @@ impl Chart {
             let sd = dot.sd.unwrap_or(0.0).min(2.0 * self.around.max(dot.y.abs()));
             [dot.y - sd, dot.y + sd]
         });
-        let envelopes =
-            self.tracks.iter().flat_map(|track| &track.envelope).flat_map(|[_, low, _, high]| [*low, *high]);
+        let envelopes = self.envelopes().flat_map(|[_, low, _, high]| [*low, *high]);
         let levels = self.levels.iter().flat_map(|level| {
             let around = LEAST_RANGE * level.budget.unwrap_or(self.around);
             [level.at - around, level.at + around]
         });
         let lines = self.lines.iter().flat_map(|(_, line)| line.iter().map(|(_, y)| *y));
         let all = bars.chain(envelopes.filter(within)).chain(levels).chain(lines);
-        let own = if self.levels.is_empty() && self.signed {
-            vec![-LEAST_RANGE * self.around, LEAST_RANGE * self.around]
-        } else {
-            vec![]
-        };
+        let own = [-LEAST_RANGE, LEAST_RANGE].map(|part| part * self.around);
+        let own = own.into_iter().filter(|_| self.levels.is_empty() && self.signed);
         match bounds(all.chain(own)) {
             Some(found) => widened(found, 0.04, if self.around > 0.0 { self.around } else { 1.0 }),
             None => (-1.0, 1.0),
@@ -318,23 +300,25 @@ impl Chart {
     fn level(&self, scale: &Scale, level: &Level) -> Markup {
         let (x, width) = scale.stretch(level.from, level.until);
         let (x1, x2) = (scale.x(level.from), scale.x(level.until));
+        let between = |half: f64| {
+            let (top, bottom) = (scale.y(level.at + half), scale.y(level.at - half));
+            (place(top), place(bottom - top))
+        };
         let across = |class: &'static str, y: f64| {
             let y = place(scale.y(y));
             html! { line class=(class) x1=(x1) x2=(x2) y1=(y) y2=(y) {} }
         };
         html! {
             @if let Some(shade) = level.shade {
-                @let (top, bottom) = (scale.y(level.at + shade), scale.y(level.at - shade));
-                rect.band x=(x) y=(place(top)) width=(width) height=(place(bottom - top)) {}
+                @let (y, height) = between(shade);
+                rect.band x=(x) y=(y) width=(width) height=(height) {}
             }
             @if let Some(budget) = level.budget {
-                @let (top, bottom) = (scale.y(level.at + budget), scale.y(level.at - budget));
-                rect.band x=(x) y=(place(top)) width=(width) height=(place(bottom - top)) {}
+                @let (y, height) = between(budget);
+                rect.band x=(x) y=(y) width=(width) height=(height) {}
                 @if let Some((from, until)) = level.made {
                     @let (x, width) = scale.stretch(from, until);
-                    rect.made x=(x) y=(place(top)) width=(width) height=(place(bottom - top)) {
-                        title { (level.label) }
-                    }
+                    rect.made x=(x) y=(y) width=(width) height=(height) { title { (level.label) } }
                 }
                 (across("budget", level.at + budget)) (across("budget", level.at - budget))
             }

@@ -3,18 +3,13 @@
 
 use std::time::Duration;
 
-use maud::{Markup, html};
-
-use crate::core::effects::Effect;
 use crate::core::mounting::Slot;
 use crate::pages::calibration::stored_campaign;
-use crate::pages::layout::{Page, Section, encoded, instant, symbol};
-use crate::pages::text::Text;
-use crate::pages::viewer::Viewer;
-use crate::pages::{Pages, figure, residuals};
+use crate::pages::layout::{effect_word, encoded, instant, joined, symbol};
+use crate::pages::prelude::*;
+use crate::pages::{figure, residuals};
 use crate::pipeline::{DiagnosisAnswer, StoredCampaign};
 use crate::wire::calibration::GyroFitBody;
-use crate::wire::problem::Problem;
 
 /// How long the page waits for a diagnosis that is being made.
 const PATIENCE: Duration = Duration::from_secs(2);
@@ -33,14 +28,13 @@ pub(super) async fn page(pages: &Pages, viewer: &Viewer, ids: [&str; 2]) -> Resu
     let pairs = pairs(&both);
     let body = html! {
         h1 { (t.compare_campaigns) }
-        div.scroll tabindex="0" { table.cards {
-            thead { tr { td {} th { (t.imu) } th { (t.station) } th { (t.measured_at) } th { (t.effects_found) } } }
-            tbody {
-                @for ((name, stored), found) in ["A", "B"].into_iter().zip(&both).zip(&found) {
-                    (side(t, name, stored, found))
-                }
+        (wide_table("cards", html! {
+            td {} th { (t.imu) } th { (t.station) } th { (t.measured_at) } th { (t.effects_found) }
+        }, html! {
+            @for ((name, stored), found) in ["A", "B"].into_iter().zip(&both).zip(&found) {
+                (side(t, name, stored, found))
             }
-        } }
+        }))
         @if both[0].answer.imu != both[1].answer.imu { p.note { (t.other_imus) } }
         @if pairs.is_empty() { p { (t.no_common_slot) } } @else { (differing(t, &both, &pairs)) }
         @for (slot, a, b) in &pairs {
@@ -89,10 +83,9 @@ fn differing(t: &Text, both: &[StoredCampaign; 2], pairs: &[(Slot, &GyroFitBody,
             p.lead {
                 @if far.is_empty() { (t.differs_nowhere) } @else {
                     (t.differs) (t.colon)
-                    @for (k, (slot, name, over)) in far.iter().enumerate() {
-                        @if k > 0 { (t.semicolon) }
+                    (joined(t.semicolon, far.iter().map(|(slot, name, over)| html! {
                         span.nowrap { (slot) " " (symbol(name)) " " (figure::signed(*over, 1)) " σ" }
-                    }
+                    })))
                 }
             }
         }
@@ -111,6 +104,7 @@ async fn found(pages: &Pages, stored: &StoredCampaign) -> Result<Found, Problem>
 
 fn side(t: &Text, name: &str, stored: &StoredCampaign, found: &Found) -> Markup {
     let id = stored.item.id;
+    let named = |(effect, gyros): &(String, Vec<String>)| format!("{} ({})", effect_word(t, effect), gyros.join(", "));
     html! {
         tr {
             th scope="row" { (name) }
@@ -121,11 +115,7 @@ fn side(t: &Text, name: &str, stored: &StoredCampaign, found: &Found) -> Markup 
                 @match found.as_deref() {
                     None => (t.coverage_waiting),
                     Some([]) => (t.no_effect),
-                    Some(effects) => @for (k, (effect, gyros)) in effects.iter().enumerate() {
-                        @if k > 0 { "; " }
-                        @if let Some(effect) = Effect::from_id(effect) { (t.effect(effect)) } @else { (effect) }
-                        " (" (gyros.join(", ")) ")"
-                    },
+                    Some(effects) => (joined("; ", effects.iter().map(named))),
                 }
                 " · " a href={ "/campaigns/" (id) "/diagnosis" } { (t.diagnosis) }
             }
@@ -144,9 +134,14 @@ struct Line {
 impl Line {
     /// B - A over its standard deviation.
     fn over_sd(&self) -> Option<f64> {
-        let [(a, sd_a), (b, sd_b)] = self.of;
-        let sd = sd_a.zip(sd_b).map(|(a, b)| a.hypot(b)).filter(|sd| *sd > 0.0)?;
-        Some((b - a) / sd)
+        let [(a, _), (b, _)] = self.of;
+        Some((b - a) / self.sd().filter(|sd| *sd > 0.0)?)
+    }
+
+    /// Of B - A.
+    fn sd(&self) -> Option<f64> {
+        let [(_, a), (_, b)] = self.of;
+        a.zip(b).map(|(a, b)| a.hypot(b))
     }
 }
 
@@ -170,22 +165,16 @@ fn lines(both: &[StoredCampaign; 2], slot: Slot, a: &GyroFitBody, b: &GyroFitBod
 
 fn parameters(t: &Text, both: &[StoredCampaign; 2], slot: Slot, a: &GyroFitBody, b: &GyroFitBody) -> Markup {
     html! {
-        div.scroll tabindex="0" { table.cards {
-            thead {
-                tr {
-                    th { (t.parameter) } th.n { "A" } th.n { "B" } th.n { "B - A" } th.n { "(B - A)/σ" }
-                    th { (t.unit_word) }
-                }
-            }
-            tbody { @for line in lines(both, slot, a, b) { (parameter(t, &line)) } }
-        } }
+        (wide_table("cards", html! {
+            th { (t.parameter) } th.n { "A" } th.n { "B" } th.n { "B - A" } th.n { "(B - A)/σ" }
+            th { (t.unit_word) }
+        }, html! { @for line in lines(both, slot, a, b) { (parameter(t, &line)) } }))
         p.note { (t.beyond_note) }
     }
 }
 
 fn parameter(t: &Text, line: &Line) -> Markup {
     let [(a, sd_a), (b, sd_b)] = line.of;
-    let sd = sd_a.zip(sd_b).map(|(a, b)| a.hypot(b));
     let over = line.over_sd();
     let beyond = over.and_then(beyond);
     html! {
@@ -193,10 +182,11 @@ fn parameter(t: &Text, line: &Line) -> Markup {
             th scope="row" { (symbol(&line.name)) }
             td.n data-label="A" { (figure::with_sd(a, sd_a, 6)) }
             td.n data-label="B" { (figure::with_sd(b, sd_b, 6)) }
-            td.n data-label="B - A" { (figure::signed_drift(b - a, sd)) }
+            td.n data-label="B - A" { (figure::signed_drift(b - a, line.sd())) }
             td.n data-label="(B - A)/σ" {
                 @if let Some((class, mark)) = beyond { span class=(class) { (mark) " " } }
-                @if let Some(over) = over { span class=[beyond.map(|(class, _)| class)] { (figure::signed(over, 1)) } } @else { "–" }
+                @if let Some(over) = over { span class=[beyond.map(|(class, _)| class)] { (figure::signed(over, 1)) } }
+                @else { "–" }
             }
             td translate="no" data-label=(t.unit_word) { (t.unit_of(&line.unit)) }
         }

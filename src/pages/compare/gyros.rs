@@ -1,23 +1,20 @@
 //! Gyros over one another: deviations from their own baselines on one scale.
 
-use maud::{Markup, html};
-
-use crate::core::id::Id;
-use crate::core::judge::{Finding, Measured, Rule, Status};
+use crate::core::figures::Figures;
+use crate::core::judge::limits::DEFAULT_BUDGET;
+use crate::core::judge::{Finding, Measured, Rule, Status, Verdict};
 use crate::core::time::UtcMicros;
 use crate::pages::chart::{Across, Chart, Dot, Flag, Level, Track, bounds, millis, widened};
 use crate::pages::gyro_facts::Facts;
 use crate::pages::history::event_label;
 use crate::pages::history_plot::{MOST_FLAGS, epoch_of, list};
-use crate::pages::layout::{DRIFTS, Page, Section, encoded, label, symbol};
-use crate::pages::text::Text;
-use crate::pages::verdicts::SeenVerdict;
+use crate::pages::layout::{DRIFTS, encoded, label, or_dash, symbol};
+use crate::pages::prelude::*;
+use crate::pages::verdicts::{SeenVerdict, seen};
 use crate::pages::view::View;
-use crate::pages::viewer::Viewer;
-use crate::pages::{Pages, bullet, figure, history, status};
+use crate::pages::{bullet, figure, history, status};
 use crate::pipeline::{EventItem, Names, StoredRecord, sample_of};
 use crate::wire::answer::{FigureBody, VerdictBody};
-use crate::wire::problem::Problem;
 
 /// Records of one gyro that are drawn, the newest.
 const MOST_RECORDS: usize = 200;
@@ -51,13 +48,8 @@ pub(super) async fn page(pages: &Pages, viewer: &Viewer, serials: &[&str], align
         let facts = Facts::of(pages, number, serial, &view, 0).await?;
         let rows = &facts.course.figures;
         let began = facts.epochs[0].last().map_or(UtcMicros(0), |epoch| epoch.from);
-        let ends = [rows.last(), rows.iter().find(|row| row.at >= began)];
-        let mut scale_factors = [None; 2];
-        for (found, row) in scale_factors.iter_mut().zip(ends) {
-            if let Some(row) = row {
-                *found = scale_factor(pages, row.record, serial).await?;
-            }
-        }
+        let (now, began) = (rows.last(), rows.iter().find(|row| row.at >= began));
+        let scale_factors = [scale_factor(pages, now, serial).await?, scale_factor(pages, began, serial).await?];
         all.push(Compared { serial, facts, scale_factors });
     }
     let happened = happened(t, &all, aligned);
@@ -94,16 +86,13 @@ pub(super) async fn page(pages: &Pages, viewer: &Viewer, serials: &[&str], align
 /// How each stands, and how it behaves.
 fn table(t: &Text, view: &View, all: &[Compared<'_>], names: &Names<'_>) -> Markup {
     html! {
-        div.scroll tabindex="0" { table.cards.wrapped {
-            thead { tr {
-                th { (t.serial) } th { (t.imu) } th { (t.station) } th { (t.status_word) }
-                @for name in DRIFTS { th.n { (t.axis_deviation) " " (symbol(name)) ", %" } }
-                @for name in &DRIFTS[..2] { th.n { (t.trend_a_year) " " (symbol(name)) ", %" } }
-                @for name in &DRIFTS[..2] { th.n { (t.scatter) " " (symbol(name)) " / " (t.limit_within) } }
-                th.capital { (t.baseline_word) } th.n { (t.records_word) }
-            } }
-            tbody { @for one in all { (row(t, view, one, names)) } }
-        } }
+        (wide_table("cards wrapped", html! {
+            th { (t.serial) } th { (t.imu) } th { (t.station) } th { (t.status_word) }
+            @for name in DRIFTS { th.n { (t.axis_deviation) " " (symbol(name)) ", %" } }
+            @for name in &DRIFTS[..2] { th.n { (t.trend_a_year) " " (symbol(name)) ", %" } }
+            @for name in &DRIFTS[..2] { th.n { (t.scatter) " " (symbol(name)) " / " (t.limit_within) } }
+            th.capital { (t.baseline_word) } th.n { (t.records_word) }
+        }, html! { @for one in all { (row(t, view, one, names)) } }))
         p.note { "%: " (t.percent_of_budget) }
     }
 }
@@ -113,6 +102,7 @@ fn row(t: &Text, view: &View, one: &Compared<'_>, names: &Names<'_>) -> Markup {
     let stands = facts.stands(view.judged);
     let newest = facts.course.figures.last();
     let of_scatter = |said: &&SeenVerdict| said.body.rule == Rule::RmsSuccessive.name();
+    let share = |of: Option<Measured>| or_dash(of.map(|of| format!("{} %", bullet::percent(of))));
     let scatter = |name: &str| facts.verdicts.iter().filter(of_scatter).find(|said| said.body.coefficient == name);
     html! {
         tr {
@@ -121,25 +111,9 @@ fn row(t: &Text, view: &View, one: &Compared<'_>, names: &Names<'_>) -> Markup {
             td data-label=(t.station) { @if let Some(figures) = newest { (names.station(figures.station)) } }
             td data-label=(t.status_word) { (status::badge(t, facts.standing.as_ref().and_then(|standing| standing.status))) }
             @for (column, name) in DRIFTS.iter().enumerate() {
-                td.n {
-                    (label("", name))
-                    @if let Some(load) = stands.get(column).and_then(|stand| stand.load) {
-                        (bullet::percent(load.share())) " %"
-                    } @else {
-                        "–"
-                    }
-                }
+                td.n { (label("", name)) (share(stands.get(column).and_then(|stand| Some(stand.load?.share())))) }
             }
-            @for name in &DRIFTS[..2] {
-                td.n {
-                    (label(t.trend_a_year, name))
-                    @if let Some(slope) = slope(facts, name) {
-                        (bullet::percent(slope)) " %"
-                    } @else {
-                        "–"
-                    }
-                }
-            }
+            @for name in &DRIFTS[..2] { td.n { (label(t.trend_a_year, name)) (share(slope(facts, name))) } }
             @for name in &DRIFTS[..2] {
                 td.n {
                     (label(t.scatter, name))
@@ -155,32 +129,28 @@ fn row(t: &Text, view: &View, one: &Compared<'_>, names: &Names<'_>) -> Markup {
 }
 
 /// |E| of a gyro in a record.
-async fn scale_factor(pages: &Pages, record: Id, serial: &str) -> Result<Option<FigureBody>, Problem> {
-    let stored = pages.pipeline.queries.records.record(record).await?;
+async fn scale_factor(pages: &Pages, row: Option<&Figures>, serial: &str) -> Result<Option<FigureBody>, Problem> {
+    let Some(row) = row else { return Ok(None) };
+    let stored = pages.pipeline.queries.records.record(row.record).await?;
     let own = |stored: StoredRecord| stored.answer.separations.into_iter().find(|one| one.serial == serial);
     Ok(stored.and_then(own).map(|one| one.scale_factor))
 }
 
 fn scale_factor_table(t: &Text, all: &[Compared<'_>]) -> Markup {
     html! {
-        div.scroll tabindex="0" { table.cards.wrapped {
-            thead { tr {
-                th { (t.serial) } th.n { "|E|, pulse/arcsec" } th.n { "Δ|E|, ppm, " (t.scale_factor_moved) }
-            } }
-            tbody { @for one in all { @if let [Some(now), began] = one.scale_factors {
-                tr {
-                    th scope="row" { (one.serial) }
-                    td.n data-label="|E|, pulse/arcsec" { (figure::with_sd(now.value, now.sd, 6)) }
-                    td.n data-label={ "Δ|E|, ppm, " (t.scale_factor_moved) } {
-                        @if let Some(began) = began {
-                            @let ppm = |value: f64| 1e6 * value / began.value;
-                            @let sd = now.sd.zip(began.sd).map(|(now, began)| ppm(now.hypot(began)));
-                            (figure::with_sd(ppm(now.value - began.value), sd, 1))
-                        } @else { "–" }
-                    }
-                }
-            } } }
-        } }
+        (wide_table("cards wrapped", html! {
+            th { (t.serial) } th.n { "|E|, pulse/arcsec" } th.n { "Δ|E|, ppm, " (t.scale_factor_moved) }
+        }, html! { @for one in all { @if let [Some(now), began] = one.scale_factors { tr {
+            th scope="row" { (one.serial) }
+            td.n data-label="|E|, pulse/arcsec" { (figure::with_sd(now.value, now.sd, 6)) }
+            td.n data-label={ "Δ|E|, ppm, " (t.scale_factor_moved) } {
+                @if let Some(began) = began {
+                    @let ppm = |value: f64| 1e6 * value / began.value;
+                    @let sd = now.sd.zip(began.sd).map(|(now, began)| ppm(now.hypot(began)));
+                    (figure::with_sd(ppm(now.value - began.value), sd, 1))
+                } @else { "–" }
+            }
+        } } } }))
     }
 }
 
@@ -207,9 +177,8 @@ fn happened(t: &Text, all: &[Compared<'_>], aligned: bool) -> Vec<Flag> {
 
 /// What the trend rule has established of the newest record, budgets a year.
 fn slope(facts: &Facts, name: &str) -> Option<Measured> {
-    let seen = facts.verdicts.iter().filter_map(|said| said.seen.as_ref());
-    let of_trend = seen.filter(|verdict| verdict.rule == Rule::Trend && verdict.coefficient.name() == name);
-    of_trend.into_iter().find_map(|verdict| match verdict.finding {
+    let is_trend = |verdict: &&Verdict| verdict.rule == Rule::Trend && verdict.coefficient.name() == name;
+    seen(&facts.verdicts).filter(is_trend).find_map(|verdict| match verdict.finding {
         Finding::Trend { per_year: Measured { value, sd }, .. } => {
             Some(Measured { value: value / verdict.limit, sd: sd.map(|sd| sd / verdict.limit) })
         }
@@ -256,7 +225,7 @@ fn chart(t: &Text, view: &View, all: &[Compared<'_>], column: usize, aligned: bo
     let serials: Vec<&str> = all.iter().map(|one| one.serial).collect();
     let label = format!("{name}, {}: {}. {}", t.deviation, serials.join(", "), t.chart_keys);
     Chart {
-        around: budget.unwrap_or(crate::core::judge::limits::DEFAULT_BUDGET),
+        around: budget.unwrap_or(DEFAULT_BUDGET),
         whole: budget,
         signed: true,
         clips: true,

@@ -4,21 +4,14 @@
 mod campaigns;
 mod gyros;
 
-use axum::response::Response;
-use maud::html;
-
-use super::layout::Page;
+use super::prelude::*;
 use super::report;
-use super::viewer::Visit;
-use crate::message;
-use crate::pages::sent::Query;
-use crate::wire::problem::Problem;
 
 /// Gyros at the most: more lines than that are told apart by nobody.
 const MOST_GYROS: usize = 8;
 
 pub(super) async fn page(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Query(asked): Query<Vec<(String, String)>>,
 ) -> Result<Response, Problem> {
     let of = |key: &str| -> Vec<&str> {
@@ -37,6 +30,6 @@ pub(super) async fn page(
         [] if (2..=MOST_GYROS).contains(&gyros.len()) => gyros::page(pages, viewer, &gyros, aligned).await?,
         _ => return Err(Problem::new(400, "title_bad_query", message!("compare_what", most = MOST_GYROS))),
     };
-    let body = html! { (page.body) div.on-paper { (report::as_of(pages, viewer)) } };
+    let body = html! { (page.body) div.on-paper { (report::as_of(pages, viewer.text())) } };
     Ok(viewer.show_for_paper(&Page { body, ..page.clone() }, &[&page.title]))
 }

@@ -1,23 +1,18 @@
-//! Orders to diagnose many campaigns: how they go, a form to begin one, a button to cancel one.
+//! Orders to diagnose many campaigns: how they go, a form to begin one, a button to cancel one; and what somebody wrote
+//! into the fields of such a form.
 
-use axum::extract::{Path, State as Held};
-use axum::response::Response;
-use maud::{Markup, html};
+use axum::extract::State as Held;
 use serde::Deserialize;
 
-use super::fields::{beginning, end, said};
-use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::judge::Status;
 use crate::pages::form::{fault_list, see_other};
-use crate::pages::layout::written;
-use crate::pages::text::Text;
-use crate::pages::viewer::Viewer;
-use crate::pages::{Pages, status};
+use crate::pages::layout::{or_dash, written};
+use crate::pages::prelude::*;
+use crate::pages::status;
 use crate::pipeline::DiagnosisOrder;
 use crate::wire::diagnoses::{FailureBody, JobBody, WhichBody};
-use crate::wire::problem::Problem;
 
 /// Orders that are shown, and failures of each.
 const ORDERS: u32 = 10;
@@ -68,13 +63,11 @@ pub(super) async fn section(pages: &Pages, viewer: &Viewer) -> Result<Markup, Pr
         section #orders {
             h2 { (t.orders) }
             @if orders.is_empty() { p { (t.no_orders) } } @else {
-                div.scroll tabindex="0" { table {
-                    thead { tr {
-                        th { (t.ordered) } th { (t.which_campaigns) } th { (t.status_word) } th { (t.progress) } th.n { (t.failed_word) }
-                        th { (t.ended) } th { (t.actions_word) }
-                    } }
-                    tbody { @for order in &orders { (line(viewer, order)) } }
-                } }
+                (wide_table("", html! {
+                    th { (t.ordered) } th { (t.which_campaigns) }
+                    th { (t.status_word) } th { (t.progress) } th.n { (t.failed_word) }
+                    th { (t.ended) } th { (t.actions_word) }
+                }, html! { @for order in &orders { (line(viewer, order)) } }))
             }
             @for order in &failed {
                 details {
@@ -108,7 +101,7 @@ fn line(viewer: &Viewer, order: &JobBody) -> Markup {
                 (settled) " / " (counts.campaigns)
             }
             td.n { (counts.failed) }
-            td { @if let Some(ended) = &order.ended_at { (written(ended)) } @else { "–" } }
+            td { (or_dash(order.ended_at.as_deref().map(written))) }
             td { @if open && viewer.may(Role::Engineer) {
                 form action={ "/diagnoses/" (order.id) "/cancel" } method="post" { button { (t.cancel) } }
             } }
@@ -130,22 +123,18 @@ fn which(t: &Text, asked: &WhichBody) -> Markup {
 
 fn failures(t: &Text, failures: &[FailureBody]) -> Markup {
     html! {
-        div.scroll tabindex="0" { table {
-            thead { tr { th { (t.imu) } th { (t.campaign) } th { (t.why) } } }
-            tbody { @for failure in failures {
-                tr {
-                    td translate="no" { (failure.imu) }
-                    td { a href={ "/campaigns/" (failure.campaign) } { (written(&failure.measured_at)) } }
-                    td.words { (failure.reason) }
-                }
-            } }
-        } }
+        (wide_table("", html! {
+            th { (t.imu) } th { (t.campaign) } th { (t.why) }
+        }, html! { @for failure in failures { tr {
+            td translate="no" { (failure.imu) }
+            td { a href={ "/campaigns/" (failure.campaign) } { (written(&failure.measured_at)) } }
+            td.words { (failure.reason) }
+        } } }))
     }
 }
 
 /// A form that begins an order, with what was written into it.
-pub(super) fn form(viewer: &Viewer, wanted: &Wanted, wrong: Option<&Faults>) -> Markup {
-    let t = viewer.text();
+pub(super) fn form(t: &Text, wanted: &Wanted, wrong: Option<&Faults>) -> Markup {
     html! {
         section {
             h2 { (t.new_order) }
@@ -160,5 +149,37 @@ pub(super) fn form(viewer: &Viewer, wanted: &Wanted, wrong: Option<&Faults>) -> 
                 p { button.primary { (t.start_order) } }
             }
         }
+    }
+}
+
+/// What somebody wrote into a field, if anything.
+pub(super) fn said(text: &str) -> Option<String> {
+    Some(text.trim().to_owned()).filter(|text| !text.is_empty())
+}
+
+/// A date stands for its first instant, in UTC.
+pub(super) fn beginning(text: &str) -> Option<String> {
+    said(text).map(|text| if is_date(&text) { text + "T00:00:00Z" } else { text })
+}
+
+/// A date stands for its last instant, in UTC.
+fn end(text: &str) -> Option<String> {
+    said(text).map(|text| if is_date(&text) { text + "T23:59:59.999999Z" } else { text })
+}
+
+fn is_date(text: &str) -> bool {
+    text.len() == 10 && text.bytes().all(|byte| byte.is_ascii_digit() || byte == b'-')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_date_stands_for_the_whole_day_and_a_time_for_itself() {
+        assert_eq!(beginning(" 2026-03-01 ").as_deref(), Some("2026-03-01T00:00:00Z"));
+        assert_eq!(end("2026-03-01").as_deref(), Some("2026-03-01T23:59:59.999999Z"));
+        assert_eq!(end("2026-03-01T08:00:00Z").as_deref(), Some("2026-03-01T08:00:00Z"));
+        assert_eq!((beginning(""), end("  ")), (None, None));
     }
 }

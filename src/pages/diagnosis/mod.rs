@@ -6,41 +6,31 @@ pub(super) mod sections;
 
 use std::time::Duration;
 
-use axum::extract::Path;
 use axum::http::StatusCode;
 use axum::http::header::REFRESH;
-use axum::response::{IntoResponse, Response};
-use maud::{Markup, html};
 
 pub use report::{Subject, report};
 
-use super::Pages;
 use super::calibration::stored_campaign;
-use super::layout::{Page, Section, encoded, instant};
+use super::layout::{encoded, instant};
+use super::prelude::*;
+use super::reference::{Against, ReferenceQuery};
 use super::residuals::Setting;
-use super::text::Text;
-use super::viewer::{Viewer, Visit};
-use crate::core::access::Role;
-use crate::pages::reference;
-use crate::pages::reference::Against;
-use crate::pages::sent::Query;
 use crate::pipeline::{DiagnosisAnswer, StoredCampaign};
 use crate::wire::campaign;
-use crate::wire::problem::Problem;
 use crate::words;
 
 pub(super) async fn page(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Path(id): Path<String>,
-    Query(asked): Query<reference::ReferenceQuery>,
+    Query(asked): Query<ReferenceQuery>,
 ) -> Result<Response, Problem> {
     let page = build(pages, viewer, &id, &asked).await?;
-    Ok(page.map_or_else(|| waiting(viewer), IntoResponse::into_response))
+    Ok(page.map_or_else(|| waiting(viewer.text()), IntoResponse::into_response))
 }
 
 /// Others are being made: the browser asks again by itself.
-fn waiting(viewer: &Viewer) -> Response {
-    let t = viewer.text();
+fn waiting(t: &Text) -> Response {
     let body = html! { h1 { (t.diagnosis) } p.lead #waiting { (t.diagnosis_waiting) } };
     let page = Page { title: t.diagnosis.into(), section: Section::Fleet, body };
     (StatusCode::ACCEPTED, [(REFRESH, "3")], page).into_response()
@@ -50,12 +40,7 @@ fn waiting(viewer: &Viewer) -> Response {
 pub(super) const PATIENCE: Duration = Duration::from_secs(10);
 
 /// The page; none while the diagnosis waits for others.
-async fn build(
-    pages: &Pages,
-    viewer: &Viewer,
-    id: &str,
-    asked: &reference::ReferenceQuery,
-) -> Result<Option<Page>, Problem> {
+async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &ReferenceQuery) -> Result<Option<Page>, Problem> {
     let t = viewer.text();
     let stored = stored_campaign(pages, id).await?;
     let diagnosis = match pages.pipeline.diagnoses.of_campaign(stored.item.id, PATIENCE).await? {

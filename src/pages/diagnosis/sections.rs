@@ -1,12 +1,10 @@
 //! A diagnosis, section by section: of its page, and of the report that `diagnose --report` writes.
 
-use maud::{Markup, html};
-
 use crate::core::effects::{Effect, regressor_unit};
 use crate::pages::figure::{percent, short};
-use crate::pages::layout::{effect_named, effect_word};
+use crate::pages::layout::{effect_named, effect_word, joined};
+use crate::pages::prelude::*;
 use crate::pages::residuals::Setting;
-use crate::pages::text::Text;
 use crate::pages::{figure, forecast, layout, residuals};
 use crate::wire::diagnosis::{
     CandidateBody, DiagnosisBody, EffectBody, EstimateBody, HeldOutBody, ImpactBody, TableBody,
@@ -192,7 +190,7 @@ fn evidence(t: &Text, d: &DiagnosisBody, effect: &EffectBody, gyros: &[(String, 
             let (slope, unit) = single(&drift.slot);
             let point = |(dwell, added): (usize, &f64)| {
                 let (left, sd) = after(&drift.slot, dwell)?;
-                Some(residuals::Point { dwell, x: added / slope, y: left + added, sd })
+                Some(residuals::point(t, dwell, added / slope, left + added, sd))
             };
             let serial = gyros.iter().find(|(slot, _)| *slot == drift.slot).map_or("", |(_, serial)| serial.as_str());
             let name = format!("{} {serial}", drift.slot).trim_end().to_owned();
@@ -223,24 +221,22 @@ fn one_effect(t: &Text, d: &DiagnosisBody, effect: &EffectBody, gyros: &[(String
             @for wider in &effect.wider_in {
                 p { strong { (wider.slot) " " (t.alone_cannot_tell_from) } " " (others(t, effect, &wider.class)) }
             }
-            div.scroll tabindex="0" { table {
-                thead { tr { th { (t.slot) } th { (t.parameter) } th.n { (t.value) } th { (t.unit_word) } } }
-                tbody { @for estimate in &effect.estimates {
-                    @let (value, unit) = sized(t, estimate);
-                    tr {
-                        td { (if estimate.slot == "all" { t.all_gyros } else { &estimate.slot }) } td { (estimate.name) }
-                        td.n { (value) } td { (unit) }
-                    }
-                } }
-            } }
+            (wide_table("", html! {
+                th { (t.slot) } th { (t.parameter) } th.n { (t.value) } th { (t.unit_word) }
+            }, html! { @for estimate in &effect.estimates {
+                @let (value, unit) = sized(t, estimate);
+                tr {
+                    td { (if estimate.slot == "all" { t.all_gyros } else { &estimate.slot }) } td { (estimate.name) }
+                    td.n { (value) } td { (unit) }
+                }
+            } }))
         }
     }
 }
 
 /// A class without the effect itself.
 fn others(t: &Text, effect: &EffectBody, class: &[String]) -> Markup {
-    let others = class.iter().filter(|id| **id != effect.effect).enumerate();
-    html! { @for (i, id) in others { @if i > 0 { "; " } (effect_named(t, id)) } }
+    joined("; ", class.iter().filter(|id| **id != effect.effect).map(|id| effect_named(t, id)))
 }
 
 /// How far the error of dwells that were held out shrinks.
@@ -261,19 +257,18 @@ fn located(t: &Text, d: &DiagnosisBody, slots: &[(String, String)], settings: &[
             h2 { (t.located) }
             p.note { (t.heat_note) }
             (residuals::signed_maps(t, &d.residuals, &names, settings))
-            @if d.verdict != "no_gap" { div.scroll tabindex="0" { table {
-                thead { tr { th { (t.place) } th.n { (t.share) } } }
-                tbody {
-                    @for gyro in &d.located.gyros { tr { td { (gyro.slot) " " (serial(&gyro.slot)) } td.n { (percent(gyro.share)) } } }
-                    @for phase in &d.located.phases { tr { td { (t.phase(&phase.phase)) } td.n { (percent(phase.share)) } } }
-                    @for dwell in &d.located.dwells {
-                        tr {
-                            td { (t.dwell) " " (dwell.index) ", " (dwell.slot) ": " (short(dwell.residual_deg_per_h)) " " (t.rate_unit) }
-                            td.n { (percent(dwell.share)) }
-                        }
+            @if d.verdict != "no_gap" { (wide_table("", html! { th { (t.place) } th.n { (t.share) } }, html! {
+                @for gyro in &d.located.gyros {
+                    tr { td { (gyro.slot) " " (serial(&gyro.slot)) } td.n { (percent(gyro.share)) } }
+                }
+                @for phase in &d.located.phases { tr { td { (t.phase(&phase.phase)) } td.n { (percent(phase.share)) } } }
+                @for dwell in &d.located.dwells {
+                    tr {
+                        td { (t.dwell) " " (dwell.index) ", " (dwell.slot) ": " (short(dwell.residual_deg_per_h)) " " (t.rate_unit) }
+                        td.n { (percent(dwell.share)) }
                     }
                 }
-            } } }
+            })) }
         }
     }
 }
@@ -295,11 +290,7 @@ fn candidates(t: &Text, d: &DiagnosisBody) -> Markup {
                 @if !within.is_empty() {
                     details {
                         summary { (t.ruled_out_within) " (" (within.len()) ")" }
-                        p {
-                            @for (k, one) in within.iter().enumerate() {
-                                @if k > 0 { (t.semicolon) } (effect_word(t, &one.effect))
-                            }
-                        }
+                        p { (joined(t.semicolon, within.iter().map(|one| effect_word(t, &one.effect)))) }
                         (listed(t, &within))
                     }
                 }
@@ -314,27 +305,19 @@ fn group(t: &Text, name: &str, all: &[&CandidateBody]) -> Markup {
 
 fn listed(t: &Text, all: &[&CandidateBody]) -> Markup {
     html! {
-        div.scroll tabindex="0" { table {
-            thead {
-                tr {
-                    th { (t.effect) } th { (t.serial) } th { (t.closes_alone) } th.n { (t.adjusted_p) }
-                    th { (t.why_not) }
-                }
+        (wide_table("", html! {
+            th { (t.effect) } th { (t.serial) } th { (t.closes_alone) } th.n { (t.adjusted_p) } th { (t.why_not) }
+        }, html! { @for candidate in all { tr {
+            td.words { (effect_named(t, &candidate.effect)) } td { (candidate.gyros.join(", ")) }
+            td.nowrap {
+                @if candidate.closure.is_some() && candidate.within_noise {
+                    (t.within_noise)
+                } @else if let Some(closure) = candidate.closure {
+                    (residuals::closure_bar(closure, candidate.interval)) (figure::share(closure, candidate.interval))
+                } @else { "–" }
             }
-            tbody { @for candidate in all {
-                tr {
-                    td.words { (effect_named(t, &candidate.effect)) } td { (candidate.gyros.join(", ")) }
-                    td.nowrap {
-                        @if candidate.closure.is_some() && candidate.within_noise {
-                            (t.within_noise)
-                        } @else if let Some(closure) = candidate.closure {
-                            (residuals::closure_bar(closure, candidate.interval)) (figure::share(closure, candidate.interval))
-                        } @else { "–" }
-                    }
-                    td.n { (short(candidate.p_value_adjusted)) } td.words { (candidate.why_not) }
-                }
-            } }
-        } }
+            td.n { (short(candidate.p_value_adjusted)) } td.words { (candidate.why_not) }
+        } } }))
     }
 }
 
@@ -344,20 +327,18 @@ fn impact(t: &Text, d: &DiagnosisBody) -> Markup {
         @if !d.impact.is_empty() {
             section {
                 h2 { (t.impact) }
-                div.scroll tabindex="0" { table {
-                    thead { tr {
-                        th { (t.serial) } th { (t.coefficient) } th.n { (t.plain) } th.n { (t.with_effects) } th.n { (t.shift) } th.n { (t.of_budget) }
-                    } }
-                    tbody { @for (one, moved) in coefficients {
-                        @let sd = Some(one.augmented_sd);
-                        tr {
-                            td { (one.slot) } td { (layout::symbol(&one.coefficient)) }
-                            td.n { (figure::with_sd(one.plain, one.plain_sd, 6)) } td.n { (figure::with_sd(one.augmented, sd, 6)) }
-                            td.n { (figure::signed(one.shift, figure::places_beside(sd, 6))) }
-                            td.n { @if moved { (percent(one.of_budget)) } @else { (t.within_noise) } }
-                        }
-                    } }
-                } }
+                (wide_table("", html! {
+                    th { (t.serial) } th { (t.coefficient) } th.n { (t.plain) }
+                    th.n { (t.with_effects) } th.n { (t.shift) } th.n { (t.of_budget) }
+                }, html! { @for (one, moved) in coefficients {
+                    @let sd = Some(one.augmented_sd);
+                    tr {
+                        td { (one.slot) } td { (layout::symbol(&one.coefficient)) }
+                        td.n { (figure::with_sd(one.plain, one.plain_sd, 6)) } td.n { (figure::with_sd(one.augmented, sd, 6)) }
+                        td.n { (figure::signed(one.shift, figure::places_beside(sd, 6))) }
+                        td.n { @if moved { (percent(one.of_budget)) } @else { (t.within_noise) } }
+                    }
+                } }))
                 p.note { (t.unit) }
             }
         }
@@ -384,15 +365,12 @@ fn blind_spots(t: &Text, d: &DiagnosisBody) -> Markup {
         @if !d.not_identifiable.is_empty() {
             section {
                 h2 { (t.cannot_be_told) }
-                div.scroll tabindex="0" { table {
-                    thead { tr { th { (t.effect) } th.n { (t.visible) } th { (t.why) } th { (t.would_show) } } }
-                    tbody { @for one in &d.not_identifiable {
-                        tr {
-                            td.words { (effect_named(t, &one.effect)) } td.n { (percent(one.visible_fraction)) }
-                            td.words { (layout::with_symbols(&one.reason)) } td.words { (layout::with_symbols(&one.needs)) }
-                        }
-                    } }
-                } }
+                (wide_table("", html! {
+                    th { (t.effect) } th.n { (t.visible) } th { (t.why) } th { (t.would_show) }
+                }, html! { @for one in &d.not_identifiable { tr {
+                    td.words { (effect_named(t, &one.effect)) } td.n { (percent(one.visible_fraction)) }
+                    td.words { (layout::with_symbols(&one.reason)) } td.words { (layout::with_symbols(&one.needs)) }
+                } } }))
             }
         }
     }
@@ -412,16 +390,14 @@ fn next(t: &Text, d: &DiagnosisBody) -> Markup {
         @if !settings.is_empty() {
             section {
                 h2 { (t.measure_next) }
-                div.scroll tabindex="0" { table {
-                    thead { tr { th { (t.up_axis) } th { (t.north_axis) } th.n { (t.table_rate) ", " (t.unit_of("deg/s")) } th { (t.separates) } } }
-                    tbody { @for (table, separates) in &settings {
-                        tr {
-                            td { (TableBody::direction(table.up)) } td { (TableBody::direction(table.north)) }
-                            td.n { (format!("{:.3}", table.rate_deg_s)) }
-                            td.words { @for (i, id) in separates.iter().enumerate() { @if i > 0 { "; " } (effect_named(t, id)) } }
-                        }
-                    } }
-                } }
+                (wide_table("", html! {
+                    th { (t.up_axis) } th { (t.north_axis) } th.n { (t.table_rate) ", " (t.unit_of("deg/s")) }
+                    th { (t.separates) }
+                }, html! { @for (table, separates) in &settings { tr {
+                    td { (TableBody::direction(table.up)) } td { (TableBody::direction(table.north)) }
+                    td.n { (format!("{:.3}", table.rate_deg_s)) }
+                    td.words { (joined("; ", separates.iter().map(|id| effect_named(t, id)))) }
+                } } }))
                 details {
                     summary { (t.as_programme) }
                     pre translate="no" { "up,north,rate_deg_s\n" @for (table, _) in &settings { (programme_row(table)) "\n" } }

@@ -2,20 +2,16 @@
 
 use axum::http::HeaderValue;
 use axum::http::header::HeaderName;
-use axum::response::Response;
-use maud::{Markup, html};
 use serde::Deserialize;
 
 use crate::core::fleet_order::FleetOrder;
 use crate::core::judge::{Rule, Status};
 use crate::core::message::Message;
 use crate::core::time::UtcMicros;
-use crate::message;
 use crate::pages::form::rule_choice;
-use crate::pages::layout::encoded;
-use crate::pages::viewer::Viewer;
+use crate::pages::layout::query;
+use crate::pages::prelude::*;
 use crate::pipeline::{BEYOND, FleetFilter, FleetPage};
-use crate::wire::problem::Problem;
 use crate::wire::time;
 
 /// Stations that the form offers.
@@ -51,8 +47,7 @@ pub(in crate::pages) struct Filters {
 
 impl Filters {
     /// How many of those that the other filters find have each status; each leads to them.
-    pub fn tiles(&self, viewer: &Viewer, fleet: &FleetPage) -> Markup {
-        let t = viewer.text();
+    pub fn tiles(&self, t: &Text, fleet: &FleetPage) -> Markup {
         let of_status = |status: Status| (status.name(), t.status(status), fleet.of_status[status as usize]);
         let there = |(name, _, count): &(&str, &str, usize)| *count > 0 || self.status == *name;
         let counts = Status::ALL.into_iter().rev().map(of_status).filter(there);
@@ -140,12 +135,9 @@ impl Filters {
             ("refresh", &self.refresh),
             ("page", ""),
         ];
-        let of = |(key, value): (&'static str, &str)| {
-            let value = other.iter().find(|(name, _)| *name == key).map_or(value, |(_, value)| *value);
-            (!value.is_empty()).then(|| format!("{key}={}", encoded(value)))
-        };
-        let query: Vec<String> = all.into_iter().filter_map(of).collect();
-        if query.is_empty() { "/fleet".into() } else { format!("/fleet?{}", query.join("&")) }
+        let of = |(key, value)| (key, other.iter().find(|(name, _)| *name == key).map_or(value, |(_, value)| *value));
+        let query = query(all.map(of));
+        if query.is_empty() { "/fleet".into() } else { format!("/fleet?{query}") }
     }
 
     pub fn of_status(&self, status: &str) -> String {
@@ -167,8 +159,7 @@ impl Filters {
         }
     }
 
-    pub fn form(&self, viewer: &Viewer, found: &FleetPage) -> Markup {
-        let t = viewer.text();
+    pub fn form(&self, t: &Text, found: &FleetPage) -> Markup {
         let kept = [
             ("status", &self.status),
             ("state", &self.state),
@@ -187,7 +178,7 @@ impl Filters {
                 }
                 button { (t.search) }
                 @if is_narrowed { a href="/fleet" { (t.clear_filters) } }
-                (self.views(viewer))
+                (self.views(t))
                 details.filters open[has_more] {
                     summary { (t.more_filters) }
                     div.fields {
@@ -211,18 +202,20 @@ impl Filters {
     }
 
     /// As a list, or by IMU.
-    fn views(&self, viewer: &Viewer) -> Markup {
-        let t = viewer.text();
+    fn views(&self, t: &Text) -> Markup {
         html! {
             span.views {
-                a href=(self.with(&[("view", ""), ("refresh", "")])) aria-current=[(!self.is_wall()).then_some("true")] { (t.as_list) }
-                a href=(self.with(&[("view", "imu"), ("sort", "")])) aria-current=[self.is_wall().then_some("true")] { (t.by_imu) }
+                a href=(self.with(&[("view", ""), ("refresh", "")])) aria-current=[(!self.is_wall()).then_some("true")] {
+                    (t.as_list)
+                }
+                a href=(self.with(&[("view", "imu"), ("sort", "")])) aria-current=[self.is_wall().then_some("true")] {
+                    (t.by_imu)
+                }
             }
         }
     }
 
-    pub fn pager(&self, viewer: &Viewer, number: usize, last: usize) -> Markup {
-        let t = viewer.text();
+    pub fn pager(&self, t: &Text, number: usize, last: usize) -> Markup {
         html! {
             @if last > 0 {
                 p.on-paper { (t.printed_part) " " (number + 1) " / " (last + 1) }

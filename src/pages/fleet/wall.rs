@@ -1,15 +1,11 @@
 //! The fleet by IMU: a card an IMU, a row a slot, a cell a coefficient, each with its load; for a screen on a wall.
 
-use maud::{Markup, html};
-
 use super::filters::Filters;
 use crate::core::judge::Status;
-use crate::pages::layout::{DRIFTS, Page, Section, encoded, symbol};
-use crate::pages::text::Text;
-use crate::pages::viewer::Viewer;
-use crate::pages::{Pages, bullet, status as badges};
+use crate::pages::layout::{DRIFTS, encoded, or_dash, symbol};
+use crate::pages::prelude::*;
+use crate::pages::{bullet, status as badges};
 use crate::pipeline::Standing;
-use crate::wire::problem::Problem;
 
 /// IMUs on one page.
 const IMUS: usize = 60;
@@ -21,13 +17,13 @@ pub(super) async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> 
     let wall = fleet.wall(&filter, filters.page, IMUS).await?;
     let body = html! {
         h1 { (t.fleet) " · " (t.by_imu) }
-        (filters.tiles(viewer, &counted))
-        (filters.form(viewer, &counted))
+        (filters.tiles(t, &counted))
+        (filters.form(t, &counted))
         @if wall.imus.is_empty() { p.lead { (t.none_found) } }
         @else {
             p.note { (wall.found) " " (t.imus_worst_first) }
             div.wall { @for (imu, gyros) in &wall.imus { (card(t, imu, gyros)) } }
-            (filters.pager(viewer, wall.number, wall.last))
+            (filters.pager(t, wall.number, wall.last))
         }
     };
     Ok(Page { title: t.fleet.into(), section: Section::Fleet, body })
@@ -54,7 +50,7 @@ fn line(t: &Text, gyro: &Standing) -> Markup {
             @for (load, status) in gyro.outlook.load.iter().zip(gyro.drift) {
                 td.n.(status.name()) title=(t.status(status)) {
                     span.hidden { (t.status(status)) " " }
-                    @if let Some(load) = load { (bullet::rounded(*load)) } @else { "–" }
+                    (or_dash(load.map(bullet::rounded)))
                     @if status > Status::NotEnoughData { (badges::mark(status)) }
                 }
             }

@@ -1,9 +1,7 @@
 //! What is done about hooks: set up, tried, switched, deleted; and what they were told, sent again.
 
-use axum::extract::{Path, State as Held};
+use axum::extract::State as Held;
 use axum::http::StatusCode;
-use axum::response::{IntoResponse, Response};
-use maud::html;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
@@ -13,14 +11,9 @@ use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
 use crate::core::judge::{Severity, Status};
 use crate::core::message::text;
-use crate::message;
-use crate::pages::Pages;
 use crate::pages::form::{ActionForm, ItemAction, Word, choice, see_other};
-use crate::pages::layout::{Page, Section};
-use crate::pages::sent::Form;
-use crate::pages::viewer::{Viewer, Visit};
+use crate::pages::prelude::*;
 use crate::pipeline::{DeliveryPage, HookKind, Order};
-use crate::wire::problem::Problem;
 
 /// Dead letters that are sent again together.
 const MOST_AT_ONCE: u32 = 1000;
@@ -87,30 +80,29 @@ impl NewHook {
 
 pub(crate) async fn ask_add(viewer: Viewer) -> Page {
     let new = NewHook { batch: "true".into(), ..NewHook::default() };
-    form(&viewer, &new).fresh(&viewer, &new.word)
+    form(viewer.text(), &new).fresh(&viewer, &new.word)
 }
 
 pub(crate) async fn add(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Form(ref new): Form<NewHook>,
 ) -> Result<Response, Problem> {
     let mut faults = Faults::default();
     let read = new.document().and_then(|hook| pages.pipeline.hooks.read(hook.to_string().as_bytes()));
     let read = read.map_err(|wrong| faults.absorb("", wrong)).ok().filter(|_| faults.is_empty());
     let Some(hook) = read else {
-        return Ok(form(viewer, new).again(viewer, &new.word, &faults));
+        return Ok(form(viewer.text(), new).again(viewer, &new.word, &faults));
     };
     let drawn = hook.drawn();
     let id = pages.pipeline.hooks.order(Order::Create(hook)).await?;
     let hook = pages.pipeline.hooks.get(id, drawn.as_ref()).await?;
     match hook.and_then(|hook| hook.secret) {
-        Some(secret) => Ok((StatusCode::CREATED, shown_once(viewer, id, &new.name, &secret)).into_response()),
+        Some(secret) => Ok((StatusCode::CREATED, shown_once(viewer.text(), id, &new.name, &secret)).into_response()),
         None => Ok(see_other(&format!("/hooks/{id}"))),
     }
 }
 
-fn shown_once(viewer: &Viewer, id: Id, name: &str, secret: &str) -> Page {
-    let t = viewer.text();
+fn shown_once(t: &Text, id: Id, name: &str, secret: &str) -> Page {
     let body = html! {
         h1 { (t.hook_set_up) }
         p.lead { (t.hook_secret_shown) }
@@ -121,12 +113,13 @@ fn shown_once(viewer: &Viewer, id: Id, name: &str, secret: &str) -> Page {
     Page { title: t.hook_set_up.into(), section: Section::Hooks, body }
 }
 
-fn form(viewer: &Viewer, new: &NewHook) -> ActionForm {
-    let t = viewer.text();
+fn form(t: &Text, new: &NewHook) -> ActionForm {
     let fields = html! {
         label { (t.hook_name) input name="name" value=(new.name) maxlength="128"; }
         label { (t.kind) select name="kind" {
-            @for kind in HookKind::ALL.map(HookKind::name) { option value=(kind) selected[kind == new.kind] translate="no" { (kind) } }
+            @for kind in HookKind::ALL.map(HookKind::name) {
+                option value=(kind) selected[kind == new.kind] translate="no" { (kind) }
+            }
         } }
         label { (t.hook_url) input name="url" type="url" value=(new.url) required placeholder="https://" translate="no"; }
         label { (t.hook_secret) input name="secret" value=(new.secret) autocomplete="off"; }
@@ -147,8 +140,8 @@ fn form(viewer: &Viewer, new: &NewHook) -> ActionForm {
         action: "/hooks/new".into(),
         button: t.add_hook,
         back: "/hooks".into(),
-        reasoned: false,
-        is_final: false,
+        unreasoned: true,
+        ..ActionForm::default()
     }
 }
 
@@ -164,12 +157,12 @@ impl ItemAction for DeleteHook {
             section: Section::Hooks,
             title: t.delete_hook_title.into(),
             what: html! { p { code { (hook.url) } } p.lead { (t.delete_hook_what) } },
-            fields: html! {},
             action: format!("/hooks/{id}/delete"),
             button: t.delete_hook,
             back: "/hooks".into(),
-            reasoned: false,
+            unreasoned: true,
             is_final: true,
+            ..ActionForm::default()
         };
         Ok((id, form))
     }

@@ -1,23 +1,18 @@
 //! `/hooks/{id}`: what one hook was told, newest first, with the dead letters.
 
-use axum::extract::Path;
 use axum::http::header::REFRESH;
-use axum::response::{IntoResponse, Response};
-use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::{buttons, filter, known, state, written};
 use crate::core::delivery::DeliveryState;
 use crate::core::id::Id;
-use crate::core::judge::{Rule, Status};
-use crate::pages::layout::{Page, Section, symbol};
-use crate::pages::sent::Query;
+use crate::core::judge::Status;
+use crate::pages::prelude::*;
 use crate::pages::status;
-use crate::pages::viewer::{Viewer, Visit};
+use crate::pages::verdicts::violated;
 use crate::pipeline::DeliveryPage;
 use crate::wire::alert::AlertBody;
-use crate::wire::hook::{DeliveryBody, HookBody};
-use crate::wire::problem::Problem;
+use crate::wire::hook::DeliveryBody;
 
 /// Deliveries on one page.
 const ROWS: usize = 60;
@@ -33,7 +28,7 @@ pub(in crate::pages) struct Filters {
 
 /// Where something on it is about to be sent, what comes of it appears by itself.
 pub(in crate::pages) async fn page(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Path(ref id): Path<String>,
     Query(ref filters): Query<Filters>,
 ) -> Result<Response, Problem> {
@@ -54,8 +49,8 @@ pub(in crate::pages) async fn page(
     let alerts = pages.pipeline.alerts.of(&alerts).await?;
     let to = |state: &str, before: &str| format!("/hooks/{id}?state={state}&before={before}");
     let body = html! {
-        h1 { span translate="no" { (hook.name) } " " (state(viewer, &hook)) }
-        p { (hook.kind) " · " code { (hook.url) } (filter(viewer, &hook.filter)) }
+        h1 { span translate="no" { (hook.name) } " " (state(t, &hook)) }
+        p { (hook.kind) " · " code { (hook.url) } (filter(t, &hook.filter)) }
         (buttons(viewer, &hook))
         h2 { (t.deliveries) }
         nav.tabs aria-label=(t.status_word) {
@@ -64,8 +59,18 @@ pub(in crate::pages) async fn page(
                 a href=(to(state, "")) aria-current=[(filters.state == state).then_some("true")] { (t.delivery(state)) }
             }
         }
-        (replay(viewer, &hook))
-        @if deliveries.is_empty() { p { (t.no_deliveries) } } @else { (table(viewer, id, &deliveries, &alerts)) }
+        @if hook.queue.dead > 0 && hook.enabled {
+            form action={ "/hooks/" (hook.id) "/redeliver" } method="post" {
+                button { (t.redeliver_dead) " (" (hook.queue.dead) ")" }
+            }
+        }
+        @if deliveries.is_empty() { p { (t.no_deliveries) } } @else { (wide_table("cards", html! {
+            th { (t.message) } th { (t.serial) } th { (t.queued) } th { (t.status_word) }
+            th.n { (t.attempts) } th { (t.last_attempt) } th { (t.actions_word) }
+        }, html! { @for delivery in &deliveries {
+            @let alert = alerts.iter().find(|alert| Some(&alert.id) == delivery.alert.as_ref());
+            (line(t, id, delivery, alert))
+        } })) }
         @if more && let Some(last) = deliveries.last() {
             nav.pager aria-label=(t.deliveries) { a rel="next" href=(to(&filters.state, &last.id)) { (t.older) } }
         }
@@ -74,32 +79,7 @@ pub(in crate::pages) async fn page(
     Ok((refresh, Page { title: hook.name.clone(), section: Section::Hooks, body }).into_response())
 }
 
-fn replay(viewer: &Viewer, hook: &HookBody) -> Markup {
-    let t = viewer.text();
-    html! {
-        @if hook.queue.dead > 0 && hook.enabled {
-            form action={ "/hooks/" (hook.id) "/redeliver" } method="post" { button { (t.redeliver_dead) " (" (hook.queue.dead) ")" } }
-        }
-    }
-}
-
-fn table(viewer: &Viewer, hook: &str, deliveries: &[DeliveryBody], alerts: &[AlertBody]) -> Markup {
-    let t = viewer.text();
-    html! {
-        div.scroll tabindex="0" { table.cards {
-            thead { tr {
-                th { (t.message) } th { (t.serial) } th { (t.queued) } th { (t.status_word) } th.n { (t.attempts) } th { (t.last_attempt) } th { (t.actions_word) }
-            } }
-            tbody { @for delivery in deliveries {
-                @let alert = alerts.iter().find(|alert| Some(&alert.id) == delivery.alert.as_ref());
-                (line(viewer, hook, delivery, alert))
-            } }
-        } }
-    }
-}
-
-fn line(viewer: &Viewer, hook: &str, delivery: &DeliveryBody, alert: Option<&AlertBody>) -> Markup {
-    let t = viewer.text();
+fn line(t: &Text, hook: &str, delivery: &DeliveryBody, alert: Option<&AlertBody>) -> Markup {
     let shape = match delivery.state {
         "delivered" => Some(Status::InTolerance),
         "dead" => Some(Status::OutOfTolerance),
@@ -112,7 +92,7 @@ fn line(viewer: &Viewer, hook: &str, delivery: &DeliveryBody, alert: Option<&Ale
             td data-label=(t.serial) {
                 @if let Some(alert) = alert {
                     a.id href={ "/alerts/" (alert.id) } { (alert.serial) } " "
-                    span.nowrap { (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule))) }
+                    span.nowrap { (violated(t, alert)) }
                 }
             }
             td data-label=(t.queued) { (written(&delivery.queued_at)) }
@@ -130,7 +110,9 @@ fn line(viewer: &Viewer, hook: &str, delivery: &DeliveryBody, alert: Option<&Ale
             }
             td {
                 @if matches!(delivery.state, "delivered" | "dead" | "waiting") {
-                    form action={ "/hooks/" (hook) "/deliveries/" (delivery.id) "/redeliver" } method="post" { button { (t.redeliver) } }
+                    form action={ "/hooks/" (hook) "/deliveries/" (delivery.id) "/redeliver" } method="post" {
+                        button { (t.redeliver) }
+                    }
                 }
             }
         }

@@ -1,7 +1,6 @@
 //! A document of the import page takes the place of the one that is stored for its IMU and time.
 
 use axum::Extension;
-use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
 
 use super::logs::Sent;
@@ -9,12 +8,9 @@ use super::{framed, off_the_loop, read_all};
 use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
-use crate::message;
 use crate::pages::form::{Word, fault_list, see_other};
-use crate::pages::sent::Form;
-use crate::pages::viewer::Visit;
+use crate::pages::prelude::*;
 use crate::pipeline::{Accepted, Actor, Caller, Corrected, Correction, ReadDocument, Submission};
-use crate::wire::problem::Problem;
 
 /// The right document, and which one it replaces.
 #[derive(Deserialize)]
@@ -26,7 +22,7 @@ pub(in crate::pages) struct Order {
 }
 
 pub(in crate::pages) async fn act(
-    Visit { ref pages, ref viewer }: Visit,
+    Visit(ref pages, ref viewer): Visit,
     Extension(caller): Extension<Caller>,
     Form(order): Form<Order>,
 ) -> Result<Response, Problem> {
@@ -50,7 +46,7 @@ pub(in crate::pages) async fn act(
     let unknown = || Problem::no_such_record(&order.id);
     let (id, Some(new), true) = (order.id.parse::<Id>().map_err(|_| unknown())?, new, faults.is_empty()) else {
         let sent = Sent { text: order.text, ..Sent::default() };
-        return Ok(framed(viewer, &sent, fault_list(viewer.text(), &faults)).into_response());
+        return Ok(framed(viewer.text(), &sent, fault_list(viewer.text(), &faults)).into_response());
     };
     let place = if new.kind == Kind::Campaign { "campaigns" } else { "records" };
     let item = Corrected::Calibration { id, kind: None };

@@ -3,10 +3,8 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use maud::{Markup, html};
-
 use super::located::Place;
-use crate::pages::text::Text;
+use crate::pages::prelude::*;
 
 /// A text of no more lines is shown whole; of a longer one, so many about each faulty line.
 const WHOLE: usize = 60;

@@ -1,9 +1,6 @@
 //! The form that puts a document in the place of the one that is stored for its IMU and time.
 
-use maud::{Markup, html};
-
-use crate::core::access::Role;
-use crate::pages::viewer::Viewer;
+use crate::pages::prelude::*;
 use crate::pipeline::Refused;
 
 /// What stands in the way of a document, and the form that puts it in its place.

@@ -16,7 +16,7 @@ pub(super) fn offer(viewer: &Viewer, why: &Refused, text: &str) -> Markup {
                 form.deed action="/import/replace" method="post" {
                     input type="hidden" name="id" value=(existing);
                     textarea name="text" hidden { (text) }
-                    label { (t.who) input name="by" value=(by) required maxlength="64" autocomplete="name"; }
+                    label { (t.who) input name="by" value=(by) required maxlength="128" autocomplete="name"; }
                     label { (t.reason_word) textarea name="reason" rows="2" required maxlength="4096" {} }
                     label.sure { input type="checkbox" name="confirm" value="yes" required; span { (t.replace_what) } }
                     p { button.primary { (t.replace_it) } }

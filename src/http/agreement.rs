@@ -1,7 +1,7 @@
 //! `/v1/gyros/{serial}/agreement`: the results of every method side by side, and their range (Table 5 of the paper).
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
@@ -74,7 +74,7 @@ struct RangeBody {
     params(AgreementQuery),
     responses((status = 200, description = "the results", body = Agreement)))]
 pub async fn get_agreement(
-    State(app): State<App>,
+    app: App,
     Path(serial): Path<String>,
     Parameters(asked): Parameters<AgreementQuery>,
 ) -> Answer<Json<Agreement>> {

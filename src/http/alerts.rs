@@ -1,7 +1,7 @@
 //! `/v1/alerts`: what fires, what has fired, and what people say of it.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::header::CONTENT_TYPE;
 use axum::http::{HeaderMap, Uri};
 use axum::response::{IntoResponse, Response};
@@ -78,7 +78,7 @@ struct ListedAlert {
         headers(("Link" = String, description = "the next page"))),
         (status = 404, description = "no such gyro")))]
 pub async fn get_alerts(
-    State(app): State<App>,
+    app: App,
     Parameters(asked): Parameters<AlertsQuery>,
     uri: Uri,
     headers: HeaderMap,
@@ -150,7 +150,7 @@ impl From<AlertStep> for StepBody {
 /// One alert with its history.
 #[utoipa::path(get, path = "/v1/alerts/{id}", tag = "alerts",
     responses((status = 200, description = "the alert", body = AlertDetail)))]
-pub async fn get_alert(State(app): State<App>, Path(id): Path<String>) -> Answer<Json<AlertDetail>> {
+pub async fn get_alert(app: App, Path(id): Path<String>) -> Answer<Json<AlertDetail>> {
     let number = read_id(&id)?;
     let found = app.pipeline.alerts.get(number).await?.ok_or_else(|| Problem::unknown_alert(&id))?;
     let inhibited = app.pipeline.alerts.inhibited_by(number).await?;
@@ -182,22 +182,14 @@ struct SilenceOrder {
     responses(
         (status = 200, description = "the alert, acknowledged", body = AlertBody),
         (status = 409, description = "it is resolved")))]
-pub async fn post_acknowledge(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    body: Document,
-) -> Answer<Json<AlertBody>> {
+pub async fn post_acknowledge(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<AlertBody>> {
     signed(&app, &id, AlertChange::Acknowledge, &body).await
 }
 
 /// Nobody knows, after all: repeats go on.
 #[utoipa::path(post, operation_id = "unacknowledge_alert", path = "/v1/alerts/{id}/unacknowledge", tag = "alerts", request_body = Signed,
     responses((status = 200, description = "the alert, not acknowledged", body = AlertBody)))]
-pub async fn post_unacknowledge(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    body: Document,
-) -> Answer<Json<AlertBody>> {
+pub async fn post_unacknowledge(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<AlertBody>> {
     signed(&app, &id, AlertChange::Unacknowledge, &body).await
 }
 
@@ -209,7 +201,7 @@ async fn signed(app: &App, id: &str, change: AlertChange, body: &Document) -> An
 /// Nobody is told before a time. What has changed by then is told at its end; a later silence replaces an earlier one.
 #[utoipa::path(post, operation_id = "silence_alert", path = "/v1/alerts/{id}/silence", tag = "alerts", request_body = SilenceOrder,
     responses((status = 200, description = "the alert, silenced", body = AlertBody)))]
-pub async fn post_silence(State(app): State<App>, Path(id): Path<String>, body: Document) -> Answer<Json<AlertBody>> {
+pub async fn post_silence(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<AlertBody>> {
     let (change, (by, reason)) = body.read(|bytes| {
         let SilenceOrder { until, by, reason } = json::parse(bytes)?;
         let mut faults = Faults::default();

@@ -1,7 +1,7 @@
 //! `/v1/gyros/{serial}/baseline`: from here on a gyro is compared with itself anew.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -102,7 +102,7 @@ pub struct BaselineAnswer {
         (status = 200, description = "was set before, in the same words", body = BaselineAnswer),
         (status = 409, description = "another baseline begins at that very time, for another reason or at other levels")))]
 pub async fn post_baseline(
-    State(app): State<App>,
+    app: App,
     Path(serial): Path<String>,
     body: Document,
 ) -> Answer<(StatusCode, Json<BaselineAnswer>)> {

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use axum::Json;
-use axum::extract::{FromRequest, Path, Request, State};
+use axum::extract::{FromRequest, Path, Request};
 use axum::http::StatusCode;
 use axum::http::header::RETRY_AFTER;
 use axum::response::{IntoResponse, Response};
@@ -71,7 +71,7 @@ enum CampaignAsWanted {
         (status = 200, description = "was stored before with the same content", body = CampaignAsWanted),
         (status = 409, description = "the same IMU and time with other content"),
         (status = 422, description = "what cannot be stored; the places are named")))]
-pub async fn post_campaign(State(app): State<App>, post: DocumentPost, body: Dwells) -> Answer<Response> {
+pub async fn post_campaign(app: App, post: DocumentPost, body: Dwells) -> Answer<Response> {
     let Dwells(bytes, form) = body;
     let key = post.key()?;
     let (pipeline, text) = (app.pipeline.clone(), bytes.clone());
@@ -128,7 +128,7 @@ pub struct StoredCampaignBody {
 /// A stored campaign: what was sent, the fit with its evidence, what was separated, and how it is judged.
 #[utoipa::path(get, path = "/v1/campaigns/{id}", tag = "campaigns",
     responses((status = 200, description = "the campaign", body = StoredCampaignBody)))]
-pub async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Answer<Json<StoredCampaignBody>> {
+pub async fn get_campaign(app: App, Path(id): Path<String>) -> Answer<Json<StoredCampaignBody>> {
     let id: Id = id.parse().map_err(|_| Problem::no_such_campaign(&id))?;
     let StoredCampaign { item, answer, .. } = stored(&app, id).await?;
     let campaign = RawValue::from_string(item.body.to_string())
@@ -149,7 +149,7 @@ pub async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Ans
         (status = 404, description = "no such campaign, or no such reference"),
         (status = 422, description = "the campaign leaves nothing to hold against the model, or the reference is none for it")))]
 pub async fn get_diagnosis(
-    State(app): State<App>,
+    app: App,
     Path(id): Path<String>,
     Parameters(query): Parameters<DiagnosisQuery>,
 ) -> Answer<Response> {

@@ -1,7 +1,7 @@
 //! `/v1/records/{id}/confirm`: the time of a record that was set aside is right.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -29,11 +29,7 @@ pub struct ConfirmedBody {
     responses(
         (status = 200, description = "it counts; so too where it was confirmed before", body = ConfirmedBody),
         (status = 409, description = "it is not set aside, or another record stands at its time")))]
-pub async fn confirm_record(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    body: Document,
-) -> Answer<Json<ConfirmedBody>> {
+pub async fn confirm_record(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<ConfirmedBody>> {
     let id: Id = id.parse().map_err(|_| Problem::no_such_record(&id))?;
     let Signed { by: author, reason } = Signed::read(&body)?;
     let sent = Confirmation { id, of_window: false, author, reason, by: Actor::by_caller(), restated: None };

@@ -1,7 +1,7 @@
 //! `…/void` and `…/revise`: what was stored counts no more, or another stands in its place. Nothing is deleted.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::StatusCode;
 use axum::http::header::LOCATION;
 use axum::response::{IntoResponse, Response};
@@ -136,11 +136,7 @@ impl VoidOrder {
     responses(
         (status = 200, description = "it counts no more; so too where the same was said before", body = CorrectedBody),
         (status = 409, description = "it was voided or revised before, by another author, for another reason or by other content")))]
-pub async fn void_record(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    body: Document,
-) -> Answer<Json<CorrectedBody>> {
+pub async fn void_record(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<CorrectedBody>> {
     void(&app, Corrected::Calibration { id: named(&id, Problem::no_such_record)?, kind: None }, &body).await
 }
 
@@ -149,11 +145,7 @@ pub async fn void_record(
     responses(
         (status = 200, description = "it counts no more; so too where the same was said before", body = CorrectedBody),
         (status = 409, description = "it was voided or revised before, by another author, for another reason or by other content")))]
-pub async fn void_campaign(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    body: Document,
-) -> Answer<Json<CorrectedBody>> {
+pub async fn void_campaign(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<CorrectedBody>> {
     void(&app, campaign(&id)?, &body).await
 }
 
@@ -162,11 +154,7 @@ pub async fn void_campaign(
     responses(
         (status = 200, description = "it counts no more; so too where the same was said before", body = CorrectedBody),
         (status = 409, description = "it was voided before, by another author or for another reason")))]
-pub async fn void_bench_result(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    body: Document,
-) -> Answer<Json<CorrectedBody>> {
+pub async fn void_bench_result(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<CorrectedBody>> {
     void(&app, Corrected::Bench(named(&id, Problem::no_such_bench_result)?), &body).await
 }
 
@@ -197,7 +185,7 @@ struct RecordRevision {
         (status = 201, description = "the new record is stored and judged", body = Standing<RecordAnswer>, headers(("Location" = String, description = "where it is"))),
         (status = 200, description = "the same was said before", body = Standing<RecordAnswer>),
         (status = 409, description = "it was revised before, or another stands at the new one's time")))]
-pub async fn revise_record(State(app): State<App>, Path(id): Path<String>, body: Document) -> Answer<Response> {
+pub async fn revise_record(app: App, Path(id): Path<String>, body: Document) -> Answer<Response> {
     let item = Corrected::Calibration { id: named(&id, Problem::no_such_record)?, kind: None };
     let problem = |faults| Document::problem(&body.0, faults);
     let RecordRevision { author, reason, record } = json::parse(&body.0).map_err(problem)?;
@@ -229,7 +217,7 @@ struct CampaignRevision {
         (status = 201, description = "the new campaign is stored and judged", body = Standing<CampaignAnswer>, headers(("Location" = String, description = "where it is"))),
         (status = 200, description = "the same was said before", body = Standing<CampaignAnswer>),
         (status = 409, description = "it was revised before, or another stands at the new one's time")))]
-pub async fn revise_campaign(State(app): State<App>, Path(id): Path<String>, body: Document) -> Answer<Response> {
+pub async fn revise_campaign(app: App, Path(id): Path<String>, body: Document) -> Answer<Response> {
     let item = campaign(&id)?;
     let problem = |faults| Document::problem(&body.0, faults);
     let CampaignRevision { author, reason, campaign } = json::parse(&body.0).map_err(problem)?;

@@ -1,7 +1,7 @@
 //! `/v1/gyros/{serial}/events`: what was done to a gyro, so that the rules know what not to compare.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -70,7 +70,7 @@ pub struct Events {
 /// What was done to a gyro, oldest first.
 #[utoipa::path(get, path = "/v1/gyros/{serial}/events", tag = "gyros",
     responses((status = 200, description = "the events", body = Events)))]
-pub async fn get_events(State(app): State<App>, Path(serial): Path<String>) -> Answer<Json<Events>> {
+pub async fn get_events(app: App, Path(serial): Path<String>) -> Answer<Json<Events>> {
     let events = app.pipeline.queries.histories.events(query::gyro(&app, &serial)?).await?;
     Ok(Json(Events { serial, events: events.iter().map(EventBody::of).collect() }))
 }
@@ -104,11 +104,7 @@ struct NewEvent {
         (status = 201, description = "the event is stored", body = EventBody),
         (status = 200, description = "was stored before, with the same words", body = EventBody),
         (status = 409, description = "the same kind of event is stored at that very time, with other words")))]
-pub async fn post_event(
-    State(app): State<App>,
-    Path(serial): Path<String>,
-    body: Document,
-) -> Answer<(StatusCode, Json<EventBody>)> {
+pub async fn post_event(app: App, Path(serial): Path<String>, body: Document) -> Answer<(StatusCode, Json<EventBody>)> {
     let (status, id, event) = remark::post(&app, &serial, &body, read, message!("event_there")).await?;
     let GyroEvent { at, event, until, test, fixed, reason, author, .. } = event;
     let row = EventItem { id, at, event, until, test, fixed, reason, author };

@@ -1,7 +1,7 @@
 //! `/v1/hooks` and `/v1/deliveries`: whom to tell, and what has become of what they were told.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::header::LOCATION;
 use axum::http::{StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
@@ -29,7 +29,7 @@ pub struct Hooks {
 /// Every hook, without its secrets.
 #[utoipa::path(get, path = "/v1/hooks", tag = "hooks",
     responses((status = 200, description = "the hooks", body = Hooks)))]
-pub async fn get_hooks(State(app): State<App>) -> Answer<Json<Hooks>> {
+pub async fn get_hooks(app: App) -> Answer<Json<Hooks>> {
     Ok(Json(Hooks { hooks: app.pipeline.hooks.all().await? }))
 }
 
@@ -41,7 +41,7 @@ pub async fn get_hooks(State(app): State<App>) -> Answer<Json<Hooks>> {
         (status = 201, description = "set up", body = HookBody, headers(("Location" = String, description = "where it is"))),
         (status = 409, description = "there are too many"),
         (status = 422, description = "an unknown kind, a forbidden address, a short secret …; the places are named")))]
-pub async fn post_hook(State(app): State<App>, body: Document) -> Answer<Response> {
+pub async fn post_hook(app: App, body: Document) -> Answer<Response> {
     let new = body.read(|bytes| app.pipeline.hooks.read(bytes))?;
     let drawn = new.drawn();
     let id = app.pipeline.hooks.order(Order::Create(new)).await?;
@@ -52,7 +52,7 @@ pub async fn post_hook(State(app): State<App>, body: Document) -> Answer<Respons
 /// One hook.
 #[utoipa::path(get, path = "/v1/hooks/{id}", tag = "hooks",
     responses((status = 200, description = "the hook", body = HookBody)))]
-pub async fn get_hook(State(app): State<App>, Path(id): Path<String>) -> Answer<Json<HookBody>> {
+pub async fn get_hook(app: App, Path(id): Path<String>) -> Answer<Json<HookBody>> {
     let hook = app.pipeline.hooks.get(hook_id(&id)?, None).await?;
     Ok(Json(hook.ok_or_else(|| Problem::no_such_hook(id))?))
 }
@@ -63,7 +63,7 @@ pub async fn get_hook(State(app): State<App>, Path(id): Path<String>) -> Answer<
     responses(
         (status = 200, description = "changed", body = HookBody),
         (status = 422, description = "a forbidden address, a short secret …; the places are named")))]
-pub async fn patch_hook(State(app): State<App>, Path(id): Path<String>, body: Document) -> Answer<Json<HookBody>> {
+pub async fn patch_hook(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<HookBody>> {
     let id = hook_id(&id)?;
     let patch = body.read(|bytes| app.pipeline.hooks.read_patch(bytes))?;
     let drawn = patch.drawn();
@@ -73,7 +73,7 @@ pub async fn patch_hook(State(app): State<App>, Path(id): Path<String>, body: Do
 
 /// Deletes a hook and what it was still to be told.
 #[utoipa::path(delete, path = "/v1/hooks/{id}", tag = "hooks", responses((status = 204, description = "deleted")))]
-pub async fn delete_hook(State(app): State<App>, Path(id): Path<String>) -> Answer<StatusCode> {
+pub async fn delete_hook(app: App, Path(id): Path<String>) -> Answer<StatusCode> {
     app.pipeline.hooks.order(Order::Delete(hook_id(&id)?)).await?;
     Ok(StatusCode::NO_CONTENT)
 }
@@ -83,7 +83,7 @@ pub async fn delete_hook(State(app): State<App>, Path(id): Path<String>) -> Answ
     responses(
         (status = 202, description = "queued", body = DeliveryBody, headers(("Location" = String, description = "its delivery"))),
         (status = 409, description = "the hook is disabled")))]
-pub async fn test_hook(State(app): State<App>, Path(id): Path<String>) -> Answer<Response> {
+pub async fn test_hook(app: App, Path(id): Path<String>) -> Answer<Response> {
     let delivery = app.pipeline.hooks.order(Order::Test(hook_id(&id)?)).await?;
     queued(&app, delivery).await
 }
@@ -114,7 +114,7 @@ pub struct Deliveries {
     responses((status = 200, description = "the deliveries", body = Deliveries,
         headers(("Link" = Option<String>, description = "the next page")))))]
 pub async fn get_deliveries(
-    State(app): State<App>,
+    app: App,
     uri: Uri,
     Path(id): Path<String>,
     Parameters(asked): Parameters<DeliveriesQuery>,
@@ -135,7 +135,7 @@ pub async fn get_deliveries(
 /// One delivery with every attempt.
 #[utoipa::path(get, path = "/v1/deliveries/{id}", tag = "hooks",
     responses((status = 200, description = "the delivery", body = DeliveryBody)))]
-pub async fn get_delivery(State(app): State<App>, Path(id): Path<String>) -> Answer<Json<DeliveryBody>> {
+pub async fn get_delivery(app: App, Path(id): Path<String>) -> Answer<Json<DeliveryBody>> {
     let delivery = app.pipeline.hooks.delivery(delivery_id(&id)?).await?;
     Ok(Json(delivery.ok_or_else(|| Problem::no_such_delivery(id))?))
 }
@@ -145,7 +145,7 @@ pub async fn get_delivery(State(app): State<App>, Path(id): Path<String>) -> Ans
     responses(
         (status = 202, description = "queued again", body = DeliveryBody, headers(("Location" = String, description = "the delivery"))),
         (status = 409, description = "an earlier one comes first, it was dropped, or the hook is disabled")))]
-pub async fn redeliver(State(app): State<App>, Path(id): Path<String>) -> Answer<Response> {
+pub async fn redeliver(app: App, Path(id): Path<String>) -> Answer<Response> {
     let delivery = app.pipeline.hooks.order(Order::Redeliver(delivery_id(&id)?)).await?;
     queued(&app, delivery).await
 }

@@ -1,7 +1,6 @@
 //! `GET /v1/records` and `GET /v1/campaigns`: what has been stored, the last to arrive first.
 
 use axum::Json;
-use axum::extract::State;
 use axum::http::Uri;
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
@@ -85,11 +84,7 @@ impl From<ListedRecord> for ListedRecordBody {
 #[utoipa::path(get, path = "/v1/records", tag = "records", params(RecordsQuery),
     responses((status = 200, description = "the records", body = RecordList,
         headers(("Link" = Option<String>, description = "the next page")))))]
-pub async fn get_records(
-    State(app): State<App>,
-    Parameters(asked): Parameters<RecordsQuery>,
-    uri: Uri,
-) -> Answer<Response> {
+pub async fn get_records(app: App, Parameters(asked): Parameters<RecordsQuery>, uri: Uri) -> Answer<Response> {
     let (records, next) = listed(&app, &asked, None).await?;
     Ok((query::link(&uri, next.as_deref()), Json(RecordList { records, next })).into_response())
 }
@@ -98,11 +93,7 @@ pub async fn get_records(
 #[utoipa::path(get, path = "/v1/campaigns", tag = "campaigns", params(RecordsQuery),
     responses((status = 200, description = "the campaigns", body = CampaignList,
         headers(("Link" = Option<String>, description = "the next page")))))]
-pub async fn get_campaigns(
-    State(app): State<App>,
-    Parameters(asked): Parameters<RecordsQuery>,
-    uri: Uri,
-) -> Answer<Response> {
+pub async fn get_campaigns(app: App, Parameters(asked): Parameters<RecordsQuery>, uri: Uri) -> Answer<Response> {
     let (campaigns, next) = listed(&app, &asked, Some(Kind::Campaign)).await?;
     Ok((query::link(&uri, next.as_deref()), Json(CampaignList { campaigns, next })).into_response())
 }

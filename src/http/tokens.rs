@@ -1,7 +1,7 @@
 //! `/v1/tokens`: who may use the service.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::StatusCode;
 use axum::http::header::LOCATION;
 use axum::response::{IntoResponse, Response};
@@ -63,7 +63,7 @@ pub struct Tokens {
 /// Every token, without its secret.
 #[utoipa::path(get, path = "/v1/tokens", tag = "access",
     responses((status = 200, description = "the tokens", body = Tokens)))]
-pub async fn get_tokens(State(app): State<App>) -> Answer<Json<Tokens>> {
+pub async fn get_tokens(app: App) -> Answer<Json<Tokens>> {
     let rows = app.pipeline.access.tokens().await?;
     Ok(Json(Tokens { tokens: rows.iter().map(TokenBody::from).collect() }))
 }
@@ -90,7 +90,7 @@ struct NewTokenBody {
     responses(
         (status = 201, description = "made; its secret is shown this once", body = TokenBody, headers(("Location" = String, description = "where it is"))),
         (status = 422, description = "an unknown role, an expiry in the past …; the places are named")))]
-pub async fn post_token(State(app): State<App>, body: Document) -> Answer<Response> {
+pub async fn post_token(app: App, body: Document) -> Answer<Response> {
     let new = body.read(|bytes| read(&app, bytes))?;
     let lost = || Problem::new(500, "title_internal_error", message!("token_lost"));
     let secret = app.pipeline.access.order(AccessOrder::Create(new)).await?.ok_or_else(lost)?;
@@ -103,7 +103,7 @@ pub async fn post_token(State(app): State<App>, body: Document) -> Answer<Respon
 /// Revokes a token, at once and for good, and signs out who has signed in with it.
 #[utoipa::path(delete, path = "/v1/tokens/{id}", tag = "access",
     responses((status = 204, description = "revoked, now or before")))]
-pub async fn delete_token(State(app): State<App>, Path(id): Path<String>) -> Answer<StatusCode> {
+pub async fn delete_token(app: App, Path(id): Path<String>) -> Answer<StatusCode> {
     let id: Id =
         id.parse().map_err(|_| Problem::new(404, "title_no_such_token", message!("no_such_token", id = id.clone())))?;
     app.pipeline.access.order(AccessOrder::Revoke(id)).await?;

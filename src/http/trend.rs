@@ -8,7 +8,7 @@ mod periods;
 mod point;
 mod request;
 
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::{HeaderMap, Uri};
 use axum::response::Response;
 use utoipa::ToSchema;
@@ -44,7 +44,7 @@ enum TrendAnswer<'a> {
             headers(("ETag" = String, description = "changes when the points do"), ("Link" = String, description = "the next page"))),
         (status = 304, description = "as it was")))]
 pub async fn get_trend(
-    State(app): State<App>,
+    app: App,
     Path(serial): Path<String>,
     Parameters(asked): Parameters<TrendQuery>,
     uri: Uri,

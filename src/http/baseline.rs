@@ -26,13 +26,10 @@ struct BaselineBody {
     #[schema(min_length = 1, max_length = 4096)]
     reason: String,
     /// From when on, a day (UTC) or an RFC 3339 time; now, where it is left out.
-    #[serde(default)]
     at: Option<String>,
-    #[serde(default)]
     author: Option<String>,
     /// The levels from then on, from an acceptance file, say; what is left out is the median of the first three
     /// records.
-    #[serde(default)]
     fixed: Option<FixedBody>,
 }
 

@@ -89,12 +89,9 @@ struct NewEvent {
     #[serde(default, alias = "from")]
     at: Option<String>,
     /// Of an environmental test: when it was over.
-    #[serde(default)]
     to: Option<String>,
     /// Of an environmental test: which, as `vibration` or `thermal cycling`.
-    #[serde(default)]
     kind: Option<String>,
-    #[serde(default)]
     author: Option<String>,
 }
 

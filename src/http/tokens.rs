@@ -78,10 +78,8 @@ struct NewTokenBody {
     /// `viewer`, `station`, `engineer` or `admin`.
     role: String,
     /// The only station that it may send for.
-    #[serde(default)]
     station: Option<String>,
     /// RFC 3339; never, where it is left out.
-    #[serde(default)]
     expires_at: Option<String>,
 }
 

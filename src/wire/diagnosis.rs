@@ -309,7 +309,6 @@ pub struct CandidateBody {
     #[schema(required)]
     pub closure: Option<f64>,
     /// 95 % interval of that.
-    #[serde(default)]
     #[schema(required)]
     pub interval: Option<[f64; 2]>,
     pub p_value_adjusted: f64,

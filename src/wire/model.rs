@@ -55,16 +55,13 @@ const VERSIONS: [u32; 2] = [1, 2];
 #[derive(Debug, Clone, PartialEq, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AdoptionBody {
-    #[serde(default)]
     pub version: Option<u32>,
     /// As in the model file. Without terms, effects and sizes the plain model is in force again.
     #[serde(default)]
     pub terms: Vec<String>,
     #[serde(default)]
     pub effects: Vec<KnownEffectBody>,
-    #[serde(default)]
     pub provenance: Option<ProvenanceBody>,
-    #[serde(default)]
     pub identified: Option<IdentifiedBody>,
     #[serde(default)]
     pub plausible_sizes: BTreeMap<String, f64>,

@@ -151,7 +151,7 @@ impl From<AlertStep> for StepBody {
 #[utoipa::path(get, path = "/v1/alerts/{id}", tag = "alerts",
     responses((status = 200, description = "the alert", body = AlertDetail)))]
 pub async fn get_alert(app: App, Path(id): Path<String>) -> Answer<Json<AlertDetail>> {
-    let number = read_id(&id)?;
+    let number = query::id(&id, Problem::unknown_alert)?;
     let found = app.pipeline.alerts.get(number).await?.ok_or_else(|| Problem::unknown_alert(&id))?;
     let inhibited = app.pipeline.alerts.inhibited_by(number).await?;
     Ok(Json(AlertDetail {
@@ -159,10 +159,6 @@ pub async fn get_alert(app: App, Path(id): Path<String>) -> Answer<Json<AlertDet
         history: found.steps.into_iter().map(StepBody::from).collect(),
         inhibits: inhibited.into_iter().map(|alert| alert.id).collect(),
     }))
-}
-
-fn read_id(id: &str) -> Answer<Id> {
-    id.parse().map_err(|_| Problem::unknown_alert(id))
 }
 
 /// Who wants nobody to be told, until when, and why.
@@ -195,7 +191,12 @@ pub async fn post_unacknowledge(app: App, Path(id): Path<String>, body: Document
 
 async fn signed(app: &App, id: &str, change: AlertChange, body: &Document) -> Answer<Json<AlertBody>> {
     let Signed { by, reason } = Signed::read(body)?;
-    Ok(Json(app.pipeline.alerts.change(AlertOrder { alert: read_id(id)?, change, by, reason }).await?))
+    Ok(Json(
+        app.pipeline
+            .alerts
+            .change(AlertOrder { alert: query::id(id, Problem::unknown_alert)?, change, by, reason })
+            .await?,
+    ))
 }
 
 /// Nobody is told before a time. What has changed by then is told at its end; a later silence replaces an earlier one.
@@ -209,7 +210,12 @@ pub async fn post_silence(app: App, Path(id): Path<String>, body: Document) -> A
         let signed = text::signed("/by", by, reason, &mut faults);
         faults.or((AlertChange::Silence { until }, signed))
     })?;
-    Ok(Json(app.pipeline.alerts.change(AlertOrder { alert: read_id(&id)?, change, by, reason }).await?))
+    Ok(Json(
+        app.pipeline
+            .alerts
+            .change(AlertOrder { alert: query::id(&id, Problem::unknown_alert)?, change, by, reason })
+            .await?,
+    ))
 }
 
 pub(super) fn future(pointer: &str, text: &str, now: UtcMicros, faults: &mut Faults) -> UtcMicros {

@@ -13,7 +13,7 @@ use super::corrections::{StandingBody, standing};
 use super::document::{Document, outcome};
 use super::document_post::{DocumentPost, IdempotencyKey};
 use super::notify_query::NotifyQuery;
-use crate::core::id::Id;
+use super::query;
 use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::{Sent, Submission};
@@ -73,9 +73,9 @@ pub struct StoredBench {
 #[utoipa::path(get, path = "/v1/bench-results/{id}", tag = "bench results",
     responses((status = 200, description = "the bench result", body = StoredBench)))]
 pub async fn get_bench_result(app: App, Path(id): Path<String>) -> Answer<Json<StoredBench>> {
-    let no_such = || Problem::no_such_bench_result(&id);
-    let number: Id = id.parse().map_err(|_| no_such())?;
-    let row = app.pipeline.queries.records.bench(number).await?.ok_or_else(no_such)?;
+    let number = query::id(&id, Problem::no_such_bench_result)?;
+    let row = app.pipeline.queries.records.bench(number).await?;
+    let row = row.ok_or_else(|| Problem::no_such_bench_result(&id))?;
     let damaged = || Problem::new(500, "title_damaged_database", message!("body_unreadable", id = id.to_string()));
     let body = RawValue::from_string(row.body.to_string()).map_err(|_| damaged())?;
     let (bench_result, campaign) = match DocumentKind::of(row.body.as_bytes()) {

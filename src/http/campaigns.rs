@@ -18,7 +18,7 @@ use super::document::{Document, check_media_type};
 use super::document_post::{DocumentPost, IdempotencyKey, PostOutcome};
 use super::notify_query::NotifyQuery;
 use super::prefer_header::{MinimalAnswer, Prefer};
-use super::query::{Parameters, bad};
+use super::query::{self, Parameters};
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::http::problem::Answer;
@@ -129,7 +129,7 @@ pub struct StoredCampaignBody {
 #[utoipa::path(get, path = "/v1/campaigns/{id}", tag = "campaigns",
     responses((status = 200, description = "the campaign", body = StoredCampaignBody)))]
 pub async fn get_campaign(app: App, Path(id): Path<String>) -> Answer<Json<StoredCampaignBody>> {
-    let id: Id = id.parse().map_err(|_| Problem::no_such_campaign(&id))?;
+    let id = query::id(&id, Problem::no_such_campaign)?;
     let StoredCampaign { item, answer, .. } = stored(&app, id).await?;
     let campaign = RawValue::from_string(item.body.to_string())
         .map_err(|_| Problem::new(500, "title_damaged_database", message!("body_not_json", id = id.to_string())))?;
@@ -151,33 +151,23 @@ pub async fn get_campaign(app: App, Path(id): Path<String>) -> Answer<Json<Store
 pub async fn get_diagnosis(
     app: App,
     Path(id): Path<String>,
-    Parameters(query): Parameters<DiagnosisQuery>,
+    Parameters(DiagnosisQuery { reference, wait }): Parameters<DiagnosisQuery>,
 ) -> Answer<Response> {
-    let number: Id = id.parse().map_err(|_| Problem::no_such_campaign(&id))?;
-    let patience = match query.wait.unwrap_or(PATIENCE_S) {
-        wait if wait <= PATIENCE_S => Duration::from_secs(wait),
-        wait => {
-            return Err(bad(message!(
-                "parameter_range",
-                parameter = "wait",
-                least = 0_u64,
-                most = PATIENCE_S,
-                value = wait
-            )));
-        }
-    };
-    match app.pipeline.diagnoses.of_campaign(number, patience).await? {
+    let number = query::id(&id, Problem::no_such_campaign)?;
+    let patience = query::between("wait", wait.unwrap_or(PATIENCE_S), (0, PATIENCE_S))?;
+    match app.pipeline.diagnoses.of_campaign(number, Duration::from_secs(patience)).await? {
         DiagnosisAnswer::NoSuchCampaign => Err(Problem::no_such_campaign(&id)),
         DiagnosisAnswer::Waiting => Ok((StatusCode::ACCEPTED, [(RETRY_AFTER, "5")]).into_response()),
-        DiagnosisAnswer::Answered(diagnosed) => match (&*diagnosed, query.reference) {
-            (Ok(diagnosis), None) => Ok(Json(diagnosis.clone().said_in(asked())).into_response()),
-            (Ok(diagnosis), Some(reference)) => {
-                let mut diagnosis = diagnosis.clone().said_in(asked());
+        DiagnosisAnswer::Answered(diagnosed) => {
+            let mut diagnosis = match &*diagnosed {
+                Ok(diagnosis) => diagnosis.clone().said_in(asked()),
+                Err(why) => return Err(Problem::new(422, "title_nothing_to_diagnose", why.clone())),
+            };
+            if let Some(reference) = reference {
                 diagnosis.reference = Some(against(&app, number, &diagnosis, &reference).await?);
-                Ok(Json(diagnosis).into_response())
             }
-            (Err(why), _) => Err(Problem::new(422, "title_nothing_to_diagnose", why.clone())),
-        },
+            Ok(Json(diagnosis).into_response())
+        }
     }
 }
 
@@ -196,10 +186,9 @@ pub struct DiagnosisQuery {
 }
 
 async fn against(app: &App, id: Id, diagnosis: &DiagnosisBody, reference: &str) -> Answer<SplitBody> {
-    let unknown = || Problem::no_such_reference(reference);
-    let number: Id = reference.parse().map_err(|_| unknown())?;
+    let number = query::id(reference, Problem::no_such_reference)?;
     app.pipeline.diagnoses.split(id, diagnosis, number).await.map_err(|why| match why {
-        NotSplit::NoSuchReference(_) => unknown(),
+        NotSplit::NoSuchReference(_) => Problem::no_such_reference(reference),
         NotSplit::NoReference(why) => Problem::new(422, "title_no_reference", why.message()),
         NotSplit::Storage(error) => error.into(),
     })

@@ -11,6 +11,7 @@ use utoipa::ToSchema;
 
 use super::app::App;
 use super::document::{Document, outcome};
+use super::query;
 use crate::core::correction::CorrectionItem;
 use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
@@ -118,26 +119,13 @@ struct VoidOrder {
     reason: String,
 }
 
-impl VoidOrder {
-    fn read(bytes: &[u8]) -> Result<Self, Faults> {
-        let mut faults = Faults::default();
-        let order = json::parse::<Self>(bytes)?.checked(&mut faults);
-        faults.or(order)
-    }
-
-    fn checked(self, faults: &mut Faults) -> Self {
-        let (author, reason) = text::signed("/author", self.author, self.reason, faults);
-        Self { author, reason }
-    }
-}
-
 /// A record counts no more: it is kept, with who said so and why, and what depends on it is judged again.
 #[utoipa::path(post, path = "/v1/records/{id}/void", tag = "records", request_body = VoidOrder,
     responses(
         (status = 200, description = "it counts no more; so too where the same was said before", body = CorrectedBody),
         (status = 409, description = "it was voided or revised before, by another author, for another reason or by other content")))]
 pub async fn void_record(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<CorrectedBody>> {
-    void(&app, Corrected::Calibration { id: named(&id, Problem::no_such_record)?, kind: None }, &body).await
+    void(&app, Corrected::Calibration { id: query::id(&id, Problem::no_such_record)?, kind: None }, &body).await
 }
 
 /// A campaign counts no more: it is kept, with who said so and why, and what depends on it is judged again.
@@ -155,11 +143,16 @@ pub async fn void_campaign(app: App, Path(id): Path<String>, body: Document) -> 
         (status = 200, description = "it counts no more; so too where the same was said before", body = CorrectedBody),
         (status = 409, description = "it was voided before, by another author or for another reason")))]
 pub async fn void_bench_result(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<CorrectedBody>> {
-    void(&app, Corrected::Bench(named(&id, Problem::no_such_bench_result)?), &body).await
+    void(&app, Corrected::Bench(query::id(&id, Problem::no_such_bench_result)?), &body).await
 }
 
 async fn void(app: &App, item: Corrected, body: &Document) -> Answer<Json<CorrectedBody>> {
-    let VoidOrder { author, reason } = body.read(VoidOrder::read)?;
+    let (author, reason) = body.read(|bytes| {
+        let VoidOrder { author, reason } = json::parse(bytes)?;
+        let mut faults = Faults::default();
+        let signed = text::signed("/author", author, reason, &mut faults);
+        faults.or(signed)
+    })?;
     submit(app, Correction { item, author, reason, replacement: None, by: Actor::by_caller() }).await?;
     let id = item.id();
     Ok(Json(CorrectedBody { id: id.to_string(), standing: standing(app, id).await? }))
@@ -186,11 +179,11 @@ struct RecordRevision {
         (status = 200, description = "the same was said before", body = Standing<RecordAnswer>),
         (status = 409, description = "it was revised before, or another stands at the new one's time")))]
 pub async fn revise_record(app: App, Path(id): Path<String>, body: Document) -> Answer<Response> {
-    let item = Corrected::Calibration { id: named(&id, Problem::no_such_record)?, kind: None };
+    let item = Corrected::Calibration { id: query::id(&id, Problem::no_such_record)?, kind: None };
     let problem = |faults| Document::problem(&body.0, faults);
     let RecordRevision { author, reason, record } = json::parse(&body.0).map_err(problem)?;
     let read = app.pipeline.reader.record(record.get().as_bytes());
-    let correction = revision(item, VoidOrder { author, reason }, "/record", read).map_err(problem)?;
+    let correction = revision(item, (author, reason), "/record", read).map_err(problem)?;
     let (status, id) = submit(&app, correction).await?;
     let stored = app.pipeline.queries.records.record(id).await?.ok_or_else(|| Problem::no_such_record(id))?;
     let answer = Standing { answer: stored.answer, standing: Some(standing(&app, id).await?) };
@@ -231,7 +224,7 @@ pub async fn revise_campaign(app: App, Path(id): Path<String>, body: Document) -
             Err(Fault { pointer: "/test".to_owned(), message }.into())
         }
     });
-    let correction = revision(item, VoidOrder { author, reason }, "/campaign", read).map_err(problem)?;
+    let correction = revision(item, (author, reason), "/campaign", read).map_err(problem)?;
     let (status, id) = submit(&app, correction).await?;
     let stored = app.pipeline.queries.records.campaign(id).await?.ok_or_else(|| Problem::no_such_campaign(id))?;
     let answer = Standing { answer: stored.answer, standing: Some(standing(&app, id).await?) };
@@ -241,12 +234,12 @@ pub async fn revise_campaign(app: App, Path(id): Path<String>, body: Document) -
 /// Every fault of who, why and what, the latter's under `place`.
 fn revision(
     item: Corrected,
-    order: VoidOrder,
+    (author, reason): (String, String),
     place: &str,
     read: Result<Calibration, Faults>,
 ) -> Result<Correction, Faults> {
     let mut faults = Faults::default();
-    let VoidOrder { author, reason } = order.checked(&mut faults);
+    let (author, reason) = text::signed("/author", author, reason, &mut faults);
     let Ok(new) = read.map_err(|of_new| faults.absorb(place, of_new)) else { return Err(faults) };
     faults.or(Correction { item, author, reason, replacement: Some(new), by: Actor::by_caller() })
 }
@@ -268,9 +261,5 @@ async fn submit(app: &App, correction: Correction) -> Answer<(StatusCode, Id)> {
 }
 
 fn campaign(id: &str) -> Answer<Corrected> {
-    Ok(Corrected::Calibration { id: named(id, Problem::no_such_campaign)?, kind: Some(Kind::Campaign) })
-}
-
-fn named<'a>(id: &'a str, no_such: fn(&'a str) -> Problem) -> Answer<Id> {
-    id.parse().map_err(|_| no_such(id))
+    Ok(Corrected::Calibration { id: query::id(id, Problem::no_such_campaign)?, kind: Some(Kind::Campaign) })
 }

@@ -83,7 +83,8 @@ pub async fn get_one(
     Parameters(asked): Parameters<PageQuery>,
 ) -> Answer<Response> {
     let limit = query::limit(asked.limit, 100, MOST_FAILURES)?;
-    let job = one(&app, number(&id)?, asked.position(List::DiagnosisFailures)?, limit).await?;
+    let job =
+        one(&app, query::id(&id, Problem::no_such_diagnoses)?, asked.position(List::DiagnosisFailures)?, limit).await?;
     Ok((query::link(&uri, job.next.as_deref()), Json(job)).into_response())
 }
 
@@ -91,7 +92,7 @@ pub async fn get_one(
 #[utoipa::path(delete, operation_id = "cancel_diagnosis_order", path = "/v1/diagnoses/{id}", tag = "diagnoses",
     responses((status = 204, description = "canceled, now or before"), (status = 409, description = "it has ended")))]
 pub async fn delete_one(app: App, Path(id): Path<String>) -> Answer<StatusCode> {
-    app.pipeline.diagnoses.order(DiagnosisOrder::Cancel(number(&id)?)).await?;
+    app.pipeline.diagnoses.order(DiagnosisOrder::Cancel(query::id(&id, Problem::no_such_diagnoses)?)).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
@@ -148,8 +149,4 @@ pub async fn get_summary(
 
 async fn one(app: &App, id: Id, after: Option<Id>, limit: usize) -> Answer<JobDetailBody> {
     app.pipeline.diagnoses.job(id, after, limit as u32).await?.ok_or_else(|| Problem::no_such_diagnoses(id))
-}
-
-fn number(id: &str) -> Answer<Id> {
-    id.parse().map_err(|_| Problem::no_such_diagnoses(id))
 }

@@ -53,7 +53,7 @@ pub async fn post_hook(app: App, body: Document) -> Answer<Response> {
 #[utoipa::path(get, path = "/v1/hooks/{id}", tag = "hooks",
     responses((status = 200, description = "the hook", body = HookBody)))]
 pub async fn get_hook(app: App, Path(id): Path<String>) -> Answer<Json<HookBody>> {
-    let hook = app.pipeline.hooks.get(hook_id(&id)?, None).await?;
+    let hook = app.pipeline.hooks.get(query::id(&id, Problem::no_such_hook)?, None).await?;
     Ok(Json(hook.ok_or_else(|| Problem::no_such_hook(id))?))
 }
 
@@ -64,7 +64,7 @@ pub async fn get_hook(app: App, Path(id): Path<String>) -> Answer<Json<HookBody>
         (status = 200, description = "changed", body = HookBody),
         (status = 422, description = "a forbidden address, a short secret …; the places are named")))]
 pub async fn patch_hook(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<HookBody>> {
-    let id = hook_id(&id)?;
+    let id = query::id(&id, Problem::no_such_hook)?;
     let patch = body.read(|bytes| app.pipeline.hooks.read_patch(bytes))?;
     let drawn = patch.drawn();
     app.pipeline.hooks.order(Order::Change(id, patch)).await?;
@@ -74,7 +74,7 @@ pub async fn patch_hook(app: App, Path(id): Path<String>, body: Document) -> Ans
 /// Deletes a hook and what it was still to be told.
 #[utoipa::path(delete, path = "/v1/hooks/{id}", tag = "hooks", responses((status = 204, description = "deleted")))]
 pub async fn delete_hook(app: App, Path(id): Path<String>) -> Answer<StatusCode> {
-    app.pipeline.hooks.order(Order::Delete(hook_id(&id)?)).await?;
+    app.pipeline.hooks.order(Order::Delete(query::id(&id, Problem::no_such_hook)?)).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
@@ -84,7 +84,7 @@ pub async fn delete_hook(app: App, Path(id): Path<String>) -> Answer<StatusCode>
         (status = 202, description = "queued", body = DeliveryBody, headers(("Location" = String, description = "its delivery"))),
         (status = 409, description = "the hook is disabled")))]
 pub async fn test_hook(app: App, Path(id): Path<String>) -> Answer<Response> {
-    let delivery = app.pipeline.hooks.order(Order::Test(hook_id(&id)?)).await?;
+    let delivery = app.pipeline.hooks.order(Order::Test(query::id(&id, Problem::no_such_hook)?)).await?;
     queued(&app, delivery).await
 }
 
@@ -119,7 +119,7 @@ pub async fn get_deliveries(
     Path(id): Path<String>,
     Parameters(asked): Parameters<DeliveriesQuery>,
 ) -> Answer<Response> {
-    let hook = hook_id(&id)?;
+    let hook = query::id(&id, Problem::no_such_hook)?;
     let state = query::named("state", asked.state.as_deref())?;
     let limit = query::limit(asked.limit, 100, MOST_DELIVERIES)?;
     let before = query::position(List::Deliveries, asked.cursor.as_deref())?.map(Id);
@@ -136,7 +136,7 @@ pub async fn get_deliveries(
 #[utoipa::path(get, path = "/v1/deliveries/{id}", tag = "hooks",
     responses((status = 200, description = "the delivery", body = DeliveryBody)))]
 pub async fn get_delivery(app: App, Path(id): Path<String>) -> Answer<Json<DeliveryBody>> {
-    let delivery = app.pipeline.hooks.delivery(delivery_id(&id)?).await?;
+    let delivery = app.pipeline.hooks.delivery(query::id(&id, Problem::no_such_delivery)?).await?;
     Ok(Json(delivery.ok_or_else(|| Problem::no_such_delivery(id))?))
 }
 
@@ -146,19 +146,11 @@ pub async fn get_delivery(app: App, Path(id): Path<String>) -> Answer<Json<Deliv
         (status = 202, description = "queued again", body = DeliveryBody, headers(("Location" = String, description = "the delivery"))),
         (status = 409, description = "an earlier one comes first, it was dropped, or the hook is disabled")))]
 pub async fn redeliver(app: App, Path(id): Path<String>) -> Answer<Response> {
-    let delivery = app.pipeline.hooks.order(Order::Redeliver(delivery_id(&id)?)).await?;
+    let delivery = app.pipeline.hooks.order(Order::Redeliver(query::id(&id, Problem::no_such_delivery)?)).await?;
     queued(&app, delivery).await
 }
 
 async fn queued(app: &App, id: Id) -> Answer<Response> {
     let delivery = app.pipeline.hooks.delivery(id).await?.ok_or_else(|| Problem::no_such_delivery(id))?;
     Ok((StatusCode::ACCEPTED, [(LOCATION, format!("/v1/deliveries/{id}"))], Json(delivery)).into_response())
-}
-
-fn hook_id(text: &str) -> Answer<Id> {
-    text.parse().map_err(|_| Problem::no_such_hook(text))
-}
-
-fn delivery_id(text: &str) -> Answer<Id> {
-    text.parse().map_err(|_| Problem::no_such_delivery(text))
 }

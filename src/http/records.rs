@@ -13,6 +13,7 @@ use super::document::Document;
 use super::document_post::{DocumentPost, IdempotencyKey, PostOutcome};
 use super::notify_query::NotifyQuery;
 use super::prefer_header::{MinimalAnswer, Prefer};
+use super::query;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::http::problem::Answer;
@@ -96,8 +97,7 @@ struct StoredRecordBody {
         (status = 200, description = "the record", body = StoredRecordBody),
         (status = 308, description = "it is a campaign", headers(("Location" = String, description = "where it is")))))]
 pub async fn get_record(app: App, Path(id): Path<String>) -> Answer<Response> {
-    let no_such = || Problem::no_such_record(&id);
-    let id: Id = id.parse().map_err(|_| no_such())?;
+    let id = query::id(&id, Problem::no_such_record)?;
     let StoredRecord { item, answer, .. } = stored(&app, id).await?;
     if item.kind == Kind::Campaign {
         return Ok(Redirect::permanent(&format!("/v1/campaigns/{id}")).into_response());
@@ -114,9 +114,9 @@ pub async fn get_record(app: App, Path(id): Path<String>) -> Answer<Response> {
     params(("id" = String, Path, description = "identifier of the record, or of a campaign")),
     responses((status = 200, description = "the diagnosis of the closure", body = ClosureBody)))]
 pub async fn get_record_diagnosis(app: App, Path(id): Path<String>) -> Answer<Json<ClosureBody>> {
-    let no_such = || Problem::no_such_record(&id);
-    let number: Id = id.parse().map_err(|_| no_such())?;
-    let closures = app.pipeline.queries.records.closures(number).await?.ok_or_else(no_such)?;
+    let number = query::id(&id, Problem::no_such_record)?;
+    let closures = app.pipeline.queries.records.closures(number).await?;
+    let closures = closures.ok_or_else(|| Problem::no_such_record(&id))?;
     Ok(Json(ClosureBody::from(&closures)))
 }
 

@@ -11,7 +11,7 @@ use utoipa::{IntoParams, ToSchema};
 use super::alerts::future;
 use super::app::App;
 use super::document::Document;
-use super::query::{Parameters, not_one_of};
+use super::query::{self, Parameters, not_one_of};
 use super::signed::Signed;
 use crate::core::alert_filter::Matchers;
 use crate::core::fault::Faults;
@@ -94,7 +94,7 @@ fn matchers_of(body: MatchersBody, faults: &mut Faults) -> Matchers {
 #[utoipa::path(get, path = "/v1/silences/{id}", tag = "alerts",
     responses((status = 200, description = "the silence", body = MatchingSilenceBody)))]
 pub async fn get_silence(app: App, Path(id): Path<String>) -> Answer<Json<MatchingSilenceBody>> {
-    Ok(Json(shown(&app, id.parse().map_err(|_| Problem::unknown_silence(&id))?).await?))
+    Ok(Json(shown(&app, query::id(&id, Problem::unknown_silence)?).await?))
 }
 
 async fn shown(app: &App, id: Id) -> Answer<MatchingSilenceBody> {
@@ -106,7 +106,7 @@ async fn shown(app: &App, id: Id) -> Answer<MatchingSilenceBody> {
     responses((status = 200, description = "the silence, ended", body = MatchingSilenceBody)))]
 pub async fn post_end_silence(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<MatchingSilenceBody>> {
     let Signed { by, reason } = Signed::read(&body)?;
-    let silence: Id = id.parse().map_err(|_| Problem::unknown_silence(&id))?;
+    let silence = query::id(&id, Problem::unknown_silence)?;
     app.pipeline.alerts.order_silence(SilenceOrder::End { silence, by, reason }).await?;
     Ok(Json(shown(&app, silence).await?))
 }

@@ -10,9 +10,9 @@ use utoipa::ToSchema;
 
 use super::app::App;
 use super::document::Document;
+use super::query;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
-use crate::core::id::Id;
 use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::{AccessOrder, NewToken, Token};
@@ -102,8 +102,7 @@ pub async fn post_token(app: App, body: Document) -> Answer<Response> {
 #[utoipa::path(delete, path = "/v1/tokens/{id}", tag = "access",
     responses((status = 204, description = "revoked, now or before")))]
 pub async fn delete_token(app: App, Path(id): Path<String>) -> Answer<StatusCode> {
-    let id: Id =
-        id.parse().map_err(|_| Problem::new(404, "title_no_such_token", message!("no_such_token", id = id.clone())))?;
+    let id = query::id(&id, Problem::no_such_token)?;
     app.pipeline.access.order(AccessOrder::Revoke(id)).await?;
     Ok(StatusCode::NO_CONTENT)
 }

@@ -10,6 +10,7 @@ use super::query::{self, Parameters};
 use crate::http::problem::Answer;
 use crate::pipeline::{Compared, Comparison};
 use crate::wire::answer::{FigureBody, VerdictBody};
+use crate::wire::body::ToBody;
 use crate::wire::time;
 
 #[derive(Debug, Deserialize, IntoParams)]
@@ -97,7 +98,7 @@ pub async fn get_agreement(
 
 impl ResultBody {
     fn of(result: Compared) -> Self {
-        let [d_i, d_s] = result.d.map(|measured| FigureBody { value: measured.value, sd: measured.sd });
+        let [d_i, d_s] = result.d.to_body();
         Self {
             method: result.method,
             measured_at: time::format(result.at),

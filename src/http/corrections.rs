@@ -19,6 +19,7 @@ use crate::core::kind::Kind;
 use crate::http::problem::Answer;
 use crate::pipeline::{Actor, Calibration, Corrected, Correction, Fitted, Submission};
 use crate::wire::answer::RecordAnswer;
+use crate::wire::body::bodies;
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::problem::Problem;
@@ -84,11 +85,7 @@ pub struct CorrectedBody {
     standing: StandingBody,
 }
 
-impl From<&CorrectionItem> for RemarkBody {
-    fn from(row: &CorrectionItem) -> Self {
-        Self { at: time::format(row.at), author: row.author.clone(), reason: row.reason.clone() }
-    }
-}
+bodies! { RemarkBody of CorrectionItem: at, author, reason; }
 
 /// How a stored item stands.
 pub async fn standing(app: &App, id: Id) -> Answer<StandingBody> {

@@ -17,8 +17,9 @@ use crate::core::record::Name;
 use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::{Actor, EventItem, GyroEvent};
+use crate::wire::body::{ToBody, bodies};
 use crate::wire::event::read_test;
-use crate::wire::{json, text, time};
+use crate::wire::{json, text};
 
 /// What was done to a gyro.
 #[derive(Serialize, ToSchema)]
@@ -44,20 +45,9 @@ pub struct EventBody {
     fixed: Option<FixedBody>,
 }
 
-impl EventBody {
-    pub fn of(event: &EventItem) -> Self {
-        Self {
-            id: event.id.to_string(),
-            at: time::format(event.at),
-            event: event.event.name(),
-            kind: event.test.clone(),
-            to: event.until.map(time::format),
-            reason: event.reason.clone(),
-            author: event.author.clone(),
-            resets: event.event.rules_reset().map(Rule::name).collect(),
-            fixed: FixedBody::of(&event.fixed),
-        }
-    }
+bodies! {
+    EventBody of EventItem: id, at, event, kind = test, to = until, reason, author,
+        resets: |item| item.event.rules_reset().map(Rule::name).collect(), fixed: |item| FixedBody::of(&item.fixed);
 }
 
 /// Events, oldest first.
@@ -72,7 +62,7 @@ pub struct Events {
     responses((status = 200, description = "the events", body = Events)))]
 pub async fn get_events(app: App, Path(serial): Path<String>) -> Answer<Json<Events>> {
     let events = app.pipeline.queries.histories.events(query::gyro(&app, &serial)?).await?;
-    Ok(Json(Events { serial, events: events.iter().map(EventBody::of).collect() }))
+    Ok(Json(Events { serial, events: events.to_body() }))
 }
 
 /// What was done, when and why.
@@ -105,7 +95,7 @@ pub async fn post_event(app: App, Path(serial): Path<String>, body: Document) ->
     let (status, id, event) = remark::post(&app, &serial, &body, read, message!("event_there")).await?;
     let GyroEvent { at, event, until, test, fixed, reason, author, .. } = event;
     let row = EventItem { id, at, event, until, test, fixed, reason, author };
-    Ok((status, Json(EventBody::of(&row))))
+    Ok((status, Json(EventBody::from(&row))))
 }
 
 fn read(app: &App, serial: Name, bytes: &[u8]) -> Result<GyroEvent, Faults> {

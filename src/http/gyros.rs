@@ -18,7 +18,7 @@ use crate::core::fault::Faults;
 use crate::core::figures::Figures;
 use crate::core::fleet_order::FleetOrder;
 use crate::core::gyro_attributes::{GyroAttributes, GyroAttributesPatch};
-use crate::core::judge::{Event, Measured, Outlook, Reach, State, Status};
+use crate::core::judge::{Event, Outlook, Reach, State, Status};
 use crate::core::record::Name;
 use crate::core::time::Span;
 use crate::http::problem::Answer;
@@ -27,6 +27,7 @@ use crate::pipeline::{
     Accepted, Actor, AttributesOrder, FleetFilter, Names, Queries, Standing, StandingFilter, Submission, sample_of,
 };
 use crate::wire::answer::{FigureBody, VerdictBody};
+use crate::wire::body::{ToBody, bodies};
 use crate::wire::cursor::{self, List};
 use crate::wire::gyro_table::GyroRow;
 use crate::wire::json::present;
@@ -144,11 +145,7 @@ struct AttributesBody {
     unit: Option<String>,
 }
 
-impl From<&GyroAttributes> for AttributesBody {
-    fn from(GyroAttributes { batch, r#type, unit }: &GyroAttributes) -> Self {
-        Self { batch: batch.clone(), r#type: r#type.clone(), unit: unit.clone() }
-    }
-}
+bodies! { AttributesBody of GyroAttributes: batch, r#type, unit; }
 
 /// What changes; `null` takes a word away, what is left out stays (RFC 7396).
 #[derive(Default, Deserialize, ToSchema)]
@@ -297,7 +294,7 @@ pub async fn get_gyro(app: App, Path(serial): Path<String>) -> Answer<Json<GyroD
     let Queries { fleet, histories, .. } = &app.pipeline.queries;
     let found = fleet.standing_in_words(number).await?;
     let (standing, mut verdicts) = found.ok_or_else(|| Problem::unknown_gyro(&serial))?;
-    let events = histories.events(number).await?.iter().map(EventBody::of).collect();
+    let events = histories.events(number).await?.iter().map(EventBody::from).collect();
     let calibrations = histories.count(number).await?;
     let bench_results = histories.benches(number, Span::EVER).await?.len();
     if bench_results > 0 {
@@ -379,11 +376,11 @@ impl Gyro {
 
 impl Latest {
     fn of(figures: &Figures, standing: &Standing, method: JudgedMethod, names: &Names<'_>) -> Self {
-        let [d_i, d_s, d_o] = sample_of(figures, method).d.map(|Measured { value, sd }| FigureBody { value, sd });
+        let [d_i, d_s, d_o] = sample_of(figures, method).d.to_body();
         let [i, s, o] = figures.states.0.map(|state| state.unwrap_or(State::Indeterminate).name());
         let [status_i, status_s, status_o] = standing.drift.map(Status::name);
         let Outlook { load, reach, .. } = standing.outlook;
-        let [load_i, load_s, load_o] = load.map(|load| load.map(|Measured { value, sd }| FigureBody { value, sd }));
+        let [load_i, load_s, load_o] = load.to_body();
         Self {
             calibrated_at: time::format(figures.at),
             imu: names.imu(figures.imu).to_owned(),

@@ -15,10 +15,11 @@ use super::query::{self, Parameters};
 use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::{AdoptedModel, Adoption};
+use crate::wire::body::{ToBody, bodies};
 use crate::wire::forecast::ForecastSeriesBody;
+use crate::wire::json;
 use crate::wire::model::{AdoptionBody, ModelBody};
 use crate::wire::problem::Problem;
-use crate::wire::{json, time};
 
 /// The model in force, and every one before it.
 #[derive(Serialize, ToSchema)]
@@ -42,21 +43,18 @@ pub struct AdoptedBody {
     campaigns: u64,
 }
 
+bodies! {
+    AdoptedBody of AdoptedModel: id, adopted_at, author, reason, model: |adopted| ModelBody::from(&*adopted.model),
+        campaigns;
+}
+
 /// The error model in force for the IMU, with its history.
 #[utoipa::path(get, path = "/v1/imus/{imu}/model", tag = "imus",
     responses((status = 200, description = "the model and its history", body = ImuModelBody)))]
 pub async fn get_model(app: App, Path(imu): Path<String>) -> Answer<Json<ImuModelBody>> {
     let models = app.pipeline.diagnoses.models(&imu).await?;
     let models = models.ok_or_else(|| query::unknown_imu(&app, &imu))?;
-    let adopted = |adopted: AdoptedModel| AdoptedBody {
-        id: adopted.id.to_string(),
-        adopted_at: time::format(adopted.adopted_at),
-        author: adopted.author,
-        reason: adopted.reason,
-        model: ModelBody::from(&*adopted.model),
-        campaigns: adopted.campaigns,
-    };
-    let history: Vec<AdoptedBody> = models.into_iter().map(adopted).collect();
+    let history: Vec<AdoptedBody> = models.to_body();
     let model = history.first().map(|newest| newest.model.clone()).unwrap_or_default();
     Ok(Json(ImuModelBody { imu, model, history }))
 }

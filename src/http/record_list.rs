@@ -12,8 +12,8 @@ use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::http::problem::Answer;
 use crate::pipeline::{ListFilter, ListedRecord};
+use crate::wire::body::{ToBody, bodies};
 use crate::wire::cursor::{self, List};
-use crate::wire::time;
 
 const DEFAULT_RECORDS: usize = 100;
 const MOST_RECORDS: usize = 1000;
@@ -68,16 +68,11 @@ struct ListedRecordBody {
     valid: bool,
 }
 
-impl From<ListedRecord> for ListedRecordBody {
-    fn from(listed: ListedRecord) -> Self {
-        let ListedRecord { id, kind, imu, station, calibrated_at, received_at, counts } = listed;
-        let (calibrated_at, received_at) = (time::format(calibrated_at), time::format(received_at));
-        let kind = match kind {
-            Kind::Record => "record",
-            Kind::Campaign => "campaign",
-        };
-        Self { id: id.to_string(), kind, imu, station, calibrated_at, received_at, valid: counts }
-    }
+bodies! {
+    ListedRecordBody of ListedRecord: id, kind: |listed| match listed.kind {
+        Kind::Record => "record",
+        Kind::Campaign => "campaign",
+    }, imu, station, calibrated_at, received_at, valid = counts;
 }
 
 /// Records and campaigns of the fleet, the last to arrive first.
@@ -110,5 +105,5 @@ async fn listed(
     let filter = ListFilter { kind, imu: asked.imu.as_deref(), station: asked.station.as_deref(), calibrated };
     let (found, more) = app.pipeline.queries.records.listed(&filter, before, limit as u32).await?;
     let next = found.last().filter(|_| more).map(|last| cursor::encode(list, last.id.0));
-    Ok((found.into_iter().map(ListedRecordBody::from).collect(), next))
+    Ok((found.to_body(), next))
 }

@@ -16,8 +16,9 @@ use crate::core::fault::Faults;
 use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::{AccessOrder, NewToken, Token};
+use crate::wire::body::{ToBody, bodies};
 use crate::wire::problem::Problem;
-use crate::wire::{json, text, time};
+use crate::wire::{json, text};
 
 /// A token. Its secret is in the answer to its making, and nowhere else.
 #[derive(Serialize, ToSchema)]
@@ -39,19 +40,8 @@ struct TokenBody {
     token: Option<String>,
 }
 
-impl From<&Token> for TokenBody {
-    fn from(row: &Token) -> Self {
-        Self {
-            id: row.id.to_string(),
-            name: row.name.clone(),
-            role: row.role.name(),
-            station: row.station.clone(),
-            created_at: time::format(row.created_at),
-            expires_at: row.expires_at.map(time::format),
-            revoked_at: row.revoked_at.map(time::format),
-            token: None,
-        }
-    }
+bodies! {
+    TokenBody of Token: id, name, role, station, created_at, expires_at, revoked_at, token: |_| None;
 }
 
 #[derive(Serialize, ToSchema)]
@@ -65,7 +55,7 @@ pub struct Tokens {
     responses((status = 200, description = "the tokens", body = Tokens)))]
 pub async fn get_tokens(app: App) -> Answer<Json<Tokens>> {
     let rows = app.pipeline.access.tokens().await?;
-    Ok(Json(Tokens { tokens: rows.iter().map(TokenBody::from).collect() }))
+    Ok(Json(Tokens { tokens: rows.to_body() }))
 }
 
 /// For whom, and what they may do.

@@ -55,7 +55,7 @@ pub async fn get_trend(
     let mut events = app.pipeline.queries.histories.events(gyro).await?;
     // What took time is seen wherever it reaches into the stretch.
     events.retain(|event| event.at <= request.span.to && event.until.unwrap_or(event.at) >= request.span.from);
-    let done: Vec<EventBody> = events.iter().map(EventBody::of).collect();
+    let done: Vec<EventBody> = events.iter().map(EventBody::from).collect();
     let seen = |rows: &mut dyn Iterator<Item = Seen>| {
         rows.chain(events.iter().map(|event| (event.id.0, None))).collect::<Vec<_>>()
     };

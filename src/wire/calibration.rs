@@ -21,6 +21,7 @@ use crate::core::model::{Term, Terms};
 use crate::core::mounting::Slot;
 use crate::core::note::Note;
 use crate::core::separate::JudgedMethod;
+use crate::wire::body::bodies;
 use crate::words;
 
 mod parameters;
@@ -115,26 +116,10 @@ pub struct RepeatedBody {
     pub beyond_sd: f64,
 }
 
-impl From<&Repeated> for RepeatedBody {
-    fn from(repeated: &Repeated) -> Self {
-        Self {
-            slot: repeated.slot,
-            serial: repeated.serial.to_string(),
-            coefficient: repeated.coefficient,
-            unit: repeated.unit,
-            campaigns: repeated.campaigns,
-            mean: repeated.mean,
-            sd: repeated.sd,
-            stated_sd: repeated.stated_sd,
-            scatter_sd: repeated.scatter_sd,
-            chi2: repeated.scatter.chi2,
-            dof: repeated.scatter.dof,
-            p_value: repeated.scatter.p_value(),
-            ratio: repeated.ratio(),
-            ratio_interval: repeated.ratio_interval(),
-            beyond_sd: repeated.beyond_sd,
-        }
-    }
+bodies! {
+    RepeatedBody of Repeated: slot, serial, coefficient, unit, campaigns, mean, sd, stated_sd, scatter_sd,
+        chi2 = scatter.chi2, dof = scatter.dof, p_value: |repeated| repeated.scatter.p_value(), ratio: Repeated::ratio,
+        ratio_interval: Repeated::ratio_interval, beyond_sd;
 }
 
 /// Systematic standard uncertainties of the station that are in the standard deviations.

@@ -436,7 +436,10 @@ impl From<&AugmentedModel> for ModelBody {
     }
 }
 
-bodies! { ProvenanceBody of Provenance: imu, station, measured_at; }
+bodies! {
+    ProvenanceBody of Provenance: imu, station, measured_at;
+    KnownEstimateBody of Estimate: slot, name, value, sd, unit: |estimate| unit::of_machines(estimate.unit);
+}
 
 impl From<&KnownEffect> for KnownEffectBody {
     fn from(known: &KnownEffect) -> Self {
@@ -446,18 +449,10 @@ impl From<&KnownEffect> for KnownEffectBody {
         let estimates = known.estimates.iter().filter(|e| coefficients.iter().any(|c| c.name == e.name));
         Self {
             effect: effect.id().to_owned(),
-            gyros: slots.iter().map(|slot| slot.name().to_owned()).collect(),
+            gyros: slots.to_body(),
             shape: ShapeBody::of(*shape),
             hypothesis: effect.hypothesis().map(|own| HypothesisBody::of(&own.written)),
-            estimates: estimates
-                .map(|e| KnownEstimateBody {
-                    slot: e.slot.map_or("all", Slot::name).to_owned(),
-                    name: e.name.to_owned(),
-                    value: e.value,
-                    sd: e.sd,
-                    unit: unit::of_machines(e.unit),
-                })
-                .collect(),
+            estimates: estimates.map(KnownEstimateBody::from).collect(),
         }
     }
 }

@@ -42,48 +42,6 @@ struct Row {
     temperature_c: Option<f64>,
 }
 
-/// Which readings of a row are what.
-#[derive(Default)]
-struct Places {
-    readings: Vec<Reading>,
-}
-
-impl Places {
-    /// The places of some columns among all; none where the map has no such key.
-    fn add(
-        &mut self,
-        key: &'static str,
-        columns: Option<&Columns>,
-        (of, allowed): (Quantity, &[usize]),
-        sources: &[(String, Source)],
-    ) -> Result<Range<usize>, LogError> {
-        let Some(columns) = columns else { return Ok(self.take(Vec::new())) };
-        let found = columns.find(key, of, sources)?.readings;
-        counted(key, found.len(), allowed)?;
-        Ok(self.take(found))
-    }
-
-    /// The same of numbers that have no unit.
-    fn add_plain(
-        &mut self,
-        key: &'static str,
-        columns: Option<&Columns>,
-        allowed: &[usize],
-        sources: &[(String, Source)],
-    ) -> Result<Range<usize>, LogError> {
-        let Some(columns) = columns else { return Ok(self.take(Vec::new())) };
-        let found = columns.plain(key, sources)?;
-        counted(key, found.len(), allowed)?;
-        Ok(self.take(found))
-    }
-
-    fn take(&mut self, found: Vec<Reading>) -> Range<usize> {
-        let from = self.readings.len();
-        self.readings.extend(found);
-        from..self.readings.len()
-    }
-}
-
 /// The dwells of a table of averages.
 ///
 /// # Errors
@@ -194,22 +152,34 @@ fn rows(
     counts: Counts,
     unit: &str,
 ) -> Result<(Vec<Row>, Vec<Message>), LogError> {
-    let mut places = Places::default();
+    let mut readings: Vec<Reading> = Vec::new();
+    // The places of some columns among all; none where the map has no such key. What is of no quantity has no unit.
+    let mut places = |key, columns: Option<&Columns>, of: Option<Quantity>, allowed: &[usize]| {
+        let from = readings.len();
+        if let Some(columns) = columns {
+            let found = match of {
+                Some(of) => columns.find(key, of, sources)?.readings,
+                None => columns.plain(key, sources)?,
+            };
+            counted(key, found.len(), allowed)?;
+            readings.extend(found);
+        }
+        Ok::<_, LogError>(from..readings.len())
+    };
     let sem = map.standard_error.as_ref().map(|columns| columns.or_unit(unit));
     let gyros = map.output.columns.len();
     let angles = map.table.as_ref().map(TableColumns::as_columns);
-    let output = places.add("output", Some(&map.output), (Quantity::Output, &[1, 2, 3]), sources)?;
-    let sem = places.add("standard_error", sem.as_ref(), (Quantity::Output, &[gyros]), sources)?;
-    let force = places.add("force", map.force.as_ref(), (Quantity::Force, &[3]), sources)?;
-    let rate = places.add("rate", map.rate.as_ref(), (Quantity::Rate, &[1, 3]), sources)?;
-    let angles = places.add("table", angles.as_ref(), (Quantity::Angle, &[2]), sources)?;
-    let time = places.add("time", map.time.as_ref(), (Quantity::Time, &[1]), sources)?;
-    let duration = places.add("duration", map.duration.as_ref(), (Quantity::Time, &[1]), sources)?;
-    let temperature = places.add("temperature", map.temperature.as_ref(), (Quantity::Temperature, &[1]), sources)?;
-    let attitude = places.add_plain("attitude", map.attitude.as_ref(), &[4], sources)?;
-    let samples = places.add_plain("samples", map.samples.as_ref(), &[1], sources)?;
+    let output = places("output", Some(&map.output), Some(Quantity::Output), &[1, 2, 3])?;
+    let sem = places("standard_error", sem.as_ref(), Some(Quantity::Output), &[gyros])?;
+    let force = places("force", map.force.as_ref(), Some(Quantity::Force), &[3])?;
+    let rate = places("rate", map.rate.as_ref(), Some(Quantity::Rate), &[1, 3])?;
+    let angles = places("table", angles.as_ref(), Some(Quantity::Angle), &[2])?;
+    let time = places("time", map.time.as_ref(), Some(Quantity::Time), &[1])?;
+    let duration = places("duration", map.duration.as_ref(), Some(Quantity::Time), &[1])?;
+    let temperature = places("temperature", map.temperature.as_ref(), Some(Quantity::Temperature), &[1])?;
+    let attitude = places("attitude", map.attitude.as_ref(), None, &[4])?;
+    let samples = places("samples", map.samples.as_ref(), None, &[1])?;
     let table = table(map)?;
-    let readings = places.readings;
     let wanted: Vec<usize> = readings.iter().map(|r| r.column).collect();
     let hz = map.rate_hz.filter(|hz| *hz > 0.0);
     let (mut found, mut incomplete, mut bad) = (Vec::new(), 0_usize, LeftOut::default());

@@ -21,7 +21,7 @@ use crate::core::model::{Term, Terms};
 use crate::core::mounting::Slot;
 use crate::core::note::Note;
 use crate::core::separate::JudgedMethod;
-use crate::wire::body::bodies;
+use crate::wire::body::{ToBody, bodies};
 use crate::words;
 
 mod parameters;
@@ -312,23 +312,16 @@ impl CampaignAnswer {
 impl GyroFitBody {
     fn of(gyro: &GyroCalibration, has_sem: bool) -> Self {
         let scale = gyro.scale_factor();
-        let residuals = ResidualsBody {
-            pulse_per_s: list(&gyro.residuals),
-            deg_per_h: scale.map(|k| gyro.residuals.iter().map(|r| r / k).collect()),
-            standardised: gyro.standardised.as_ref().map(list),
-            leverage: list(&gyro.leverage),
-        };
         let sd = |term| {
             let p: &[Parameter] = gyro.of(term)?;
             Some(Triple([p[0].sd?, p[1].sd?, p[2].sd?]))
         };
-        let noise = NoiseBody::of(&gyro.noise, gyro.sigma.as_ref(), has_sem, scale);
         Self {
             slot: gyro.slot,
             serial: gyro.serial.to_string(),
             e_source: gyro.scale_source.name().to_owned(),
             parameters: gyro.parameters.iter().enumerate().map(|(i, p)| ParameterBody::of(p, gyro, i)).collect(),
-            effects: gyro.effects.iter().map(EffectParameterBody::of).collect(),
+            effects: gyro.effects.to_body(),
             e_pulse_per_arcsec: gyro.e().map(Triple::from),
             g_pulse_per_s_g0: gyro.g().map(Triple::from),
             p_pulse_per_s_g02: gyro.p().map(Triple::from),
@@ -342,8 +335,8 @@ impl GyroFitBody {
             dof: gyro.dof,
             reduced_chi2: gyro.reduced_chi2().filter(|_| has_sem),
             p_value: gyro.p_value,
-            noise,
-            residuals,
+            noise: NoiseBody::of(&gyro.noise, gyro.sigma.as_ref(), has_sem, scale),
+            residuals: ResidualsBody::of(&gyro.residuals, scale, gyro.standardised.as_ref(), &gyro.leverage),
         }
     }
 
@@ -355,18 +348,7 @@ impl GyroFitBody {
             slot: gyro.slot,
             serial: gyro.serial.to_string(),
             e_source: bench.scale_source.name().to_owned(),
-            parameters: bench
-                .coefficients
-                .iter()
-                .map(|c| ParameterBody {
-                    name: c.name.to_owned(),
-                    unit: c.unit.to_owned(),
-                    value: c.value,
-                    sd: c.sd,
-                    determined: true,
-                    uncertainty: None,
-                })
-                .collect(),
+            parameters: bench.coefficients.to_body(),
             effects: Vec::new(),
             e_pulse_per_arcsec: Some(bench.e.into()),
             g_pulse_per_s_g0: None,
@@ -389,12 +371,23 @@ impl GyroFitBody {
             reduced_chi2: (has_sem && bench.dof > 0).then(|| bench.chi2 / bench.dof as f64),
             p_value: bench.p_value,
             noise: NoiseBody::of(&bench.noise, bench.sigma.as_ref(), has_sem, Some(k)),
-            residuals: ResidualsBody {
-                pulse_per_s: list(&bench.residuals),
-                deg_per_h: Some(bench.residuals.iter().map(|r| r / k).collect()),
-                standardised: bench.standardised.as_ref().map(list),
-                leverage: list(&bench.leverage),
-            },
+            residuals: ResidualsBody::of(&bench.residuals, Some(k), bench.standardised.as_ref(), &bench.leverage),
+        }
+    }
+}
+
+impl ResidualsBody {
+    fn of(
+        residuals: &DVector<f64>,
+        scale: Option<f64>,
+        standardised: Option<&DVector<f64>>,
+        leverage: &DVector<f64>,
+    ) -> Self {
+        Self {
+            pulse_per_s: list(residuals),
+            deg_per_h: scale.map(|k| residuals.iter().map(|r| r / k).collect()),
+            standardised: standardised.map(list),
+            leverage: list(leverage),
         }
     }
 }

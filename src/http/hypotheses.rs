@@ -47,7 +47,7 @@ pub struct HypothesesBody {
 impl StoredHypothesisBody {
     fn of(stored: StoredHypothesis) -> Option<Self> {
         let StoredHypothesis { effect, author, reason, added_at, .. } = stored;
-        let mut hypothesis = HypothesisBody::of(&effect.hypothesis()?.written);
+        let mut hypothesis = HypothesisBody::from(&effect.hypothesis()?.written);
         hypothesis.unit = unit::of_machines(&hypothesis.unit);
         Some(Self { hypothesis, author, reason, added_at: time::format(added_at) })
     }

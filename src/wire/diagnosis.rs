@@ -376,14 +376,6 @@ pub struct TableBody {
 }
 
 impl TableBody {
-    fn of(next: &core::NextDwell) -> Self {
-        Self {
-            up: next.attitude.column(2).into_owned().into(),
-            north: next.attitude.column(1).into_owned().into(),
-            rate_deg_s: next.table_rate_arcsec_s / 3600.0,
-        }
-    }
-
     /// A body direction as a person sets it: `+X`, `+Z 30° +X` (thirty degrees from +Z towards +X), else its components.
     pub fn direction(of: [f64; 3]) -> String {
         let mut axes: Vec<(f64, char)> = of.into_iter().zip(['X', 'Y', 'Z']).filter(|(x, _)| x.abs() > 1e-3).collect();
@@ -426,8 +418,10 @@ bodies! {
         why_not: |_| String::new(), finding = why_not;
     NotIdentifiableBody of core::NotIdentifiable: effect, visible_fraction, confounded_with, reason: |_| String::new(),
         needs: |_| String::new(), finding = reason;
-    NextDwellBody of core::NextDwell: phase, specific_force_g0, rate_arcsec_s, table: |next| Some(TableBody::of(next)),
+    NextDwellBody of core::NextDwell: phase, specific_force_g0, rate_arcsec_s, table: |next| Some(next.into()),
         separates;
+    TableBody of core::NextDwell: up: |next| next.attitude.column(2).into_owned().into(),
+        north: |next| next.attitude.column(1).into_owned().into(), rate_deg_s: |next| next.table_rate_arcsec_s / 3600.0;
 }
 
 impl ToBody<GyroClassBody> for (Slot, Vec<Effect>) {
@@ -478,7 +472,7 @@ impl From<&core::Diagnosis> for DiagnosisBody {
             effects_against_model: None,
             forecast: None,
             hypotheses: (d.hypotheses.iter().filter_map(|own| own.hypothesis()))
-                .map(|own| HypothesisBody::of(&own.written))
+                .map(|own| HypothesisBody::from(&own.written))
                 .collect(),
         };
         unsaid.said_in(asked())

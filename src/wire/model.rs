@@ -451,7 +451,7 @@ impl From<&KnownEffect> for KnownEffectBody {
             effect: effect.id().to_owned(),
             gyros: slots.to_body(),
             shape: ShapeBody::of(*shape),
-            hypothesis: effect.hypothesis().map(|own| HypothesisBody::of(&own.written)),
+            hypothesis: effect.hypothesis().map(|own| HypothesisBody::from(&own.written)),
             estimates: estimates.map(KnownEstimateBody::from).collect(),
         }
     }

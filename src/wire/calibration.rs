@@ -12,17 +12,17 @@ use super::note::NoteBody;
 use super::time;
 use super::triple::Triple;
 use crate::core::calibrate::bench::BenchCalibration;
+use crate::core::calibrate::drift::NotSeparated;
 use crate::core::calibrate::noise::NoiseScale;
 use crate::core::calibrate::outcome::Outcome;
 use crate::core::calibrate::repeats_between::Repeated;
-use crate::core::calibrate::{GyroCalibration, Parameter, ScaleSource};
+use crate::core::calibrate::{Calibration, GyroCalibration, Parameter, ScaleSource};
 use crate::core::campaign::{self, Campaign, CampaignNote, StationLack, StationPart, StationUncertainty};
 use crate::core::model::{Term, Terms};
-use crate::core::mounting::Slot;
+use crate::core::mounting::{Geometry, Slot};
 use crate::core::note::Note;
-use crate::core::separate::JudgedMethod;
+use crate::core::separate::{JudgedMethod, Separation};
 use crate::wire::body::{ToBody, bodies};
-use crate::words;
 
 mod parameters;
 
@@ -255,57 +255,73 @@ impl CampaignAnswer {
         };
         match outcome {
             Outcome::Imu { calibration, separations, as_measured } => {
-                answer.calibration.model = names(calibration.terms);
-                answer.calibration.repeats.clone_from(&calibration.repeats);
-                let found = &calibration.noise_found;
-                answer.calibration.noise = (!found.is_empty()).then(|| NoiseFoundBody::from(found));
-                for effect in calibration.gyros.iter().flat_map(|gyro| &gyro.effects).map(|e| e.effect.id()) {
-                    if !answer.calibration.effects.iter().any(|known| known == effect) {
-                        answer.calibration.effects.push(effect.to_owned());
-                    }
-                }
-                answer.calibration.gyros =
-                    calibration.gyros.iter().map(|gyro| GyroFitBody::of(gyro, calibration.has_sem)).collect();
-                let notes = calibration.all_notes().into_iter().map(Note::Campaign);
-                answer.notes.extend(notes.map(|note| NoteBody::of(&note)));
+                answer.fitted(calibration);
                 for (j, (gyro, separation)) in calibration.gyros.iter().zip(separations).enumerate() {
-                    let (slot, serial) = (gyro.slot, gyro.serial.to_string());
-                    match separation {
-                        Ok(s) => {
-                            let body = SeparationBody::of(&serial, s, method);
-                            let body = body.with_uncertainty(gyro, &campaign.geometry);
-                            let own =
-                                as_measured.as_ref().and_then(|own| Some((own, own.separations[j].as_ref().ok()?)));
-                            answer.separations.push(match own {
-                                Some((own, measured)) => body.measured_at(own.temperature_c, measured),
-                                None => body,
-                            });
-                        }
-                        Err(why) => {
-                            answer.not_separated.push(NotSeparatedBody {
-                                slot,
-                                serial,
-                                reason: words::asked().words(&why.message()),
-                            });
-                        }
-                    }
+                    let measured = as_measured.as_ref();
+                    let measured =
+                        measured.and_then(|own| Some((own.temperature_c, own.separations[j].as_ref().ok()?)));
+                    answer.separated(gyro, separation, measured, (&campaign.geometry, method));
                 }
             }
-            Outcome::Bench(bench) => {
-                let aliased = bench.aliases.iter().map(|alias| Note::Campaign(CampaignNote::ProductAliased(*alias)));
-                answer.notes.extend(aliased.map(|note| NoteBody::of(&note)));
-                let parts = StationPart::ALL.into_iter().filter(|p| campaign.station_uncertainty.of(*p).is_some());
-                let parts: Vec<StationPart> = parts.collect();
-                if !parts.is_empty() {
-                    let left_out = CampaignNote::StationLeftOut { parts, why: StationLack::BenchTest };
-                    answer.notes.push(NoteBody::of(&Note::Campaign(left_out)));
-                }
-                answer.calibration.repeats.clone_from(&bench.repeats);
-                answer.calibration.gyros = vec![GyroFitBody::of_bench(campaign, bench)];
-                answer.bench_result = Some(BenchBody::from(&bench.result(campaign)));
-            }
+            Outcome::Bench(bench) => answer.tested(campaign, bench),
         }
         answer
+    }
+
+    fn note(&mut self, note: CampaignNote) {
+        self.notes.push(NoteBody::of(&Note::Campaign(note)));
+    }
+
+    fn fitted(&mut self, calibration: &Calibration) {
+        let body = &mut self.calibration;
+        body.model = names(calibration.terms);
+        body.repeats.clone_from(&calibration.repeats);
+        let found = &calibration.noise_found;
+        body.noise = (!found.is_empty()).then(|| NoiseFoundBody::from(found));
+        for effect in calibration.gyros.iter().flat_map(|gyro| &gyro.effects).map(|e| e.effect.id()) {
+            if !body.effects.iter().any(|known| known == effect) {
+                body.effects.push(effect.to_owned());
+            }
+        }
+        body.gyros = calibration.gyros.iter().map(|gyro| GyroFitBody::of(gyro, calibration.has_sem)).collect();
+        for note in calibration.all_notes() {
+            self.note(note);
+        }
+    }
+
+    /// `measured`: the same gyro at the temperature at which it was measured, deg C.
+    fn separated(
+        &mut self,
+        gyro: &GyroCalibration,
+        separation: &Result<Separation, NotSeparated>,
+        measured: Option<(f64, &Separation)>,
+        (geometry, method): (&Geometry, JudgedMethod),
+    ) {
+        let (slot, serial) = (gyro.slot, gyro.serial.to_string());
+        match separation {
+            Ok(separation) => {
+                let body = SeparationBody::of(&serial, separation, method).with_uncertainty(gyro, geometry);
+                self.separations.push(match measured {
+                    Some((temperature_c, measured)) => body.measured_at(temperature_c, measured),
+                    None => body,
+                });
+            }
+            Err(why) => self.not_separated.push(NotSeparatedBody { slot, serial, reason: why.message().to_body() }),
+        }
+    }
+
+    fn tested(&mut self, campaign: &Campaign, bench: &BenchCalibration) {
+        for alias in &bench.aliases {
+            self.note(CampaignNote::ProductAliased(*alias));
+        }
+        let parts = StationPart::ALL.into_iter().filter(|p| campaign.station_uncertainty.of(*p).is_some());
+        let parts: Vec<StationPart> = parts.collect();
+        if !parts.is_empty() {
+            self.note(CampaignNote::StationLeftOut { parts, why: StationLack::BenchTest });
+        }
+        self.calibration.repeats.clone_from(&bench.repeats);
+        self.calibration.gyros = vec![GyroFitBody::of_bench(campaign, bench)];
+        self.bench_result = Some(BenchBody::from(&bench.result(campaign)));
     }
 }
 

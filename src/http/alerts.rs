@@ -191,31 +191,26 @@ pub async fn post_unacknowledge(app: App, Path(id): Path<String>, body: Document
 
 async fn signed(app: &App, id: &str, change: AlertChange, body: &Document) -> Answer<Json<AlertBody>> {
     let Signed { by, reason } = Signed::read(body)?;
-    Ok(Json(
-        app.pipeline
-            .alerts
-            .change(AlertOrder { alert: query::id(id, Problem::unknown_alert)?, change, by, reason })
-            .await?,
-    ))
+    changed(app, id, change, (by, reason)).await
+}
+
+async fn changed(app: &App, id: &str, change: AlertChange, (by, reason): (String, String)) -> Answer<Json<AlertBody>> {
+    let order = AlertOrder { alert: query::id(id, Problem::unknown_alert)?, change, by, reason };
+    Ok(Json(app.pipeline.alerts.change(order).await?))
 }
 
 /// Nobody is told before a time. What has changed by then is told at its end; a later silence replaces an earlier one.
 #[utoipa::path(post, operation_id = "silence_alert", path = "/v1/alerts/{id}/silence", tag = "alerts", request_body = SilenceOrder,
     responses((status = 200, description = "the alert, silenced", body = AlertBody)))]
 pub async fn post_silence(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<AlertBody>> {
-    let (change, (by, reason)) = body.read(|bytes| {
+    let (change, signed) = body.read(|bytes| {
         let SilenceOrder { until, by, reason } = json::parse(bytes)?;
         let mut faults = Faults::default();
         let until = future("/until", &until, app.clock.now(), &mut faults);
         let signed = text::signed("/by", by, reason, &mut faults);
         faults.or((AlertChange::Silence { until }, signed))
     })?;
-    Ok(Json(
-        app.pipeline
-            .alerts
-            .change(AlertOrder { alert: query::id(&id, Problem::unknown_alert)?, change, by, reason })
-            .await?,
-    ))
+    changed(&app, &id, change, signed).await
 }
 
 pub(super) fn future(pointer: &str, text: &str, now: UtcMicros, faults: &mut Faults) -> UtcMicros {

@@ -10,7 +10,8 @@ bodies! {
     CampaignBody of Campaign: imu, station, measured_at, geometry, site,
         station_uncertainty: |c| StationUncertaintyBody::of(&c.station_uncertainty), gyros, dwells, rates: |_| None,
         test: |c| (c.test != TestKind::Imu).then(|| c.test.to_body()),
-        model: |c| c.model.map(|terms| terms.iter().map(|term| term.to_body()).collect()), temperature_c, operator, note;
+        model: |c| c.model.map(|terms| terms.iter().map(|term| term.to_body()).collect()),
+        temperature_c, operator, note;
     SiteBody of Site: latitude_deg: |site| tidy(degrees(site.latitude)), gravity_g0, magnetic_field_nav;
     CampaignGyroBody of CampaignGyro: slot: |gyro| Some(gyro.slot.to_body()), serial,
         known_e_pulse_per_arcsec = known_e;

@@ -9,10 +9,8 @@ pub struct Answer {
     #[serde(default)]
     pub effects: Vec<AnsweredEffect>,
     /// Closure by all adopted effects together.
-    #[serde(default)]
     pub closure: Option<AnsweredHeldOut>,
     /// What the noise is beyond white and independent, where the answer says it.
-    #[serde(default)]
     pub noise: Option<serde_json::Value>,
     /// What is left goes with, the strongest first.
     #[serde(default)]
@@ -34,10 +32,8 @@ pub struct AnsweredEffect {
     pub class: Vec<String>,
     #[serde(default)]
     pub gyros: Vec<String>,
-    #[serde(default)]
     pub held_out: Option<AnsweredHeldOut>,
     /// The part of the campaign in which it acts, where that is not all of it.
-    #[serde(default)]
     pub acts_in: Option<serde_json::Value>,
 }
 
@@ -64,7 +60,6 @@ pub struct AnsweredShift {
     pub coefficient: String,
     pub shift: f64,
     /// The coefficient without the adopted effects.
-    #[serde(default)]
     pub plain: Option<f64>,
 }
 

@@ -140,7 +140,7 @@ impl Draw {
                 let unseen = |known: &&Injectable| matches!(known.shown_by, ShownBy::OffAxis | ShownBy::Closure);
                 let ids: Vec<&str> = CATALOGUE.iter().filter(unseen).map(|known| known.id).collect();
                 let id = *ids.choose(rng)?;
-                scenario.effects.push(EffectChoice { size: None, detectability: None, ..EffectChoice::sized(id, 0.0) });
+                scenario.effects.push(EffectChoice { effect: id.into(), ..EffectChoice::default() });
             }
             Case::Withheld => withhold(&mut scenario, rng),
         }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::draw::Case;
-use super::score::Score;
+use super::score::{Closure, Score};
 use super::tally::Tally;
 
 /// Everything that a blind run says.
@@ -55,7 +55,8 @@ pub struct Milliseconds {
 }
 
 impl Rate {
-    fn new(what: &'static str, to_reach: Option<Goal>, tally: Tally) -> Self {
+    fn new(what: &'static str, to_reach: Option<Goal>, hits: impl IntoIterator<Item = bool>) -> Self {
+        let tally = Tally::of(hits);
         let reached = tally.rate().zip(to_reach).map(|(rate, goal)| match goal {
             Goal::AtLeast(share) => rate >= share,
             Goal::AtMost(share) => rate <= share,
@@ -89,75 +90,42 @@ impl Report {
 }
 
 fn rows(scores: &[Score]) -> Vec<Rate> {
-    let at_least = |share| Some(Goal::AtLeast(share));
+    let (at_least, at_most) = (|share| Some(Goal::AtLeast(share)), |share| Some(Goal::AtMost(share)));
     let of = |case: Case| scores.iter().filter(move |s| s.case == case);
-    let stated = |s: &&Score| s.sem != "absent";
-    let found = |tally: &mut dyn Iterator<Item = &Score>| Tally::of(tally.map(Score::all_found));
+    let found = |case: Case| of(case).map(Score::all_found);
+    let stated = || of(Case::One).filter(|s| s.sem != "absent");
+    let unstated = of(Case::One).filter(|s| s.sem == "absent");
+    let stated_and_found = stated().filter(|s| s.all_found());
     let alone = |s: &Score| s.wrong == 0 && s.error.is_none();
     let gyros = |s: &Score| s.all_found() && s.gyros.iter().all(|right| *right);
     let nameable = [Case::One, Case::Faint, Case::Pair];
     let structured = || scores.iter().filter(|s| nameable.contains(&s.case) && s.all_found() && s.wrong == 0);
+    let closures = structured().flat_map(|s| s.closures.iter().map(Closure::covered));
+    let moved = structured().flat_map(|s| s.moved.clone());
     let shifts = || structured().filter_map(|s| s.shift);
+    let material = shifts().filter(|s| s.material);
+    let listed = |s: &Score| s.listed_as_unseen == Some(true);
+    let honest = of(Case::Outside).map(Score::honest_about_outside);
     vec![
-        Rate::new("one effect, d >= 8: named", at_least(0.99), found(&mut of(Case::One).filter(stated))),
-        Rate::new("  and its gyros right", at_least(0.95), Tally::of(of(Case::One).filter(stated).map(gyros))),
-        Rate::new("  and nothing else named", None, Tally::of(of(Case::One).filter(stated).map(alone))),
-        Rate::new(
-            "  and nothing said to remain",
-            None,
-            Tally::of(of(Case::One).filter(stated).filter(|s| s.all_found()).map(|s| s.verdict == "explained")),
-        ),
-        Rate::new(
-            "  its class no wider than the design forces",
-            None,
-            Tally::of(of(Case::One).filter(stated).flat_map(|s| s.classes.clone())),
-        ),
-        Rate::new(
-            "one effect, d >= 8, no standard errors: named",
-            None,
-            found(&mut of(Case::One).filter(|s| s.sem == "absent")),
-        ),
-        Rate::new("one effect, d = 5: named", at_least(0.70), found(&mut of(Case::Faint))),
-        Rate::new(
-            "clean: an effect named",
-            Some(Goal::AtMost(0.01)),
-            Tally::of(of(Case::Clean).map(Score::false_alarm)),
-        ),
-        Rate::new(
-            "  said to have a gap",
-            Some(Goal::AtMost(0.05)),
-            Tally::of(of(Case::Clean).map(|s| s.verdict != "no_gap")),
-        ),
-        Rate::new("two effects, d = 12 each: both named", at_least(0.95), found(&mut of(Case::Pair))),
-        Rate::new("  and nothing else named", at_least(0.95), Tally::of(of(Case::Pair).map(alone))),
-        Rate::new(
-            "outside the catalogue, d >= 15: partly or not explained",
-            at_least(0.95),
-            Tally::of(of(Case::Outside).map(Score::honest_about_outside)),
-        ),
-        Rate::new(
-            "unseen by the design: listed as such",
-            at_least(1.0),
-            Tally::of(of(Case::Unseen).map(|s| s.listed_as_unseen == Some(true))),
-        ),
-        Rate::new("  an effect named", Some(Goal::AtMost(0.01)), Tally::of(of(Case::Unseen).map(Score::false_alarm))),
-        Rate::new(
-            "closure of the truth within its interval",
-            at_least(0.90),
-            Tally::of(structured().flat_map(|s| s.closures.iter().map(|c| c.covered()).collect::<Vec<_>>())),
-        ),
-        Rate::new(
-            "D_I, D_S reported as moved: nearer to the truth",
-            at_least(0.95),
-            Tally::of(structured().flat_map(|s| s.moved.clone())),
-        ),
-        Rate::new(
-            "  all of a campaign's together, where any is",
-            at_least(0.95),
-            Tally::of(shifts().filter(|s| s.material).map(|s| s.nearer())),
-        ),
-        Rate::new("  in every campaign, moved or not", None, Tally::of(shifts().map(|s| s.nearer()))),
-        Rate::new("a term withheld from the model: named", at_least(0.99), found(&mut of(Case::Withheld))),
+        Rate::new("one effect, d >= 8: named", at_least(0.99), stated().map(Score::all_found)),
+        Rate::new("  and its gyros right", at_least(0.95), stated().map(gyros)),
+        Rate::new("  and nothing else named", None, stated().map(alone)),
+        Rate::new("  and nothing said to remain", None, stated_and_found.map(|s| s.verdict == "explained")),
+        Rate::new("  its class no wider than the design forces", None, stated().flat_map(|s| s.classes.clone())),
+        Rate::new("one effect, d >= 8, no standard errors: named", None, unstated.map(Score::all_found)),
+        Rate::new("one effect, d = 5: named", at_least(0.70), found(Case::Faint)),
+        Rate::new("clean: an effect named", at_most(0.01), of(Case::Clean).map(Score::false_alarm)),
+        Rate::new("  said to have a gap", at_most(0.05), of(Case::Clean).map(|s| s.verdict != "no_gap")),
+        Rate::new("two effects, d = 12 each: both named", at_least(0.95), found(Case::Pair)),
+        Rate::new("  and nothing else named", at_least(0.95), of(Case::Pair).map(alone)),
+        Rate::new("outside the catalogue, d >= 15: partly or not explained", at_least(0.95), honest),
+        Rate::new("unseen by the design: listed as such", at_least(1.0), of(Case::Unseen).map(listed)),
+        Rate::new("  an effect named", at_most(0.01), of(Case::Unseen).map(Score::false_alarm)),
+        Rate::new("closure of the truth within its interval", at_least(0.90), closures),
+        Rate::new("D_I, D_S reported as moved: nearer to the truth", at_least(0.95), moved),
+        Rate::new("  all of a campaign's together, where any is", at_least(0.95), material.map(|s| s.nearer())),
+        Rate::new("  in every campaign, moved or not", None, shifts().map(|s| s.nearer())),
+        Rate::new("a term withheld from the model: named", at_least(0.99), found(Case::Withheld)),
     ]
 }
 

@@ -75,7 +75,6 @@ impl std::error::Error for Trouble {}
 #[derive(Debug, Deserialize)]
 pub struct ImportLineAnswer {
     pub status: u16,
-    #[serde(default)]
     pub error: Option<ProblemBody>,
     #[serde(default)]
     pub notes: Vec<NoteBody>,

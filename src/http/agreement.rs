@@ -1,7 +1,7 @@
 //! `/v1/gyros/{serial}/agreement`: the results of every method side by side, and their range (Table 5 of the paper).
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
@@ -10,7 +10,7 @@ use super::query::{self, Parameters};
 use crate::http::problem::Answer;
 use crate::pipeline::{Compared, Comparison};
 use crate::wire::answer::{FigureBody, VerdictBody};
-use crate::wire::time;
+use crate::wire::body::{ToBody, bodies};
 
 #[derive(Debug, Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
@@ -74,7 +74,7 @@ struct RangeBody {
     params(AgreementQuery),
     responses((status = 200, description = "the results", body = Agreement)))]
 pub async fn get_agreement(
-    State(app): State<App>,
+    app: App,
     Path(serial): Path<String>,
     Parameters(asked): Parameters<AgreementQuery>,
 ) -> Answer<Json<Agreement>> {
@@ -88,26 +88,16 @@ pub async fn get_agreement(
     let [d_i, d_s] = range;
     Ok(Json(Agreement {
         unit: "deg/(h*g0)",
-        results: results.into_iter().map(ResultBody::of).collect(),
+        results: results.to_body(),
         range: RangeBody { d_i, d_s },
         verdicts,
         serial,
     }))
 }
 
-impl ResultBody {
-    fn of(result: Compared) -> Self {
-        let [d_i, d_s] = result.d.map(|measured| FigureBody { value: measured.value, sd: measured.sd });
-        Self {
-            method: result.method,
-            measured_at: time::format(result.at),
-            station: result.station,
-            imu: result.seat.as_ref().map(|(imu, _)| imu.clone()),
-            slot: result.seat.map(|(_, slot)| slot.name()),
-            id: result.id.to_string(),
-            d_i,
-            d_s,
-            counts: result.counts,
-        }
-    }
+bodies! {
+    ResultBody of Compared: method, measured_at = at, station,
+        imu: |result| result.seat.as_ref().map(|(imu, _)| imu.clone()),
+        slot: |result| result.seat.as_ref().map(|(_, slot)| slot.name()), id,
+        d_i: |result| result.d[0].to_body(), d_s: |result| result.d[1].to_body(), counts;
 }

@@ -1,7 +1,7 @@
 //! `/v1/alerts`: what fires, what has fired, and what people say of it.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::header::CONTENT_TYPE;
 use axum::http::{HeaderMap, Uri};
 use axum::response::{IntoResponse, Response};
@@ -78,7 +78,7 @@ struct ListedAlert {
         headers(("Link" = String, description = "the next page"))),
         (status = 404, description = "no such gyro")))]
 pub async fn get_alerts(
-    State(app): State<App>,
+    app: App,
     Parameters(asked): Parameters<AlertsQuery>,
     uri: Uri,
     headers: HeaderMap,
@@ -150,8 +150,8 @@ impl From<AlertStep> for StepBody {
 /// One alert with its history.
 #[utoipa::path(get, path = "/v1/alerts/{id}", tag = "alerts",
     responses((status = 200, description = "the alert", body = AlertDetail)))]
-pub async fn get_alert(State(app): State<App>, Path(id): Path<String>) -> Answer<Json<AlertDetail>> {
-    let number = read_id(&id)?;
+pub async fn get_alert(app: App, Path(id): Path<String>) -> Answer<Json<AlertDetail>> {
+    let number = query::id(&id, Problem::unknown_alert)?;
     let found = app.pipeline.alerts.get(number).await?.ok_or_else(|| Problem::unknown_alert(&id))?;
     let inhibited = app.pipeline.alerts.inhibited_by(number).await?;
     Ok(Json(AlertDetail {
@@ -159,10 +159,6 @@ pub async fn get_alert(State(app): State<App>, Path(id): Path<String>) -> Answer
         history: found.steps.into_iter().map(StepBody::from).collect(),
         inhibits: inhibited.into_iter().map(|alert| alert.id).collect(),
     }))
-}
-
-fn read_id(id: &str) -> Answer<Id> {
-    id.parse().map_err(|_| Problem::unknown_alert(id))
 }
 
 /// Who wants nobody to be told, until when, and why.
@@ -182,42 +178,39 @@ struct SilenceOrder {
     responses(
         (status = 200, description = "the alert, acknowledged", body = AlertBody),
         (status = 409, description = "it is resolved")))]
-pub async fn post_acknowledge(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    body: Document,
-) -> Answer<Json<AlertBody>> {
+pub async fn post_acknowledge(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<AlertBody>> {
     signed(&app, &id, AlertChange::Acknowledge, &body).await
 }
 
 /// Nobody knows, after all: repeats go on.
 #[utoipa::path(post, operation_id = "unacknowledge_alert", path = "/v1/alerts/{id}/unacknowledge", tag = "alerts", request_body = Signed,
     responses((status = 200, description = "the alert, not acknowledged", body = AlertBody)))]
-pub async fn post_unacknowledge(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    body: Document,
-) -> Answer<Json<AlertBody>> {
+pub async fn post_unacknowledge(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<AlertBody>> {
     signed(&app, &id, AlertChange::Unacknowledge, &body).await
 }
 
 async fn signed(app: &App, id: &str, change: AlertChange, body: &Document) -> Answer<Json<AlertBody>> {
     let Signed { by, reason } = Signed::read(body)?;
-    Ok(Json(app.pipeline.alerts.change(AlertOrder { alert: read_id(id)?, change, by, reason }).await?))
+    changed(app, id, change, (by, reason)).await
+}
+
+async fn changed(app: &App, id: &str, change: AlertChange, (by, reason): (String, String)) -> Answer<Json<AlertBody>> {
+    let order = AlertOrder { alert: query::id(id, Problem::unknown_alert)?, change, by, reason };
+    Ok(Json(app.pipeline.alerts.change(order).await?))
 }
 
 /// Nobody is told before a time. What has changed by then is told at its end; a later silence replaces an earlier one.
 #[utoipa::path(post, operation_id = "silence_alert", path = "/v1/alerts/{id}/silence", tag = "alerts", request_body = SilenceOrder,
     responses((status = 200, description = "the alert, silenced", body = AlertBody)))]
-pub async fn post_silence(State(app): State<App>, Path(id): Path<String>, body: Document) -> Answer<Json<AlertBody>> {
-    let (change, (by, reason)) = body.read(|bytes| {
+pub async fn post_silence(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<AlertBody>> {
+    let (change, signed) = body.read(|bytes| {
         let SilenceOrder { until, by, reason } = json::parse(bytes)?;
         let mut faults = Faults::default();
         let until = future("/until", &until, app.clock.now(), &mut faults);
         let signed = text::signed("/by", by, reason, &mut faults);
         faults.or((AlertChange::Silence { until }, signed))
     })?;
-    Ok(Json(app.pipeline.alerts.change(AlertOrder { alert: read_id(&id)?, change, by, reason }).await?))
+    changed(&app, &id, change, signed).await
 }
 
 pub(super) fn future(pointer: &str, text: &str, now: UtcMicros, faults: &mut Faults) -> UtcMicros {

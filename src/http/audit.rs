@@ -1,7 +1,6 @@
 //! `/v1/audit`: who did what, when and from where.
 
 use axum::Json;
-use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
 use axum::http::{HeaderMap, Uri};
 use axum::response::{IntoResponse, Response};
@@ -84,7 +83,7 @@ struct Audit {
         (status = 200, description = "the lines", content((Audit = "application/json"), (String = "text/csv")),
             headers(("Link" = Option<String>, description = "where it goes on")))))]
 pub async fn get_audit(
-    State(app): State<App>,
+    app: App,
     headers: HeaderMap,
     uri: Uri,
     Parameters(asked): Parameters<AuditQuery>,

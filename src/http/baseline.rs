@@ -1,7 +1,7 @@
 //! `/v1/gyros/{serial}/baseline`: from here on a gyro is compared with itself anew.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -26,13 +26,10 @@ struct BaselineBody {
     #[schema(min_length = 1, max_length = 4096)]
     reason: String,
     /// From when on, a day (UTC) or an RFC 3339 time; now, where it is left out.
-    #[serde(default)]
     at: Option<String>,
-    #[serde(default)]
     author: Option<String>,
     /// The levels from then on, from an acceptance file, say; what is left out is the median of the first three
     /// records.
-    #[serde(default)]
     fixed: Option<FixedBody>,
 }
 
@@ -102,7 +99,7 @@ pub struct BaselineAnswer {
         (status = 200, description = "was set before, in the same words", body = BaselineAnswer),
         (status = 409, description = "another baseline begins at that very time, for another reason or at other levels")))]
 pub async fn post_baseline(
-    State(app): State<App>,
+    app: App,
     Path(serial): Path<String>,
     body: Document,
 ) -> Answer<(StatusCode, Json<BaselineAnswer>)> {

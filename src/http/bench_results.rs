@@ -1,7 +1,7 @@
 //! `/v1/bench-results`: what single-gyro benches measured.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::header::LOCATION;
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
@@ -13,7 +13,7 @@ use super::corrections::{StandingBody, standing};
 use super::document::{Document, outcome};
 use super::document_post::{DocumentPost, IdempotencyKey};
 use super::notify_query::NotifyQuery;
-use crate::core::id::Id;
+use super::query;
 use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::{Sent, Submission};
@@ -38,11 +38,7 @@ struct BenchAnswer {
         (status = 201, description = "stored", body = BenchAnswer, headers(("Location" = String, description = "where it is"))),
         (status = 200, description = "was stored before with the same content", body = BenchAnswer),
         (status = 409, description = "the same gyro, time and method with other content")))]
-pub async fn post_bench_result(
-    State(app): State<App>,
-    post: DocumentPost,
-    Document(bytes): Document,
-) -> Answer<Response> {
+pub async fn post_bench_result(app: App, post: DocumentPost, Document(bytes): Document) -> Answer<Response> {
     let read = app.pipeline.reader.bench_result(&bytes);
     let mut bench = read.map_err(|faults| Document::refused_as(DocumentKind::Bench, &bytes, faults))?;
     bench.idempotency_key = post.key()?;
@@ -76,10 +72,10 @@ pub struct StoredBench {
 /// A stored bench result, as it was sent or as it was fitted.
 #[utoipa::path(get, path = "/v1/bench-results/{id}", tag = "bench results",
     responses((status = 200, description = "the bench result", body = StoredBench)))]
-pub async fn get_bench_result(State(app): State<App>, Path(id): Path<String>) -> Answer<Json<StoredBench>> {
-    let no_such = || Problem::no_such_bench_result(&id);
-    let number: Id = id.parse().map_err(|_| no_such())?;
-    let row = app.pipeline.queries.records.bench(number).await?.ok_or_else(no_such)?;
+pub async fn get_bench_result(app: App, Path(id): Path<String>) -> Answer<Json<StoredBench>> {
+    let number = query::id(&id, Problem::no_such_bench_result)?;
+    let row = app.pipeline.queries.records.bench(number).await?;
+    let row = row.ok_or_else(|| Problem::no_such_bench_result(&id))?;
     let damaged = || Problem::new(500, "title_damaged_database", message!("body_unreadable", id = id.to_string()));
     let body = RawValue::from_string(row.body.to_string()).map_err(|_| damaged())?;
     let (bench_result, campaign) = match DocumentKind::of(row.body.as_bytes()) {

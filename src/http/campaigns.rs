@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use axum::Json;
-use axum::extract::{FromRequest, Path, Request, State};
+use axum::extract::{FromRequest, Path, Request};
 use axum::http::StatusCode;
 use axum::http::header::RETRY_AFTER;
 use axum::response::{IntoResponse, Response};
@@ -18,7 +18,7 @@ use super::document::{Document, check_media_type};
 use super::document_post::{DocumentPost, IdempotencyKey, PostOutcome};
 use super::notify_query::NotifyQuery;
 use super::prefer_header::{MinimalAnswer, Prefer};
-use super::query::{Parameters, bad};
+use super::query::{self, Parameters};
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::http::problem::Answer;
@@ -71,7 +71,7 @@ enum CampaignAsWanted {
         (status = 200, description = "was stored before with the same content", body = CampaignAsWanted),
         (status = 409, description = "the same IMU and time with other content"),
         (status = 422, description = "what cannot be stored; the places are named")))]
-pub async fn post_campaign(State(app): State<App>, post: DocumentPost, body: Dwells) -> Answer<Response> {
+pub async fn post_campaign(app: App, post: DocumentPost, body: Dwells) -> Answer<Response> {
     let Dwells(bytes, form) = body;
     let key = post.key()?;
     let (pipeline, text) = (app.pipeline.clone(), bytes.clone());
@@ -128,8 +128,8 @@ pub struct StoredCampaignBody {
 /// A stored campaign: what was sent, the fit with its evidence, what was separated, and how it is judged.
 #[utoipa::path(get, path = "/v1/campaigns/{id}", tag = "campaigns",
     responses((status = 200, description = "the campaign", body = StoredCampaignBody)))]
-pub async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Answer<Json<StoredCampaignBody>> {
-    let id: Id = id.parse().map_err(|_| Problem::no_such_campaign(&id))?;
+pub async fn get_campaign(app: App, Path(id): Path<String>) -> Answer<Json<StoredCampaignBody>> {
+    let id = query::id(&id, Problem::no_such_campaign)?;
     let StoredCampaign { item, answer, .. } = stored(&app, id).await?;
     let campaign = RawValue::from_string(item.body.to_string())
         .map_err(|_| Problem::new(500, "title_damaged_database", message!("body_not_json", id = id.to_string())))?;
@@ -149,35 +149,25 @@ pub async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Ans
         (status = 404, description = "no such campaign, or no such reference"),
         (status = 422, description = "the campaign leaves nothing to hold against the model, or the reference is none for it")))]
 pub async fn get_diagnosis(
-    State(app): State<App>,
+    app: App,
     Path(id): Path<String>,
-    Parameters(query): Parameters<DiagnosisQuery>,
+    Parameters(DiagnosisQuery { reference, wait }): Parameters<DiagnosisQuery>,
 ) -> Answer<Response> {
-    let number: Id = id.parse().map_err(|_| Problem::no_such_campaign(&id))?;
-    let patience = match query.wait.unwrap_or(PATIENCE_S) {
-        wait if wait <= PATIENCE_S => Duration::from_secs(wait),
-        wait => {
-            return Err(bad(message!(
-                "parameter_range",
-                parameter = "wait",
-                least = 0_u64,
-                most = PATIENCE_S,
-                value = wait
-            )));
-        }
-    };
-    match app.pipeline.diagnoses.of_campaign(number, patience).await? {
+    let number = query::id(&id, Problem::no_such_campaign)?;
+    let patience = query::between("wait", wait.unwrap_or(PATIENCE_S), (0, PATIENCE_S))?;
+    match app.pipeline.diagnoses.of_campaign(number, Duration::from_secs(patience)).await? {
         DiagnosisAnswer::NoSuchCampaign => Err(Problem::no_such_campaign(&id)),
         DiagnosisAnswer::Waiting => Ok((StatusCode::ACCEPTED, [(RETRY_AFTER, "5")]).into_response()),
-        DiagnosisAnswer::Answered(diagnosed) => match (&*diagnosed, query.reference) {
-            (Ok(diagnosis), None) => Ok(Json(diagnosis.clone().said_in(asked())).into_response()),
-            (Ok(diagnosis), Some(reference)) => {
-                let mut diagnosis = diagnosis.clone().said_in(asked());
+        DiagnosisAnswer::Answered(diagnosed) => {
+            let mut diagnosis = match &*diagnosed {
+                Ok(diagnosis) => diagnosis.clone().said_in(asked()),
+                Err(why) => return Err(Problem::new(422, "title_nothing_to_diagnose", why.clone())),
+            };
+            if let Some(reference) = reference {
                 diagnosis.reference = Some(against(&app, number, &diagnosis, &reference).await?);
-                Ok(Json(diagnosis).into_response())
             }
-            (Err(why), _) => Err(Problem::new(422, "title_nothing_to_diagnose", why.clone())),
-        },
+            Ok(Json(diagnosis).into_response())
+        }
     }
 }
 
@@ -196,10 +186,9 @@ pub struct DiagnosisQuery {
 }
 
 async fn against(app: &App, id: Id, diagnosis: &DiagnosisBody, reference: &str) -> Answer<SplitBody> {
-    let unknown = || Problem::no_such_reference(reference);
-    let number: Id = reference.parse().map_err(|_| unknown())?;
+    let number = query::id(reference, Problem::no_such_reference)?;
     app.pipeline.diagnoses.split(id, diagnosis, number).await.map_err(|why| match why {
-        NotSplit::NoSuchReference(_) => unknown(),
+        NotSplit::NoSuchReference(_) => Problem::no_such_reference(reference),
         NotSplit::NoReference(why) => Problem::new(422, "title_no_reference", why.message()),
         NotSplit::Storage(error) => error.into(),
     })

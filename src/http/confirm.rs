@@ -1,15 +1,15 @@
 //! `/v1/records/{id}/confirm`: the time of a record that was set aside is right.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::app::App;
 use super::corrections::{StandingBody, standing};
 use super::document::Document;
+use super::query;
 use super::signed::Signed;
-use crate::core::id::Id;
 use crate::http::problem::Answer;
 use crate::pipeline::{Accepted, Actor, Confirmation, Submission};
 use crate::wire::problem::Problem;
@@ -29,12 +29,8 @@ pub struct ConfirmedBody {
     responses(
         (status = 200, description = "it counts; so too where it was confirmed before", body = ConfirmedBody),
         (status = 409, description = "it is not set aside, or another record stands at its time")))]
-pub async fn confirm_record(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    body: Document,
-) -> Answer<Json<ConfirmedBody>> {
-    let id: Id = id.parse().map_err(|_| Problem::no_such_record(&id))?;
+pub async fn confirm_record(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<ConfirmedBody>> {
+    let id = query::id(&id, Problem::no_such_record)?;
     let Signed { by: author, reason } = Signed::read(&body)?;
     let sent = Confirmation { id, of_window: false, author, reason, by: Actor::by_caller(), restated: None };
     let (Accepted::Stored { id, .. } | Accepted::There { id, .. }) =

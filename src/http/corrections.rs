@@ -1,7 +1,7 @@
 //! `…/void` and `…/revise`: what was stored counts no more, or another stands in its place. Nothing is deleted.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::StatusCode;
 use axum::http::header::LOCATION;
 use axum::response::{IntoResponse, Response};
@@ -11,6 +11,7 @@ use utoipa::ToSchema;
 
 use super::app::App;
 use super::document::{Document, outcome};
+use super::query;
 use crate::core::correction::CorrectionItem;
 use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
@@ -18,6 +19,7 @@ use crate::core::kind::Kind;
 use crate::http::problem::Answer;
 use crate::pipeline::{Actor, Calibration, Corrected, Correction, Fitted, Submission};
 use crate::wire::answer::RecordAnswer;
+use crate::wire::body::bodies;
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::problem::Problem;
@@ -83,11 +85,7 @@ pub struct CorrectedBody {
     standing: StandingBody,
 }
 
-impl From<&CorrectionItem> for RemarkBody {
-    fn from(row: &CorrectionItem) -> Self {
-        Self { at: time::format(row.at), author: row.author.clone(), reason: row.reason.clone() }
-    }
-}
+bodies! { RemarkBody of CorrectionItem: at, author, reason; }
 
 /// How a stored item stands.
 pub async fn standing(app: &App, id: Id) -> Answer<StandingBody> {
@@ -118,30 +116,13 @@ struct VoidOrder {
     reason: String,
 }
 
-impl VoidOrder {
-    fn read(bytes: &[u8]) -> Result<Self, Faults> {
-        let mut faults = Faults::default();
-        let order = json::parse::<Self>(bytes)?.checked(&mut faults);
-        faults.or(order)
-    }
-
-    fn checked(self, faults: &mut Faults) -> Self {
-        let (author, reason) = text::signed("/author", self.author, self.reason, faults);
-        Self { author, reason }
-    }
-}
-
 /// A record counts no more: it is kept, with who said so and why, and what depends on it is judged again.
 #[utoipa::path(post, path = "/v1/records/{id}/void", tag = "records", request_body = VoidOrder,
     responses(
         (status = 200, description = "it counts no more; so too where the same was said before", body = CorrectedBody),
         (status = 409, description = "it was voided or revised before, by another author, for another reason or by other content")))]
-pub async fn void_record(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    body: Document,
-) -> Answer<Json<CorrectedBody>> {
-    void(&app, Corrected::Calibration { id: named(&id, Problem::no_such_record)?, kind: None }, &body).await
+pub async fn void_record(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<CorrectedBody>> {
+    void(&app, Corrected::Calibration { id: query::id(&id, Problem::no_such_record)?, kind: None }, &body).await
 }
 
 /// A campaign counts no more: it is kept, with who said so and why, and what depends on it is judged again.
@@ -149,11 +130,7 @@ pub async fn void_record(
     responses(
         (status = 200, description = "it counts no more; so too where the same was said before", body = CorrectedBody),
         (status = 409, description = "it was voided or revised before, by another author, for another reason or by other content")))]
-pub async fn void_campaign(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    body: Document,
-) -> Answer<Json<CorrectedBody>> {
+pub async fn void_campaign(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<CorrectedBody>> {
     void(&app, campaign(&id)?, &body).await
 }
 
@@ -162,16 +139,17 @@ pub async fn void_campaign(
     responses(
         (status = 200, description = "it counts no more; so too where the same was said before", body = CorrectedBody),
         (status = 409, description = "it was voided before, by another author or for another reason")))]
-pub async fn void_bench_result(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    body: Document,
-) -> Answer<Json<CorrectedBody>> {
-    void(&app, Corrected::Bench(named(&id, Problem::no_such_bench_result)?), &body).await
+pub async fn void_bench_result(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<CorrectedBody>> {
+    void(&app, Corrected::Bench(query::id(&id, Problem::no_such_bench_result)?), &body).await
 }
 
 async fn void(app: &App, item: Corrected, body: &Document) -> Answer<Json<CorrectedBody>> {
-    let VoidOrder { author, reason } = body.read(VoidOrder::read)?;
+    let (author, reason) = body.read(|bytes| {
+        let VoidOrder { author, reason } = json::parse(bytes)?;
+        let mut faults = Faults::default();
+        let signed = text::signed("/author", author, reason, &mut faults);
+        faults.or(signed)
+    })?;
     submit(app, Correction { item, author, reason, replacement: None, by: Actor::by_caller() }).await?;
     let id = item.id();
     Ok(Json(CorrectedBody { id: id.to_string(), standing: standing(app, id).await? }))
@@ -197,12 +175,12 @@ struct RecordRevision {
         (status = 201, description = "the new record is stored and judged", body = Standing<RecordAnswer>, headers(("Location" = String, description = "where it is"))),
         (status = 200, description = "the same was said before", body = Standing<RecordAnswer>),
         (status = 409, description = "it was revised before, or another stands at the new one's time")))]
-pub async fn revise_record(State(app): State<App>, Path(id): Path<String>, body: Document) -> Answer<Response> {
-    let item = Corrected::Calibration { id: named(&id, Problem::no_such_record)?, kind: None };
+pub async fn revise_record(app: App, Path(id): Path<String>, body: Document) -> Answer<Response> {
+    let item = Corrected::Calibration { id: query::id(&id, Problem::no_such_record)?, kind: None };
     let problem = |faults| Document::problem(&body.0, faults);
     let RecordRevision { author, reason, record } = json::parse(&body.0).map_err(problem)?;
     let read = app.pipeline.reader.record(record.get().as_bytes());
-    let correction = revision(item, VoidOrder { author, reason }, "/record", read).map_err(problem)?;
+    let correction = revision(item, (author, reason), "/record", read).map_err(problem)?;
     let (status, id) = submit(&app, correction).await?;
     let stored = app.pipeline.queries.records.record(id).await?.ok_or_else(|| Problem::no_such_record(id))?;
     let answer = Standing { answer: stored.answer, standing: Some(standing(&app, id).await?) };
@@ -229,7 +207,7 @@ struct CampaignRevision {
         (status = 201, description = "the new campaign is stored and judged", body = Standing<CampaignAnswer>, headers(("Location" = String, description = "where it is"))),
         (status = 200, description = "the same was said before", body = Standing<CampaignAnswer>),
         (status = 409, description = "it was revised before, or another stands at the new one's time")))]
-pub async fn revise_campaign(State(app): State<App>, Path(id): Path<String>, body: Document) -> Answer<Response> {
+pub async fn revise_campaign(app: App, Path(id): Path<String>, body: Document) -> Answer<Response> {
     let item = campaign(&id)?;
     let problem = |faults| Document::problem(&body.0, faults);
     let CampaignRevision { author, reason, campaign } = json::parse(&body.0).map_err(problem)?;
@@ -243,7 +221,7 @@ pub async fn revise_campaign(State(app): State<App>, Path(id): Path<String>, bod
             Err(Fault { pointer: "/test".to_owned(), message }.into())
         }
     });
-    let correction = revision(item, VoidOrder { author, reason }, "/campaign", read).map_err(problem)?;
+    let correction = revision(item, (author, reason), "/campaign", read).map_err(problem)?;
     let (status, id) = submit(&app, correction).await?;
     let stored = app.pipeline.queries.records.campaign(id).await?.ok_or_else(|| Problem::no_such_campaign(id))?;
     let answer = Standing { answer: stored.answer, standing: Some(standing(&app, id).await?) };
@@ -253,12 +231,12 @@ pub async fn revise_campaign(State(app): State<App>, Path(id): Path<String>, bod
 /// Every fault of who, why and what, the latter's under `place`.
 fn revision(
     item: Corrected,
-    order: VoidOrder,
+    (author, reason): (String, String),
     place: &str,
     read: Result<Calibration, Faults>,
 ) -> Result<Correction, Faults> {
     let mut faults = Faults::default();
-    let VoidOrder { author, reason } = order.checked(&mut faults);
+    let (author, reason) = text::signed("/author", author, reason, &mut faults);
     let Ok(new) = read.map_err(|of_new| faults.absorb(place, of_new)) else { return Err(faults) };
     faults.or(Correction { item, author, reason, replacement: Some(new), by: Actor::by_caller() })
 }
@@ -280,9 +258,5 @@ async fn submit(app: &App, correction: Correction) -> Answer<(StatusCode, Id)> {
 }
 
 fn campaign(id: &str) -> Answer<Corrected> {
-    Ok(Corrected::Calibration { id: named(id, Problem::no_such_campaign)?, kind: Some(Kind::Campaign) })
-}
-
-fn named<'a>(id: &'a str, no_such: fn(&'a str) -> Problem) -> Answer<Id> {
-    id.parse().map_err(|_| no_such(id))
+    Ok(Corrected::Calibration { id: query::id(id, Problem::no_such_campaign)?, kind: Some(Kind::Campaign) })
 }

@@ -1,7 +1,7 @@
 //! `/v1/diagnoses`: diagnoses of many campaigns, ordered, followed, canceled; and what they say together.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::header::{CONTENT_TYPE, LOCATION};
 use axum::http::{HeaderMap, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
@@ -34,7 +34,7 @@ const MOST_FAILURES: usize = 1000;
         (status = 202, description = "taken; `Location` says how it goes", body = JobDetailBody, headers(("Location" = String, description = "where its progress is"))),
         (status = 200, description = "the same is being worked off", body = JobDetailBody, headers(("Location" = String, description = "where its progress is"))),
         (status = 422, description = "an unknown IMU or station, no time …; the places are named")))]
-pub async fn post_diagnoses(State(app): State<App>, body: Document) -> Answer<Response> {
+pub async fn post_diagnoses(app: App, body: Document) -> Answer<Response> {
     let wanted = body.read(|bytes| app.pipeline.diagnoses.read_wanted(bytes))?;
     let (status, id) = match app.pipeline.diagnoses.order(DiagnosisOrder::Start(wanted)).await? {
         Accepted::Stored { id, .. } => (StatusCode::ACCEPTED, id),
@@ -64,11 +64,7 @@ impl PageQuery {
     params(PageQuery),
     responses(
         (status = 200, description = "the orders", body = JobsBody, headers(("Link" = Option<String>, description = "where it goes on")))))]
-pub async fn get_diagnoses(
-    State(app): State<App>,
-    uri: Uri,
-    Parameters(asked): Parameters<PageQuery>,
-) -> Answer<Response> {
+pub async fn get_diagnoses(app: App, uri: Uri, Parameters(asked): Parameters<PageQuery>) -> Answer<Response> {
     let limit = query::limit(asked.limit, 20, MOST_ORDERS)?;
     let diagnoses = app.pipeline.diagnoses.jobs(asked.position(List::DiagnosisOrders)?, limit as u32 + 1).await?;
     let (diagnoses, next) = query::page(List::DiagnosisOrders, diagnoses, limit, |last| last.id.parse().ok());
@@ -81,21 +77,22 @@ pub async fn get_diagnoses(
     responses(
         (status = 200, description = "the order", body = JobDetailBody, headers(("Link" = Option<String>, description = "where its failures go on")))))]
 pub async fn get_one(
-    State(app): State<App>,
+    app: App,
     uri: Uri,
     Path(id): Path<String>,
     Parameters(asked): Parameters<PageQuery>,
 ) -> Answer<Response> {
     let limit = query::limit(asked.limit, 100, MOST_FAILURES)?;
-    let job = one(&app, number(&id)?, asked.position(List::DiagnosisFailures)?, limit).await?;
+    let job =
+        one(&app, query::id(&id, Problem::no_such_diagnoses)?, asked.position(List::DiagnosisFailures)?, limit).await?;
     Ok((query::link(&uri, job.next.as_deref()), Json(job)).into_response())
 }
 
 /// Cancels an order. What is done stays done; what is in work is finished.
 #[utoipa::path(delete, operation_id = "cancel_diagnosis_order", path = "/v1/diagnoses/{id}", tag = "diagnoses",
     responses((status = 204, description = "canceled, now or before"), (status = 409, description = "it has ended")))]
-pub async fn delete_one(State(app): State<App>, Path(id): Path<String>) -> Answer<StatusCode> {
-    app.pipeline.diagnoses.order(DiagnosisOrder::Cancel(number(&id)?)).await?;
+pub async fn delete_one(app: App, Path(id): Path<String>) -> Answer<StatusCode> {
+    app.pipeline.diagnoses.order(DiagnosisOrder::Cancel(query::id(&id, Problem::no_such_diagnoses)?)).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
@@ -125,7 +122,7 @@ pub struct SummaryQuery {
     responses(
         (status = 200, description = "the summary", content((SummaryBody = "application/json"), (String = "text/csv")))))]
 pub async fn get_summary(
-    State(app): State<App>,
+    app: App,
     headers: HeaderMap,
     Parameters(asked): Parameters<SummaryQuery>,
 ) -> Answer<Response> {
@@ -152,8 +149,4 @@ pub async fn get_summary(
 
 async fn one(app: &App, id: Id, after: Option<Id>, limit: usize) -> Answer<JobDetailBody> {
     app.pipeline.diagnoses.job(id, after, limit as u32).await?.ok_or_else(|| Problem::no_such_diagnoses(id))
-}
-
-fn number(id: &str) -> Answer<Id> {
-    id.parse().map_err(|_| Problem::no_such_diagnoses(id))
 }

@@ -1,7 +1,7 @@
 //! `/v1/gyros/{serial}/events`: what was done to a gyro, so that the rules know what not to compare.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -17,8 +17,9 @@ use crate::core::record::Name;
 use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::{Actor, EventItem, GyroEvent};
+use crate::wire::body::{ToBody, bodies};
 use crate::wire::event::read_test;
-use crate::wire::{json, text, time};
+use crate::wire::{json, text};
 
 /// What was done to a gyro.
 #[derive(Serialize, ToSchema)]
@@ -44,20 +45,9 @@ pub struct EventBody {
     fixed: Option<FixedBody>,
 }
 
-impl EventBody {
-    pub fn of(event: &EventItem) -> Self {
-        Self {
-            id: event.id.to_string(),
-            at: time::format(event.at),
-            event: event.event.name(),
-            kind: event.test.clone(),
-            to: event.until.map(time::format),
-            reason: event.reason.clone(),
-            author: event.author.clone(),
-            resets: event.event.rules_reset().map(Rule::name).collect(),
-            fixed: FixedBody::of(&event.fixed),
-        }
-    }
+bodies! {
+    EventBody of EventItem: id, at, event, kind = test, to = until, reason, author,
+        resets: |item| item.event.rules_reset().map(Rule::name).collect(), fixed: |item| FixedBody::of(&item.fixed);
 }
 
 /// Events, oldest first.
@@ -70,9 +60,9 @@ pub struct Events {
 /// What was done to a gyro, oldest first.
 #[utoipa::path(get, path = "/v1/gyros/{serial}/events", tag = "gyros",
     responses((status = 200, description = "the events", body = Events)))]
-pub async fn get_events(State(app): State<App>, Path(serial): Path<String>) -> Answer<Json<Events>> {
+pub async fn get_events(app: App, Path(serial): Path<String>) -> Answer<Json<Events>> {
     let events = app.pipeline.queries.histories.events(query::gyro(&app, &serial)?).await?;
-    Ok(Json(Events { serial, events: events.iter().map(EventBody::of).collect() }))
+    Ok(Json(Events { serial, events: events.to_body() }))
 }
 
 /// What was done, when and why.
@@ -89,12 +79,9 @@ struct NewEvent {
     #[serde(default, alias = "from")]
     at: Option<String>,
     /// Of an environmental test: when it was over.
-    #[serde(default)]
     to: Option<String>,
     /// Of an environmental test: which, as `vibration` or `thermal cycling`.
-    #[serde(default)]
     kind: Option<String>,
-    #[serde(default)]
     author: Option<String>,
 }
 
@@ -104,15 +91,11 @@ struct NewEvent {
         (status = 201, description = "the event is stored", body = EventBody),
         (status = 200, description = "was stored before, with the same words", body = EventBody),
         (status = 409, description = "the same kind of event is stored at that very time, with other words")))]
-pub async fn post_event(
-    State(app): State<App>,
-    Path(serial): Path<String>,
-    body: Document,
-) -> Answer<(StatusCode, Json<EventBody>)> {
+pub async fn post_event(app: App, Path(serial): Path<String>, body: Document) -> Answer<(StatusCode, Json<EventBody>)> {
     let (status, id, event) = remark::post(&app, &serial, &body, read, message!("event_there")).await?;
     let GyroEvent { at, event, until, test, fixed, reason, author, .. } = event;
     let row = EventItem { id, at, event, until, test, fixed, reason, author };
-    Ok((status, Json(EventBody::of(&row))))
+    Ok((status, Json(EventBody::from(&row))))
 }
 
 fn read(app: &App, serial: Name, bytes: &[u8]) -> Result<GyroEvent, Faults> {

@@ -1,7 +1,7 @@
 //! `/v1/gyros/{serial}/diagnosis`: why the coefficients of a gyro changed over its history.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 
 use super::app::App;
 use super::query;
@@ -14,10 +14,7 @@ use crate::words::asked;
 /// is the station's; the gyro is judged by what is left.
 #[utoipa::path(get, path = "/v1/gyros/{serial}/diagnosis", tag = "gyros",
     responses((status = 200, description = "the causes, coefficient by coefficient", body = HistoryDiagnosisBody)))]
-pub async fn get_gyro_diagnosis(
-    State(app): State<App>,
-    Path(serial): Path<String>,
-) -> Answer<Json<HistoryDiagnosisBody>> {
+pub async fn get_gyro_diagnosis(app: App, Path(serial): Path<String>) -> Answer<Json<HistoryDiagnosisBody>> {
     let number = query::gyro(&app, &serial)?;
     let explained = app.pipeline.queries.histories.explain(number, &serial).await?;
     let coefficients = &explained.coefficients;

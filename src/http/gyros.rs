@@ -1,7 +1,7 @@
 //! `/v1/gyros`: every gyro with its newest figures, and one with what has happened to it.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::{HeaderMap, Uri};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
@@ -18,7 +18,7 @@ use crate::core::fault::Faults;
 use crate::core::figures::Figures;
 use crate::core::fleet_order::FleetOrder;
 use crate::core::gyro_attributes::{GyroAttributes, GyroAttributesPatch};
-use crate::core::judge::{Event, Measured, Outlook, Reach, State as Judgement, Status};
+use crate::core::judge::{Event, Outlook, Reach, State, Status};
 use crate::core::record::Name;
 use crate::core::time::Span;
 use crate::http::problem::Answer;
@@ -27,6 +27,7 @@ use crate::pipeline::{
     Accepted, Actor, AttributesOrder, FleetFilter, Names, Queries, Standing, StandingFilter, Submission, sample_of,
 };
 use crate::wire::answer::{FigureBody, VerdictBody};
+use crate::wire::body::{ToBody, bodies};
 use crate::wire::cursor::{self, List};
 use crate::wire::gyro_table::GyroRow;
 use crate::wire::json::present;
@@ -144,11 +145,7 @@ struct AttributesBody {
     unit: Option<String>,
 }
 
-impl From<&GyroAttributes> for AttributesBody {
-    fn from(GyroAttributes { batch, r#type, unit }: &GyroAttributes) -> Self {
-        Self { batch: batch.clone(), r#type: r#type.clone(), unit: unit.clone() }
-    }
-}
+bodies! { AttributesBody of GyroAttributes: batch, r#type, unit; }
 
 /// What changes; `null` takes a word away, what is left out stays (RFC 7396).
 #[derive(Default, Deserialize, ToSchema)]
@@ -262,11 +259,7 @@ struct StatusesBody {
     params(GyrosQuery),
     responses((status = 200, description = "the gyros", body = Gyros,
         headers(("Link" = Option<String>, description = "the next page")))))]
-pub async fn get_gyros(
-    State(app): State<App>,
-    Parameters(asked): Parameters<GyrosQuery>,
-    uri: Uri,
-) -> Answer<Response> {
+pub async fn get_gyros(app: App, Parameters(asked): Parameters<GyrosQuery>, uri: Uri) -> Answer<Response> {
     let limit = query::limit(asked.limit, 1000, MOST_GYROS)?;
     let (of_status, of_fleet) = (filter_of(&asked)?, fleet_filter(&asked)?);
     let list = List::Gyros(of_fleet.order.unwrap_or(FleetOrder::Serial));
@@ -296,12 +289,12 @@ pub struct GyroDetail {
 /// One gyro: its newest figures, how they are judged, and what was done to it.
 #[utoipa::path(get, path = "/v1/gyros/{serial}", tag = "gyros",
     responses((status = 200, description = "the gyro", body = GyroDetail)))]
-pub async fn get_gyro(State(app): State<App>, Path(serial): Path<String>) -> Answer<Json<GyroDetail>> {
+pub async fn get_gyro(app: App, Path(serial): Path<String>) -> Answer<Json<GyroDetail>> {
     let number = query::gyro(&app, &serial)?;
     let Queries { fleet, histories, .. } = &app.pipeline.queries;
     let found = fleet.standing_in_words(number).await?;
     let (standing, mut verdicts) = found.ok_or_else(|| Problem::unknown_gyro(&serial))?;
-    let events = histories.events(number).await?.iter().map(EventBody::of).collect();
+    let events = histories.events(number).await?.iter().map(EventBody::from).collect();
     let calibrations = histories.count(number).await?;
     let bench_results = histories.benches(number, Span::EVER).await?.len();
     if bench_results > 0 {
@@ -315,17 +308,13 @@ pub async fn get_gyro(State(app): State<App>, Path(serial): Path<String>) -> Ans
 /// Batch, type and unit of a gyro.
 #[utoipa::path(patch, path = "/v1/gyros/{serial}", tag = "gyros", request_body = AttributesPatchBody,
     responses((status = 200, description = "the gyro as it is now", body = GyroDetail)))]
-pub async fn patch_gyro(
-    State(app): State<App>,
-    Path(serial): Path<String>,
-    body: Document,
-) -> Answer<Json<GyroDetail>> {
+pub async fn patch_gyro(app: App, Path(serial): Path<String>, body: Document) -> Answer<Json<GyroDetail>> {
     let patch = body.read(|bytes| json::parse::<AttributesPatchBody>(bytes)?.to_core())?;
     query::gyro(&app, &serial)?;
     let name = Name::parse(&serial).map_err(|_| Problem::unknown_gyro(&serial))?;
     let order = AttributesOrder { serial: name, patch, by: Actor::by_caller() };
     app.pipeline.ingest.submit(Submission::Attributes(order)).await?;
-    get_gyro(State(app), Path(serial)).await
+    get_gyro(app, Path(serial)).await
 }
 
 /// What has come of a table of attributes.
@@ -342,7 +331,7 @@ pub struct AttributesChanged {
 #[utoipa::path(patch, path = "/v1/gyros", tag = "gyros",
     request_body(content = String, content_type = "text/csv"),
     responses((status = 200, description = "what has changed", body = AttributesChanged)))]
-pub async fn patch_gyros(State(app): State<App>, headers: HeaderMap, body: Bytes) -> Answer<Json<AttributesChanged>> {
+pub async fn patch_gyros(app: App, headers: HeaderMap, body: Bytes) -> Answer<Json<AttributesChanged>> {
     check_media_type(&headers, &["text/csv"])?;
     let of_faults = |faults| Problem::of_faults(422, "title_cannot_be_stored", faults);
     let rows = gyro_table::parse(&body).map_err(of_faults)?;
@@ -376,7 +365,7 @@ impl Gyro {
         Self {
             serial: standing.serial.to_string(),
             latest: standing.newest.as_ref().map(|figures| Latest::of(figures, standing, method, names)),
-            state: standing.state.map(Judgement::name),
+            state: standing.state.map(State::name),
             status: standing.status.map(Status::name),
             out_of_use: standing.out_of_use.map(Event::name),
             since: standing.since.map(time::format),
@@ -387,11 +376,11 @@ impl Gyro {
 
 impl Latest {
     fn of(figures: &Figures, standing: &Standing, method: JudgedMethod, names: &Names<'_>) -> Self {
-        let [d_i, d_s, d_o] = sample_of(figures, method).d.map(|Measured { value, sd }| FigureBody { value, sd });
-        let [i, s, o] = figures.states.0.map(|state| state.unwrap_or(Judgement::Indeterminate).name());
+        let [d_i, d_s, d_o] = sample_of(figures, method).d.to_body();
+        let [i, s, o] = figures.states.0.map(|state| state.unwrap_or(State::Indeterminate).name());
         let [status_i, status_s, status_o] = standing.drift.map(Status::name);
         let Outlook { load, reach, .. } = standing.outlook;
-        let [load_i, load_s, load_o] = load.map(|load| load.map(|Measured { value, sd }| FigureBody { value, sd }));
+        let [load_i, load_s, load_o] = load.to_body();
         Self {
             calibrated_at: time::format(figures.at),
             imu: names.imu(figures.imu).to_owned(),

@@ -3,7 +3,6 @@
 use std::time::Duration;
 
 use axum::Json;
-use axum::extract::State;
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -44,7 +43,7 @@ fn unwritten(error: &WriteError) -> Message {
     responses(
         (status = 200, description = "ready", body = Health),
         (status = 503, description = "not ready, and why")))]
-pub async fn readyz(State(app): State<App>) -> Answer<Json<Health>> {
+pub async fn readyz(app: App) -> Answer<Json<Health>> {
     let not_ready = |why: Message| Problem::new(503, "title_not_ready", why);
     app.pipeline.ping().await.map_err(|error| not_ready(message!("not_reading", why = format_args!("{error}"))))?;
     match tokio::time::timeout(PATIENCE, app.pipeline.probe()).await {

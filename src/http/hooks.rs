@@ -1,7 +1,7 @@
 //! `/v1/hooks` and `/v1/deliveries`: whom to tell, and what has become of what they were told.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::header::LOCATION;
 use axum::http::{StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
@@ -29,7 +29,7 @@ pub struct Hooks {
 /// Every hook, without its secrets.
 #[utoipa::path(get, path = "/v1/hooks", tag = "hooks",
     responses((status = 200, description = "the hooks", body = Hooks)))]
-pub async fn get_hooks(State(app): State<App>) -> Answer<Json<Hooks>> {
+pub async fn get_hooks(app: App) -> Answer<Json<Hooks>> {
     Ok(Json(Hooks { hooks: app.pipeline.hooks.all().await? }))
 }
 
@@ -41,7 +41,7 @@ pub async fn get_hooks(State(app): State<App>) -> Answer<Json<Hooks>> {
         (status = 201, description = "set up", body = HookBody, headers(("Location" = String, description = "where it is"))),
         (status = 409, description = "there are too many"),
         (status = 422, description = "an unknown kind, a forbidden address, a short secret …; the places are named")))]
-pub async fn post_hook(State(app): State<App>, body: Document) -> Answer<Response> {
+pub async fn post_hook(app: App, body: Document) -> Answer<Response> {
     let new = body.read(|bytes| app.pipeline.hooks.read(bytes))?;
     let drawn = new.drawn();
     let id = app.pipeline.hooks.order(Order::Create(new)).await?;
@@ -52,8 +52,8 @@ pub async fn post_hook(State(app): State<App>, body: Document) -> Answer<Respons
 /// One hook.
 #[utoipa::path(get, path = "/v1/hooks/{id}", tag = "hooks",
     responses((status = 200, description = "the hook", body = HookBody)))]
-pub async fn get_hook(State(app): State<App>, Path(id): Path<String>) -> Answer<Json<HookBody>> {
-    let hook = app.pipeline.hooks.get(hook_id(&id)?, None).await?;
+pub async fn get_hook(app: App, Path(id): Path<String>) -> Answer<Json<HookBody>> {
+    let hook = app.pipeline.hooks.get(query::id(&id, Problem::no_such_hook)?, None).await?;
     Ok(Json(hook.ok_or_else(|| Problem::no_such_hook(id))?))
 }
 
@@ -63,8 +63,8 @@ pub async fn get_hook(State(app): State<App>, Path(id): Path<String>) -> Answer<
     responses(
         (status = 200, description = "changed", body = HookBody),
         (status = 422, description = "a forbidden address, a short secret …; the places are named")))]
-pub async fn patch_hook(State(app): State<App>, Path(id): Path<String>, body: Document) -> Answer<Json<HookBody>> {
-    let id = hook_id(&id)?;
+pub async fn patch_hook(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<HookBody>> {
+    let id = query::id(&id, Problem::no_such_hook)?;
     let patch = body.read(|bytes| app.pipeline.hooks.read_patch(bytes))?;
     let drawn = patch.drawn();
     app.pipeline.hooks.order(Order::Change(id, patch)).await?;
@@ -73,8 +73,8 @@ pub async fn patch_hook(State(app): State<App>, Path(id): Path<String>, body: Do
 
 /// Deletes a hook and what it was still to be told.
 #[utoipa::path(delete, path = "/v1/hooks/{id}", tag = "hooks", responses((status = 204, description = "deleted")))]
-pub async fn delete_hook(State(app): State<App>, Path(id): Path<String>) -> Answer<StatusCode> {
-    app.pipeline.hooks.order(Order::Delete(hook_id(&id)?)).await?;
+pub async fn delete_hook(app: App, Path(id): Path<String>) -> Answer<StatusCode> {
+    app.pipeline.hooks.order(Order::Delete(query::id(&id, Problem::no_such_hook)?)).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
@@ -83,8 +83,8 @@ pub async fn delete_hook(State(app): State<App>, Path(id): Path<String>) -> Answ
     responses(
         (status = 202, description = "queued", body = DeliveryBody, headers(("Location" = String, description = "its delivery"))),
         (status = 409, description = "the hook is disabled")))]
-pub async fn test_hook(State(app): State<App>, Path(id): Path<String>) -> Answer<Response> {
-    let delivery = app.pipeline.hooks.order(Order::Test(hook_id(&id)?)).await?;
+pub async fn test_hook(app: App, Path(id): Path<String>) -> Answer<Response> {
+    let delivery = app.pipeline.hooks.order(Order::Test(query::id(&id, Problem::no_such_hook)?)).await?;
     queued(&app, delivery).await
 }
 
@@ -114,12 +114,12 @@ pub struct Deliveries {
     responses((status = 200, description = "the deliveries", body = Deliveries,
         headers(("Link" = Option<String>, description = "the next page")))))]
 pub async fn get_deliveries(
-    State(app): State<App>,
+    app: App,
     uri: Uri,
     Path(id): Path<String>,
     Parameters(asked): Parameters<DeliveriesQuery>,
 ) -> Answer<Response> {
-    let hook = hook_id(&id)?;
+    let hook = query::id(&id, Problem::no_such_hook)?;
     let state = query::named("state", asked.state.as_deref())?;
     let limit = query::limit(asked.limit, 100, MOST_DELIVERIES)?;
     let before = query::position(List::Deliveries, asked.cursor.as_deref())?.map(Id);
@@ -135,8 +135,8 @@ pub async fn get_deliveries(
 /// One delivery with every attempt.
 #[utoipa::path(get, path = "/v1/deliveries/{id}", tag = "hooks",
     responses((status = 200, description = "the delivery", body = DeliveryBody)))]
-pub async fn get_delivery(State(app): State<App>, Path(id): Path<String>) -> Answer<Json<DeliveryBody>> {
-    let delivery = app.pipeline.hooks.delivery(delivery_id(&id)?).await?;
+pub async fn get_delivery(app: App, Path(id): Path<String>) -> Answer<Json<DeliveryBody>> {
+    let delivery = app.pipeline.hooks.delivery(query::id(&id, Problem::no_such_delivery)?).await?;
     Ok(Json(delivery.ok_or_else(|| Problem::no_such_delivery(id))?))
 }
 
@@ -145,20 +145,12 @@ pub async fn get_delivery(State(app): State<App>, Path(id): Path<String>) -> Ans
     responses(
         (status = 202, description = "queued again", body = DeliveryBody, headers(("Location" = String, description = "the delivery"))),
         (status = 409, description = "an earlier one comes first, it was dropped, or the hook is disabled")))]
-pub async fn redeliver(State(app): State<App>, Path(id): Path<String>) -> Answer<Response> {
-    let delivery = app.pipeline.hooks.order(Order::Redeliver(delivery_id(&id)?)).await?;
+pub async fn redeliver(app: App, Path(id): Path<String>) -> Answer<Response> {
+    let delivery = app.pipeline.hooks.order(Order::Redeliver(query::id(&id, Problem::no_such_delivery)?)).await?;
     queued(&app, delivery).await
 }
 
 async fn queued(app: &App, id: Id) -> Answer<Response> {
     let delivery = app.pipeline.hooks.delivery(id).await?.ok_or_else(|| Problem::no_such_delivery(id))?;
     Ok((StatusCode::ACCEPTED, [(LOCATION, format!("/v1/deliveries/{id}"))], Json(delivery)).into_response())
-}
-
-fn hook_id(text: &str) -> Answer<Id> {
-    text.parse().map_err(|_| Problem::no_such_hook(text))
-}
-
-fn delivery_id(text: &str) -> Answer<Id> {
-    text.parse().map_err(|_| Problem::no_such_delivery(text))
 }

@@ -1,7 +1,7 @@
 //! `/v1/hypotheses`: equations of one's own that compete with the catalogue in every diagnosis.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::StatusCode;
 use axum::http::header::LOCATION;
 use axum::response::{IntoResponse, Response};
@@ -47,7 +47,7 @@ pub struct HypothesesBody {
 impl StoredHypothesisBody {
     fn of(stored: StoredHypothesis) -> Option<Self> {
         let StoredHypothesis { effect, author, reason, added_at, .. } = stored;
-        let mut hypothesis = HypothesisBody::of(&effect.hypothesis()?.written);
+        let mut hypothesis = HypothesisBody::from(&effect.hypothesis()?.written);
         hypothesis.unit = unit::of_machines(&hypothesis.unit);
         Some(Self { hypothesis, author, reason, added_at: time::format(added_at) })
     }
@@ -56,7 +56,7 @@ impl StoredHypothesisBody {
 /// Hypotheses of one's own that compete with the catalogue.
 #[utoipa::path(get, path = "/v1/hypotheses", tag = "diagnoses",
     responses((status = 200, description = "those that compete", body = HypothesesBody)))]
-pub async fn get_hypotheses(State(app): State<App>) -> Json<HypothesesBody> {
+pub async fn get_hypotheses(app: App) -> Json<HypothesesBody> {
     let hypotheses = app.pipeline.diagnoses.hypotheses();
     Json(HypothesesBody { hypotheses: hypotheses.into_iter().filter_map(StoredHypothesisBody::of).collect() })
 }
@@ -71,7 +71,7 @@ pub async fn get_hypotheses(State(app): State<App>) -> Json<HypothesesBody> {
         (status = 200, description = "it did before", body = StoredHypothesisBody),
         (status = 409, description = "another has its name, or there are too many"),
         (status = 422, description = "it makes no sense; the places are named")))]
-pub async fn post_hypothesis(State(app): State<App>, body: Document) -> Answer<Response> {
+pub async fn post_hypothesis(app: App, body: Document) -> Answer<Response> {
     let order = body.read(read)?;
     let (status, id) = outcome(&app.pipeline.diagnoses.order_hypothesis(order).await?);
     let stored = app.pipeline.diagnoses.hypotheses().into_iter().find(|stored| stored.id == id);
@@ -93,7 +93,7 @@ fn read(bytes: &[u8]) -> Result<HypothesisOrder, Faults> {
 /// Takes a hypothesis out of the competition. What a model holds of it stays.
 #[utoipa::path(delete, path = "/v1/hypotheses/{id}", tag = "diagnoses",
     responses((status = 204, description = "it competes no more")))]
-pub async fn delete_hypothesis(State(app): State<App>, Path(id): Path<String>) -> Answer<StatusCode> {
+pub async fn delete_hypothesis(app: App, Path(id): Path<String>) -> Answer<StatusCode> {
     app.pipeline.diagnoses.order_hypothesis(HypothesisOrder::End(id)).await?;
     Ok(StatusCode::NO_CONTENT)
 }

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use axum::Extension;
 use axum::body::{Body, BodyDataStream};
-use axum::extract::{Request, State};
+use axum::extract::Request;
 use axum::http::Version;
 use axum::http::header::{CONTENT_TYPE, EXPECT};
 use axum::response::{IntoResponse, Response};
@@ -74,7 +74,7 @@ struct LineAnswer {
     responses(
         (status = 200, description = "one line an answer, in order", body = LineAnswer, content_type = "application/x-ndjson")))]
 pub async fn post_import(
-    State(app): State<App>,
+    app: App,
     Extension(caller): Extension<Caller>,
     telling: NotifyQuery,
     request: Request,

@@ -1,7 +1,7 @@
 //! `/v1/imus`: the IMUs of the fleet, and the gyros that were calibrated in each.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::Uri;
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
@@ -69,7 +69,7 @@ pub struct ImuDetail {
 #[utoipa::path(get, path = "/v1/imus", tag = "imus", params(ImusQuery),
     responses((status = 200, description = "the IMUs", body = Imus,
         headers(("Link" = Option<String>, description = "the next page")))))]
-pub async fn get_imus(State(app): State<App>, Parameters(asked): Parameters<ImusQuery>, uri: Uri) -> Answer<Response> {
+pub async fn get_imus(app: App, Parameters(asked): Parameters<ImusQuery>, uri: Uri) -> Answer<Response> {
     let limit = query::limit(asked.limit, DEFAULT_IMUS, MOST_IMUS)?;
     let after = query::number_before(List::Imus, asked.cursor.as_deref())?;
     let (found, more) = app.pipeline.queries.fleet.imus(after, limit as u32).await?;
@@ -86,7 +86,7 @@ pub async fn get_imus(State(app): State<App>, Parameters(asked): Parameters<Imus
 /// One IMU: its gyros and how each stands.
 #[utoipa::path(get, path = "/v1/imus/{imu}", tag = "imus",
     responses((status = 200, description = "the IMU", body = ImuDetail)))]
-pub async fn get_imu(State(app): State<App>, Path(imu): Path<String>) -> Answer<Json<ImuDetail>> {
+pub async fn get_imu(app: App, Path(imu): Path<String>) -> Answer<Json<ImuDetail>> {
     let number = app.pipeline.queries.names().imu_number(&imu);
     let number = number.ok_or_else(|| query::unknown_imu(&app, &imu))?;
     let seats = app.pipeline.queries.fleet.seated_in(number).await?;

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
@@ -15,10 +15,11 @@ use super::query::{self, Parameters};
 use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::{AdoptedModel, Adoption};
+use crate::wire::body::{ToBody, bodies};
 use crate::wire::forecast::ForecastSeriesBody;
+use crate::wire::json;
 use crate::wire::model::{AdoptionBody, ModelBody};
 use crate::wire::problem::Problem;
-use crate::wire::{json, time};
 
 /// The model in force, and every one before it.
 #[derive(Serialize, ToSchema)]
@@ -42,21 +43,18 @@ pub struct AdoptedBody {
     campaigns: u64,
 }
 
+bodies! {
+    AdoptedBody of AdoptedModel: id, adopted_at, author, reason, model: |adopted| ModelBody::from(&*adopted.model),
+        campaigns;
+}
+
 /// The error model in force for the IMU, with its history.
 #[utoipa::path(get, path = "/v1/imus/{imu}/model", tag = "imus",
     responses((status = 200, description = "the model and its history", body = ImuModelBody)))]
-pub async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Answer<Json<ImuModelBody>> {
+pub async fn get_model(app: App, Path(imu): Path<String>) -> Answer<Json<ImuModelBody>> {
     let models = app.pipeline.diagnoses.models(&imu).await?;
     let models = models.ok_or_else(|| query::unknown_imu(&app, &imu))?;
-    let adopted = |adopted: AdoptedModel| AdoptedBody {
-        id: adopted.id.to_string(),
-        adopted_at: time::format(adopted.adopted_at),
-        author: adopted.author,
-        reason: adopted.reason,
-        model: ModelBody::from(&*adopted.model),
-        campaigns: adopted.campaigns,
-    };
-    let history: Vec<AdoptedBody> = models.into_iter().map(adopted).collect();
+    let history: Vec<AdoptedBody> = models.to_body();
     let model = history.first().map(|newest| newest.model.clone()).unwrap_or_default();
     Ok(Json(ImuModelBody { imu, model, history }))
 }
@@ -71,15 +69,11 @@ pub async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Answe
         (status = 201, description = "in force from now on", body = AdoptedBody),
         (status = 200, description = "was in force before", body = AdoptedBody),
         (status = 422, description = "JSON that is no model, or one of another IMU or other gyros; the places are named")))]
-pub async fn post_model(
-    State(app): State<App>,
-    Path(imu): Path<String>,
-    body: Document,
-) -> Answer<(StatusCode, Json<AdoptedBody>)> {
+pub async fn post_model(app: App, Path(imu): Path<String>, body: Document) -> Answer<(StatusCode, Json<AdoptedBody>)> {
     let (model, author, reason) = body.read(|bytes| json::parse::<AdoptionBody>(bytes)?.to_core_of(&imu))?;
     let adoption = Adoption { imu: imu.clone(), model: Arc::new(model), author, reason };
     let (status, id) = outcome(&app.pipeline.diagnoses.adopt(adoption).await?);
-    let Json(now) = get_model(State(app), Path(imu)).await?;
+    let Json(now) = get_model(app, Path(imu)).await?;
     let adopted = now.history.into_iter().find(|adopted| adopted.id == id.to_string());
     adopted
         .map(|adopted| (status, Json(adopted)))
@@ -106,7 +100,7 @@ pub struct ForecastQuery {
 #[utoipa::path(get, path = "/v1/imus/{imu}/forecast", tag = "imus", params(ForecastQuery),
     responses((status = 200, description = "the forecasts, oldest first", body = ForecastSeriesBody)))]
 pub async fn get_forecast(
-    State(app): State<App>,
+    app: App,
     Path(imu): Path<String>,
     Parameters(asked): Parameters<ForecastQuery>,
 ) -> Answer<Json<ForecastSeriesBody>> {

@@ -80,12 +80,15 @@ pub fn wants_csv(format: Option<&str>, headers: &HeaderMap) -> Answer<bool> {
     }
 }
 
+/// A whole number that a parameter says, which has to be one of a range.
+pub fn between(parameter: &'static str, value: u64, (least, most): (u64, u64)) -> Answer<u64> {
+    let is_within = (least..=most).contains(&value);
+    is_within.then_some(value).ok_or_else(|| bad(message!("parameter_range", parameter, least, most, value)))
+}
+
 /// `limit`: how many items at most.
 pub fn limit(asked: Option<usize>, default: usize, most: usize) -> Answer<usize> {
-    match asked.unwrap_or(default) {
-        limit if (1..=most).contains(&limit) => Ok(limit),
-        limit => Err(bad(message!("parameter_range", parameter = "limit", least = 1_usize, most, value = limit))),
-    }
+    between("limit", asked.unwrap_or(default) as u64, (1, most as u64)).map(|limit| limit as usize)
 }
 
 /// The time that a parameter says, as `read` takes it.
@@ -147,6 +150,11 @@ pub fn link(uri: &Uri, next: Option<&str>) -> Option<[(HeaderName, String); 1]> 
     let kept = uri.query().unwrap_or_default().split('&').filter(|p| !p.is_empty() && !p.starts_with("cursor="));
     let query: Vec<String> = kept.map(str::to_owned).chain([format!("cursor={next}")]).collect();
     Some([(LINK, format!("<{}?{}>; rel=\"next\"", uri.path(), query.join("&")))])
+}
+
+/// The identifier in a path; `no_such` says that nothing has it.
+pub fn id<'t>(text: &'t str, no_such: fn(&'t str) -> Problem) -> Answer<Id> {
+    text.parse().map_err(|_| no_such(text))
 }
 
 /// The number of a gyro by its serial.

@@ -1,7 +1,6 @@
 //! `GET /v1/records` and `GET /v1/campaigns`: what has been stored, the last to arrive first.
 
 use axum::Json;
-use axum::extract::State;
 use axum::http::Uri;
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
@@ -13,8 +12,8 @@ use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::http::problem::Answer;
 use crate::pipeline::{ListFilter, ListedRecord};
+use crate::wire::body::{ToBody, bodies};
 use crate::wire::cursor::{self, List};
-use crate::wire::time;
 
 const DEFAULT_RECORDS: usize = 100;
 const MOST_RECORDS: usize = 1000;
@@ -69,27 +68,18 @@ struct ListedRecordBody {
     valid: bool,
 }
 
-impl From<ListedRecord> for ListedRecordBody {
-    fn from(listed: ListedRecord) -> Self {
-        let ListedRecord { id, kind, imu, station, calibrated_at, received_at, counts } = listed;
-        let (calibrated_at, received_at) = (time::format(calibrated_at), time::format(received_at));
-        let kind = match kind {
-            Kind::Record => "record",
-            Kind::Campaign => "campaign",
-        };
-        Self { id: id.to_string(), kind, imu, station, calibrated_at, received_at, valid: counts }
-    }
+bodies! {
+    ListedRecordBody of ListedRecord: id, kind: |listed| match listed.kind {
+        Kind::Record => "record",
+        Kind::Campaign => "campaign",
+    }, imu, station, calibrated_at, received_at, valid = counts;
 }
 
 /// Records and campaigns of the fleet, the last to arrive first.
 #[utoipa::path(get, path = "/v1/records", tag = "records", params(RecordsQuery),
     responses((status = 200, description = "the records", body = RecordList,
         headers(("Link" = Option<String>, description = "the next page")))))]
-pub async fn get_records(
-    State(app): State<App>,
-    Parameters(asked): Parameters<RecordsQuery>,
-    uri: Uri,
-) -> Answer<Response> {
+pub async fn get_records(app: App, Parameters(asked): Parameters<RecordsQuery>, uri: Uri) -> Answer<Response> {
     let (records, next) = listed(&app, &asked, None).await?;
     Ok((query::link(&uri, next.as_deref()), Json(RecordList { records, next })).into_response())
 }
@@ -98,11 +88,7 @@ pub async fn get_records(
 #[utoipa::path(get, path = "/v1/campaigns", tag = "campaigns", params(RecordsQuery),
     responses((status = 200, description = "the campaigns", body = CampaignList,
         headers(("Link" = Option<String>, description = "the next page")))))]
-pub async fn get_campaigns(
-    State(app): State<App>,
-    Parameters(asked): Parameters<RecordsQuery>,
-    uri: Uri,
-) -> Answer<Response> {
+pub async fn get_campaigns(app: App, Parameters(asked): Parameters<RecordsQuery>, uri: Uri) -> Answer<Response> {
     let (campaigns, next) = listed(&app, &asked, Some(Kind::Campaign)).await?;
     Ok((query::link(&uri, next.as_deref()), Json(CampaignList { campaigns, next })).into_response())
 }
@@ -119,5 +105,5 @@ async fn listed(
     let filter = ListFilter { kind, imu: asked.imu.as_deref(), station: asked.station.as_deref(), calibrated };
     let (found, more) = app.pipeline.queries.records.listed(&filter, before, limit as u32).await?;
     let next = found.last().filter(|_| more).map(|last| cursor::encode(list, last.id.0));
-    Ok((found.into_iter().map(ListedRecordBody::from).collect(), next))
+    Ok((found.to_body(), next))
 }

@@ -1,7 +1,7 @@
 //! `/v1/records`: calibration records in, and as they are stored.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::response::{IntoResponse, Redirect, Response};
 use serde::Serialize;
 use serde_json::value::RawValue;
@@ -13,6 +13,7 @@ use super::document::Document;
 use super::document_post::{DocumentPost, IdempotencyKey, PostOutcome};
 use super::notify_query::NotifyQuery;
 use super::prefer_header::{MinimalAnswer, Prefer};
+use super::query;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::http::problem::Answer;
@@ -47,7 +48,7 @@ enum RecordAsWanted {
             headers(("Location" = String, description = "where it is"), ("Preference-Applied" = Option<String>, description = "`return=minimal` where it was preferred"))),
         (status = 200, description = "was stored before with the same content", body = RecordAsWanted),
         (status = 409, description = "the same IMU and time with other content")))]
-pub async fn post_record(State(app): State<App>, post: DocumentPost, Document(bytes): Document) -> Answer<Response> {
+pub async fn post_record(app: App, post: DocumentPost, Document(bytes): Document) -> Answer<Response> {
     let read = app.pipeline.reader.record(&bytes);
     let mut calibration = read.map_err(|faults| Document::refused_as(DocumentKind::Record, &bytes, faults))?;
     calibration.idempotency_key = post.key()?;
@@ -95,9 +96,8 @@ struct StoredRecordBody {
     responses(
         (status = 200, description = "the record", body = StoredRecordBody),
         (status = 308, description = "it is a campaign", headers(("Location" = String, description = "where it is")))))]
-pub async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Answer<Response> {
-    let no_such = || Problem::no_such_record(&id);
-    let id: Id = id.parse().map_err(|_| no_such())?;
+pub async fn get_record(app: App, Path(id): Path<String>) -> Answer<Response> {
+    let id = query::id(&id, Problem::no_such_record)?;
     let StoredRecord { item, answer, .. } = stored(&app, id).await?;
     if item.kind == Kind::Campaign {
         return Ok(Redirect::permanent(&format!("/v1/campaigns/{id}")).into_response());
@@ -113,10 +113,10 @@ pub async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Answe
 #[utoipa::path(get, path = "/v1/records/{id}/diagnosis", tag = "records",
     params(("id" = String, Path, description = "identifier of the record, or of a campaign")),
     responses((status = 200, description = "the diagnosis of the closure", body = ClosureBody)))]
-pub async fn get_record_diagnosis(State(app): State<App>, Path(id): Path<String>) -> Answer<Json<ClosureBody>> {
-    let no_such = || Problem::no_such_record(&id);
-    let number: Id = id.parse().map_err(|_| no_such())?;
-    let closures = app.pipeline.queries.records.closures(number).await?.ok_or_else(no_such)?;
+pub async fn get_record_diagnosis(app: App, Path(id): Path<String>) -> Answer<Json<ClosureBody>> {
+    let number = query::id(&id, Problem::no_such_record)?;
+    let closures = app.pipeline.queries.records.closures(number).await?;
+    let closures = closures.ok_or_else(|| Problem::no_such_record(&id))?;
     Ok(Json(ClosureBody::from(&closures)))
 }
 

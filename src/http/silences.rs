@@ -1,7 +1,7 @@
 //! `/v1/silences`: nobody is told of the alerts that match, for a time.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::StatusCode;
 use axum::http::header::LOCATION;
 use axum::response::{IntoResponse, Response};
@@ -11,7 +11,7 @@ use utoipa::{IntoParams, ToSchema};
 use super::alerts::future;
 use super::app::App;
 use super::document::Document;
-use super::query::{Parameters, not_one_of};
+use super::query::{self, Parameters, not_one_of};
 use super::signed::Signed;
 use crate::core::alert_filter::Matchers;
 use crate::core::fault::Faults;
@@ -43,10 +43,7 @@ pub struct Silences {
 #[utoipa::path(get, path = "/v1/silences", tag = "alerts",
     params(SilencesQuery),
     responses((status = 200, description = "the silences", body = Silences)))]
-pub async fn get_silences(
-    State(app): State<App>,
-    Parameters(asked): Parameters<SilencesQuery>,
-) -> Answer<Json<Silences>> {
+pub async fn get_silences(app: App, Parameters(asked): Parameters<SilencesQuery>) -> Answer<Json<Silences>> {
     let all = match asked.state.as_deref() {
         None | Some("active") => false,
         Some("all") => true,
@@ -61,7 +58,7 @@ pub async fn get_silences(
     responses(
         (status = 201, description = "it holds", body = MatchingSilenceBody, headers(("Location" = String, description = "where it is"))),
         (status = 409, description = "there are too many")))]
-pub async fn post_matching_silence(State(app): State<App>, body: Document) -> Answer<Response> {
+pub async fn post_matching_silence(app: App, body: Document) -> Answer<Response> {
     let order = body.read(|bytes| read(bytes, app.clock.now()))?;
     let id = app.pipeline.alerts.order_silence(order).await?;
     let silence = shown(&app, id).await?;
@@ -96,8 +93,8 @@ fn matchers_of(body: MatchersBody, faults: &mut Faults) -> Matchers {
 /// One silence.
 #[utoipa::path(get, path = "/v1/silences/{id}", tag = "alerts",
     responses((status = 200, description = "the silence", body = MatchingSilenceBody)))]
-pub async fn get_silence(State(app): State<App>, Path(id): Path<String>) -> Answer<Json<MatchingSilenceBody>> {
-    Ok(Json(shown(&app, id.parse().map_err(|_| Problem::unknown_silence(&id))?).await?))
+pub async fn get_silence(app: App, Path(id): Path<String>) -> Answer<Json<MatchingSilenceBody>> {
+    Ok(Json(shown(&app, query::id(&id, Problem::unknown_silence)?).await?))
 }
 
 async fn shown(app: &App, id: Id) -> Answer<MatchingSilenceBody> {
@@ -107,13 +104,9 @@ async fn shown(app: &App, id: Id) -> Answer<MatchingSilenceBody> {
 /// Ends a silence: what it has held back is told. One that is over already stays as it is.
 #[utoipa::path(post, operation_id = "end_silence", path = "/v1/silences/{id}/end", tag = "alerts", request_body = Signed,
     responses((status = 200, description = "the silence, ended", body = MatchingSilenceBody)))]
-pub async fn post_end_silence(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    body: Document,
-) -> Answer<Json<MatchingSilenceBody>> {
+pub async fn post_end_silence(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<MatchingSilenceBody>> {
     let Signed { by, reason } = Signed::read(&body)?;
-    let silence: Id = id.parse().map_err(|_| Problem::unknown_silence(&id))?;
+    let silence = query::id(&id, Problem::unknown_silence)?;
     app.pipeline.alerts.order_silence(SilenceOrder::End { silence, by, reason }).await?;
     Ok(Json(shown(&app, silence).await?))
 }

@@ -1,7 +1,7 @@
 //! `/v1/stations`: what each station does to every gyro that it measures.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -19,7 +19,7 @@ use crate::wire::{json, text};
 /// the stations spread (gauge repeatability and reproducibility), each with its uncertainty.
 #[utoipa::path(get, path = "/v1/stations", tag = "stations",
     responses((status = 200, description = "the stations, by name", body = StationsBody)))]
-pub async fn get_stations(State(app): State<App>) -> Answer<Json<StationsBody>> {
+pub async fn get_stations(app: App) -> Answer<Json<StationsBody>> {
     let fleet = &app.pipeline.queries.fleet;
     let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);
     Ok(Json(StationsBody::of(found.as_deref(), &overdue)))
@@ -28,7 +28,7 @@ pub async fn get_stations(State(app): State<App>) -> Answer<Json<StationsBody>> 
 /// One station.
 #[utoipa::path(get, path = "/v1/stations/{name}", tag = "stations",
     responses((status = 200, description = "the station", body = StationBody)))]
-pub async fn get_station(State(app): State<App>, Path(name): Path<String>) -> Answer<Json<StationBody>> {
+pub async fn get_station(app: App, Path(name): Path<String>) -> Answer<Json<StationBody>> {
     let fleet = &app.pipeline.queries.fleet;
     let windows = app.pipeline.queries.suspect_windows(&name).await?.ok_or_else(|| Problem::no_such_station(&name))?;
     let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);
@@ -75,22 +75,14 @@ struct RefusedBody {
 /// what depends on them is judged again. Nothing is deleted. Windows that are suspect are members of the station.
 #[utoipa::path(post, path = "/v1/stations/{name}/suspect", tag = "stations", request_body = WindowOrder,
     responses((status = 200, description = "the records that were set aside", body = WindowBody)))]
-pub async fn suspect_window(
-    State(app): State<App>,
-    Path(name): Path<String>,
-    body: Document,
-) -> Answer<Json<WindowBody>> {
+pub async fn suspect_window(app: App, Path(name): Path<String>, body: Document) -> Answer<Json<WindowBody>> {
     marked(&app, name, &body, false).await
 }
 
 /// What was marked as suspect in a window of time counts again.
 #[utoipa::path(post, path = "/v1/stations/{name}/trust", tag = "stations", request_body = WindowOrder,
     responses((status = 200, description = "the records that count again", body = WindowBody)))]
-pub async fn trust_window(
-    State(app): State<App>,
-    Path(name): Path<String>,
-    body: Document,
-) -> Answer<Json<WindowBody>> {
+pub async fn trust_window(app: App, Path(name): Path<String>, body: Document) -> Answer<Json<WindowBody>> {
     marked(&app, name, &body, true).await
 }
 

@@ -1,7 +1,7 @@
 //! `/v1/tokens`: who may use the service.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::StatusCode;
 use axum::http::header::LOCATION;
 use axum::response::{IntoResponse, Response};
@@ -10,14 +10,15 @@ use utoipa::ToSchema;
 
 use super::app::App;
 use super::document::Document;
+use super::query;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
-use crate::core::id::Id;
 use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::{AccessOrder, NewToken, Token};
+use crate::wire::body::{ToBody, bodies};
 use crate::wire::problem::Problem;
-use crate::wire::{json, text, time};
+use crate::wire::{json, text};
 
 /// A token. Its secret is in the answer to its making, and nowhere else.
 #[derive(Serialize, ToSchema)]
@@ -39,19 +40,8 @@ struct TokenBody {
     token: Option<String>,
 }
 
-impl From<&Token> for TokenBody {
-    fn from(row: &Token) -> Self {
-        Self {
-            id: row.id.to_string(),
-            name: row.name.clone(),
-            role: row.role.name(),
-            station: row.station.clone(),
-            created_at: time::format(row.created_at),
-            expires_at: row.expires_at.map(time::format),
-            revoked_at: row.revoked_at.map(time::format),
-            token: None,
-        }
-    }
+bodies! {
+    TokenBody of Token: id, name, role, station, created_at, expires_at, revoked_at, token: |_| None;
 }
 
 #[derive(Serialize, ToSchema)]
@@ -63,9 +53,9 @@ pub struct Tokens {
 /// Every token, without its secret.
 #[utoipa::path(get, path = "/v1/tokens", tag = "access",
     responses((status = 200, description = "the tokens", body = Tokens)))]
-pub async fn get_tokens(State(app): State<App>) -> Answer<Json<Tokens>> {
+pub async fn get_tokens(app: App) -> Answer<Json<Tokens>> {
     let rows = app.pipeline.access.tokens().await?;
-    Ok(Json(Tokens { tokens: rows.iter().map(TokenBody::from).collect() }))
+    Ok(Json(Tokens { tokens: rows.to_body() }))
 }
 
 /// For whom, and what they may do.
@@ -78,10 +68,8 @@ struct NewTokenBody {
     /// `viewer`, `station`, `engineer` or `admin`.
     role: String,
     /// The only station that it may send for.
-    #[serde(default)]
     station: Option<String>,
     /// RFC 3339; never, where it is left out.
-    #[serde(default)]
     expires_at: Option<String>,
 }
 
@@ -90,7 +78,7 @@ struct NewTokenBody {
     responses(
         (status = 201, description = "made; its secret is shown this once", body = TokenBody, headers(("Location" = String, description = "where it is"))),
         (status = 422, description = "an unknown role, an expiry in the past …; the places are named")))]
-pub async fn post_token(State(app): State<App>, body: Document) -> Answer<Response> {
+pub async fn post_token(app: App, body: Document) -> Answer<Response> {
     let new = body.read(|bytes| read(&app, bytes))?;
     let lost = || Problem::new(500, "title_internal_error", message!("token_lost"));
     let secret = app.pipeline.access.order(AccessOrder::Create(new)).await?.ok_or_else(lost)?;
@@ -103,9 +91,8 @@ pub async fn post_token(State(app): State<App>, body: Document) -> Answer<Respon
 /// Revokes a token, at once and for good, and signs out who has signed in with it.
 #[utoipa::path(delete, path = "/v1/tokens/{id}", tag = "access",
     responses((status = 204, description = "revoked, now or before")))]
-pub async fn delete_token(State(app): State<App>, Path(id): Path<String>) -> Answer<StatusCode> {
-    let id: Id =
-        id.parse().map_err(|_| Problem::new(404, "title_no_such_token", message!("no_such_token", id = id.clone())))?;
+pub async fn delete_token(app: App, Path(id): Path<String>) -> Answer<StatusCode> {
+    let id = query::id(&id, Problem::no_such_token)?;
     app.pipeline.access.order(AccessOrder::Revoke(id)).await?;
     Ok(StatusCode::NO_CONTENT)
 }

@@ -8,12 +8,12 @@ mod periods;
 mod point;
 mod request;
 
-use axum::extract::{Path, State};
+use axum::extract::Path;
 use axum::http::{HeaderMap, Uri};
 use axum::response::Response;
 use utoipa::ToSchema;
 
-use self::answer::{answer, etag, is_known, not_modified};
+use self::answer::{answer, etag};
 use self::body::{ColumnTrend, Point, Trend};
 use self::periods::PeriodTrend;
 use self::point::{Seen, bench_point, seen_bench, separated_point};
@@ -44,7 +44,7 @@ enum TrendAnswer<'a> {
             headers(("ETag" = String, description = "changes when the points do"), ("Link" = String, description = "the next page"))),
         (status = 304, description = "as it was")))]
 pub async fn get_trend(
-    State(app): State<App>,
+    app: App,
     Path(serial): Path<String>,
     Parameters(asked): Parameters<TrendQuery>,
     uri: Uri,
@@ -55,7 +55,7 @@ pub async fn get_trend(
     let mut events = app.pipeline.queries.histories.events(gyro).await?;
     // What took time is seen wherever it reaches into the stretch.
     events.retain(|event| event.at <= request.span.to && event.until.unwrap_or(event.at) >= request.span.from);
-    let done: Vec<EventBody> = events.iter().map(EventBody::of).collect();
+    let done: Vec<EventBody> = events.iter().map(EventBody::from).collect();
     let seen = |rows: &mut dyn Iterator<Item = Seen>| {
         rows.chain(events.iter().map(|event| (event.id.0, None))).collect::<Vec<_>>()
     };
@@ -64,39 +64,34 @@ pub async fn get_trend(
         let events: Vec<i64> = events.iter().map(|event| event.id.0).collect();
         let holds = (summaries.iter().map(periods::shown).collect::<Vec<_>>(), events);
         let tag = etag(&request, &holds, &next);
-        if is_known(&headers, &tag) {
-            return Ok(not_modified(&tag));
-        }
-        return Ok(answer(request.written_by_period(&serial, period, &summaries, &done, next)?, &tag, &uri));
+        let written = || request.written_by_period(&serial, period, &summaries, &done, next);
+        return answer((&uri, &headers), tag, written);
     }
     let levels = request.levels(&app, gyro, &serial).await?;
-    let tag;
-    let body = match request.method {
+    match request.method {
         PointMethod::Separated(method) => {
             let (rows, next) = request.history(&app, gyro).await?;
             let (column, figures) = (request.column(), rows.iter().map(|row| &row.figures));
             let statuses = app.pipeline.queries.histories.statuses(gyro, figures, &[column]).await?;
             let holds = seen(&mut rows.iter().map(|row| row.seen(&statuses, column, method)));
-            tag = etag(&request, &(holds, &levels), &next);
-            if is_known(&headers, &tag) {
-                return Ok(not_modified(&tag));
-            }
-            let names = app.pipeline.queries.names();
-            let points = rows.iter().map(|row| separated_point(row, (column, &statuses), method, &names));
-            written(&request, &serial, points.map(|point| point.held_against(levels.as_ref())).collect(), &done, next)?
+            answer((&uri, &headers), etag(&request, &(holds, &levels), &next), || {
+                let names = app.pipeline.queries.names();
+                let points = rows.iter().map(|row| separated_point(row, (column, &statuses), method, &names));
+                let points = points.map(|point| point.held_against(levels.as_ref())).collect();
+                written(&request, &serial, points, &done, next)
+            })
         }
         PointMethod::Bench(method) => {
             let (rows, next) = request.benches(&app, gyro, method).await?;
-            tag = etag(&request, &(seen(&mut rows.iter().map(seen_bench)), &levels), &next);
-            if is_known(&headers, &tag) {
-                return Ok(not_modified(&tag));
-            }
-            let flag = |row: &BenchItem| request.voided.then_some(row.voided);
-            let points = rows.iter().filter_map(|row| bench_point(row, flag(row), request.coefficient));
-            written(&request, &serial, points.map(|point| point.held_against(levels.as_ref())).collect(), &done, next)?
+            let holds = (seen(&mut rows.iter().map(seen_bench)), &levels);
+            answer((&uri, &headers), etag(&request, &holds, &next), || {
+                let flag = |row: &BenchItem| request.voided.then_some(row.voided);
+                let points = rows.iter().filter_map(|row| bench_point(row, flag(row), request.coefficient));
+                let points = points.map(|point| point.held_against(levels.as_ref())).collect();
+                written(&request, &serial, points, &done, next)
+            })
         }
-    };
-    Ok(answer(body, &tag, &uri))
+    }
 }
 
 fn written(

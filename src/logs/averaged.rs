@@ -42,48 +42,6 @@ struct Row {
     temperature_c: Option<f64>,
 }
 
-/// Which readings of a row are what.
-#[derive(Default)]
-struct Places {
-    readings: Vec<Reading>,
-}
-
-impl Places {
-    /// The places of some columns among all; none where the map has no such key.
-    fn add(
-        &mut self,
-        key: &'static str,
-        columns: Option<&Columns>,
-        (of, allowed): (Quantity, &[usize]),
-        sources: &[(String, Source)],
-    ) -> Result<Range<usize>, LogError> {
-        let Some(columns) = columns else { return Ok(self.take(Vec::new())) };
-        let found = columns.find(key, of, sources)?.readings;
-        counted(key, found.len(), allowed)?;
-        Ok(self.take(found))
-    }
-
-    /// The same of numbers that have no unit.
-    fn add_plain(
-        &mut self,
-        key: &'static str,
-        columns: Option<&Columns>,
-        allowed: &[usize],
-        sources: &[(String, Source)],
-    ) -> Result<Range<usize>, LogError> {
-        let Some(columns) = columns else { return Ok(self.take(Vec::new())) };
-        let found = columns.plain(key, sources)?;
-        counted(key, found.len(), allowed)?;
-        Ok(self.take(found))
-    }
-
-    fn take(&mut self, found: Vec<Reading>) -> Range<usize> {
-        let from = self.readings.len();
-        self.readings.extend(found);
-        from..self.readings.len()
-    }
-}
-
 /// The dwells of a table of averages.
 ///
 /// # Errors
@@ -188,56 +146,73 @@ fn commanded(
     }
 }
 
-fn rows(
-    map: &Map,
-    sources: &mut [(String, Source)],
-    counts: Counts,
-    unit: &str,
-) -> Result<(Vec<Row>, Vec<Message>), LogError> {
-    let mut places = Places::default();
-    let sem = map.standard_error.as_ref().map(|columns| columns.or_unit(unit));
-    let gyros = map.output.columns.len();
-    let angles = map.table.as_ref().map(TableColumns::as_columns);
-    let output = places.add("output", Some(&map.output), (Quantity::Output, &[1, 2, 3]), sources)?;
-    let sem = places.add("standard_error", sem.as_ref(), (Quantity::Output, &[gyros]), sources)?;
-    let force = places.add("force", map.force.as_ref(), (Quantity::Force, &[3]), sources)?;
-    let rate = places.add("rate", map.rate.as_ref(), (Quantity::Rate, &[1, 3]), sources)?;
-    let angles = places.add("table", angles.as_ref(), (Quantity::Angle, &[2]), sources)?;
-    let time = places.add("time", map.time.as_ref(), (Quantity::Time, &[1]), sources)?;
-    let duration = places.add("duration", map.duration.as_ref(), (Quantity::Time, &[1]), sources)?;
-    let temperature = places.add("temperature", map.temperature.as_ref(), (Quantity::Temperature, &[1]), sources)?;
-    let attitude = places.add_plain("attitude", map.attitude.as_ref(), &[4], sources)?;
-    let samples = places.add_plain("samples", map.samples.as_ref(), &[1], sources)?;
-    let table = table(map)?;
-    let readings = places.readings;
-    let wanted: Vec<usize> = readings.iter().map(|r| r.column).collect();
-    let hz = map.rate_hz.filter(|hz| *hz > 0.0);
-    let (mut found, mut incomplete, mut bad) = (Vec::new(), 0_usize, LeftOut::default());
-    let mut each = |row: &[f64]| {
-        // A temperature may be missing in some dwells.
-        let may_be_empty = |k: usize| temperature.contains(&k);
-        if row.iter().enumerate().any(|(k, v)| v.is_nan() && !may_be_empty(k)) {
-            incomplete += 1;
-            return Ok(());
-        }
-        if found.len() == MOST_ROWS {
-            return Err(message!("averaged_many", most = MOST_ROWS));
-        }
-        let value = |k: usize| readings[k].factor * row[k] + readings[k].offset;
+/// Which readings of a row are what.
+struct Places {
+    readings: Vec<Reading>,
+    output: Range<usize>,
+    sem: Range<usize>,
+    force: Range<usize>,
+    rate: Range<usize>,
+    angles: Range<usize>,
+    time: Range<usize>,
+    duration: Range<usize>,
+    temperature: Range<usize>,
+    attitude: Range<usize>,
+    samples: Range<usize>,
+}
+
+impl Places {
+    /// `unit`: of the output.
+    fn of(map: &Map, sources: &[(String, Source)], unit: &str) -> Result<Self, LogError> {
+        let mut readings: Vec<Reading> = Vec::new();
+        // The places of some columns among all; none where the map has no such key. What is of no quantity has no unit.
+        let mut places = |key, columns: Option<&Columns>, of: Option<Quantity>, allowed: &[usize]| {
+            let from = readings.len();
+            if let Some(columns) = columns {
+                let found = match of {
+                    Some(of) => columns.find(key, of, sources)?.readings,
+                    None => columns.plain(key, sources)?,
+                };
+                counted(key, found.len(), allowed)?;
+                readings.extend(found);
+            }
+            Ok::<_, LogError>(from..readings.len())
+        };
+        let gyros = map.output.columns.len();
+        let sem = map.standard_error.as_ref().map(|columns| columns.or_unit(unit));
+        let angles = map.table.as_ref().map(TableColumns::as_columns);
+        Ok(Self {
+            output: places("output", Some(&map.output), Some(Quantity::Output), &[1, 2, 3])?,
+            sem: places("standard_error", sem.as_ref(), Some(Quantity::Output), &[gyros])?,
+            force: places("force", map.force.as_ref(), Some(Quantity::Force), &[3])?,
+            rate: places("rate", map.rate.as_ref(), Some(Quantity::Rate), &[1, 3])?,
+            angles: places("table", angles.as_ref(), Some(Quantity::Angle), &[2])?,
+            time: places("time", map.time.as_ref(), Some(Quantity::Time), &[1])?,
+            duration: places("duration", map.duration.as_ref(), Some(Quantity::Time), &[1])?,
+            temperature: places("temperature", map.temperature.as_ref(), Some(Quantity::Temperature), &[1])?,
+            attitude: places("attitude", map.attitude.as_ref(), None, &[4])?,
+            samples: places("samples", map.samples.as_ref(), None, &[1])?,
+            readings,
+        })
+    }
+
+    /// What the numbers of a row say; `hz`: of its samples, where it states how many they are.
+    fn row(&self, row: &[f64], hz: Option<f64>, counts: Counts, table: Option<Table>) -> Result<Row, Message> {
+        let value = |k: usize| self.readings[k].factor * row[k] + self.readings[k].offset;
         let of = |places: &Range<usize>| -> Vec<f64> { places.clone().map(value).collect() };
         let one = |places: &Range<usize>| places.clone().next().map(value);
-        let counted = one(&samples).and_then(|samples| Some(samples.max(1.0) / hz?));
-        let duration_s = one(&duration).or(counted);
+        let counted = one(&self.samples).and_then(|samples| Some(samples.max(1.0) / hz?));
+        let duration_s = one(&self.duration).or(counted);
         if let Some(duration_s) = duration_s.filter(|d| *d <= 0.0) {
             return Err(message!("averaged_duration", seconds = figure(duration_s, 3)));
         }
         // Pulses of a whole dwell are a rate by its length.
         let per = if counts == Counts::Increment { duration_s.unwrap_or(1.0) } else { 1.0 };
-        let sem: Vec<f64> = of(&sem).iter().map(|v| v / per).collect();
+        let sem: Vec<f64> = of(&self.sem).iter().map(|v| v / per).collect();
         if let Some(wrong) = sem.iter().find(|v| **v <= 0.0) {
             return Err(message!("averaged_error", value = figure(*wrong, 4)));
         }
-        let attitude = match of(&attitude)[..] {
+        let attitude = match of(&self.attitude)[..] {
             [w, x, y, z] => {
                 let length = (w * w + x * x + y * y + z * z).sqrt();
                 if (length - 1.0).abs() > LENGTH {
@@ -247,17 +222,42 @@ fn rows(
             }
             _ => None,
         };
-        let of_table = |table: Table| table.attitude(value(angles.start), value(angles.start + 1));
-        found.push(Row {
-            start_s: one(&time),
+        let of_table = |table: Table| table.attitude(value(self.angles.start), value(self.angles.start + 1));
+        Ok(Row {
+            start_s: one(&self.time),
             duration_s,
-            output: of(&output).iter().map(|v| v / per).collect(),
+            output: of(&self.output).iter().map(|v| v / per).collect(),
             sem,
-            force: (!force.is_empty()).then(|| Vector3::from_vec(of(&force))),
-            rate: of(&rate),
+            force: (!self.force.is_empty()).then(|| Vector3::from_vec(of(&self.force))),
+            rate: of(&self.rate),
             attitude: attitude.or(table.map(of_table)),
-            temperature_c: one(&temperature).filter(|t| t.is_finite()),
-        });
+            temperature_c: one(&self.temperature).filter(|t| t.is_finite()),
+        })
+    }
+}
+
+fn rows(
+    map: &Map,
+    sources: &mut [(String, Source)],
+    counts: Counts,
+    unit: &str,
+) -> Result<(Vec<Row>, Vec<Message>), LogError> {
+    let places = Places::of(map, sources, unit)?;
+    let table = table(map)?;
+    let wanted: Vec<usize> = places.readings.iter().map(|r| r.column).collect();
+    let hz = map.rate_hz.filter(|hz| *hz > 0.0);
+    let (mut found, mut incomplete, mut bad) = (Vec::new(), 0_usize, LeftOut::default());
+    let mut each = |row: &[f64]| {
+        // A temperature may be missing in some dwells.
+        let may_be_empty = |k: usize| places.temperature.contains(&k);
+        if row.iter().enumerate().any(|(k, v)| v.is_nan() && !may_be_empty(k)) {
+            incomplete += 1;
+            return Ok(());
+        }
+        if found.len() == MOST_ROWS {
+            return Err(message!("averaged_many", most = MOST_ROWS));
+        }
+        found.push(places.row(row, hz, counts, table)?);
         Ok(())
     };
     for k in 0..sources.len() {

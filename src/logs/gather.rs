@@ -189,17 +189,18 @@ fn channels(map: &Map, sources: &[(String, Source)]) -> Result<(Vec<Channel>, Un
         let own = found.readings.iter().enumerate();
         channels.extend(own.map(|(k, reading)| Channel { role: role(k), reading: *reading }));
     };
-    let output = map.output.find("output", Quantity::Output, sources)?;
+    let found = |key, columns: &Columns, of: Quantity, allowed: &[usize]| {
+        let found = columns.find(key, of, sources)?;
+        counted(key, found.readings.len(), allowed).map(|()| found)
+    };
+    let output = found("output", &map.output, Quantity::Output, &[1, 2, 3])?;
     add("output", &output, Role::Output);
-    counted("output", output.readings.len(), &[1, 2, 3])?;
     if !map.gyros.is_empty() && map.gyros.len() != output.readings.len() {
         let fault = message!("map_gyros", gyros = map.gyros.len(), outputs = output.readings.len());
         return Err(LogError::new("map", fault));
     }
     if let Some(force) = &map.force {
-        let found = force.find("force", Quantity::Force, sources)?;
-        counted("force", found.readings.len(), &[3])?;
-        add("force", &found, Role::Force);
+        add("force", &found("force", force, Quantity::Force, &[3])?, Role::Force);
     }
     let of_averages = [("duration", map.duration.is_some()), ("standard_error", map.standard_error.is_some())];
     let inertial = ("rate.inertial", map.rate.as_ref().is_some_and(|rate| rate.inertial.is_some()));
@@ -207,17 +208,13 @@ fn channels(map: &Map, sources: &[(String, Source)]) -> Result<(Vec<Channel>, Un
         return Err(LogError::new("map", message!("map_of_averages", key)));
     }
     if let Some(rate) = &map.rate {
-        let found = rate.find("rate", Quantity::Rate, sources)?;
-        counted("rate", found.readings.len(), &[1, 3])?;
-        add("rate", &found, Role::Rate);
+        add("rate", &found("rate", rate, Quantity::Rate, &[1, 3])?, Role::Rate);
     }
     if let Some(table) = &map.table {
         add("table", &table.as_columns().find("table", Quantity::Angle, sources)?, Role::Turn);
     }
     if let Some(temperature) = &map.temperature {
-        let found = temperature.find("temperature", Quantity::Temperature, sources)?;
-        counted("temperature", found.readings.len(), &[1])?;
-        add("temperature", &found, |_| Role::Temperature);
+        add("temperature", &found("temperature", temperature, Quantity::Temperature, &[1])?, |_| Role::Temperature);
     }
     if let Some(attitude) = &map.attitude {
         let found = attitude.plain("attitude", sources)?;

@@ -265,7 +265,7 @@ impl Looked {
         if let Some((unit, _)) = absolute.iter().find(|(_, factor)| (8e8..4e9).contains(&(first / factor))) {
             return taken(unit, None);
         }
-        if let Some(unit) = self.columns[place].unit.as_deref().filter(|unit| Quantity::Time.unit(unit).is_some()) {
+        if let Some(unit) = self.stated(place, Quantity::Time) {
             return taken(unit, None);
         }
         // `time_ms`, `t_s`.
@@ -300,18 +300,23 @@ impl Looked {
         }
     }
 
+    /// The unit that the heading states, where it is one of this quantity.
+    fn stated(&self, place: usize, of: Quantity) -> Option<&str> {
+        self.columns[place].unit.as_deref().filter(|unit| of.unit(unit).is_some())
+    }
+
     fn is_called_time(&self, place: usize) -> bool {
         const WORDS: [&str; 9] = ["time", "zeit", "stamp", "epoch", "date", "datum", "时间", "时刻", "日期"];
-        let Column { name: letter, unit } = &self.columns[place];
+        let letter = &self.columns[place].name;
         let name = letter.to_lowercase();
-        let of_unit = unit.as_deref().is_some_and(|unit| Quantity::Time.unit(unit).is_some());
+        let of_unit = self.stated(place, Quantity::Time).is_some();
         let is_letter = *letter == "t" || ["t_s", "t_ms", "t_us", "t_ns", "sec", "tow"].contains(&name.as_str());
         (WORDS.iter().any(|word| name.contains(word)) || is_letter || of_unit) && !self.is_temperature(place)
     }
 
     fn is_temperature(&self, place: usize) -> bool {
-        let Column { name, unit } = &self.columns[place];
-        let of = |quantity: Quantity| unit.as_deref().is_some_and(|unit| quantity.unit(unit).is_some());
+        let name = &self.columns[place].name;
+        let of = |quantity: Quantity| self.stated(place, quantity).is_some();
         let lower = name.to_lowercase();
         let named = lower.contains("temp") || name.contains("温度") || lower == "t_c" || lower == "tmp";
         // `T` beside a time.
@@ -360,15 +365,16 @@ impl Looked {
     /// The rate of the table: what is named as a rate and is not the gyros'.
     fn rate(&self, taken: &[usize]) -> Option<Line> {
         const STEMS: [&str; 6] = ["rate", "omega", "dreh", "turn", "转速", "角速度"];
-        let is_rate = |c: &Column| c.unit.as_deref().is_some_and(|u| Quantity::Rate.unit(u).is_some());
-        let named = |c: &Column| STEMS.iter().any(|stem| c.name.to_lowercase().contains(stem)) || is_rate(c);
+        let stem_in = |name: &str| STEMS.iter().any(|stem| name.contains(stem));
+        let named =
+            |k: usize| stem_in(&self.columns[k].name.to_lowercase()) || self.stated(k, Quantity::Rate).is_some();
         let three = self.triple(&STEMS, &["w"]).filter(|places| !places.iter().any(|p| taken.contains(p)));
         let one = || {
-            let mut free = (0..self.columns.len()).filter(|k| !taken.contains(k) && named(&self.columns[*k]));
+            let mut free = (0..self.columns.len()).filter(|k| !taken.contains(k) && named(*k));
             free.find(|&k| self.is_command(k)).map(|k| vec![k])
         };
         let places = three.or_else(one)?;
-        let stated = self.columns[places[0]].unit.clone().filter(|u| Quantity::Rate.unit(u).is_some());
+        let stated = self.stated(places[0], Quantity::Rate).map(str::to_owned);
         let unit = stated.unwrap_or_else(|| UNKNOWN.to_owned());
         let text = format!("rate = {{ columns = [{}], unit = \"{unit}\" }}", self.list(&places));
         Some(Line { text, reason: message!("guess_rate") })
@@ -436,7 +442,7 @@ impl Looked {
     }
 
     fn output(&self, places: &[usize]) -> Line {
-        let stated = self.columns[places[0]].unit.clone().filter(|u| Quantity::Output.unit(u).is_some());
+        let stated = self.stated(places[0], Quantity::Output).map(str::to_owned);
         let (unit, reason) = match stated {
             Some(unit) => (unit.clone(), message!("guess_header", unit)),
             None => (UNKNOWN.to_owned(), message!("guess_output_unit")),
@@ -445,7 +451,7 @@ impl Looked {
     }
 
     fn force(&self, places: &[usize]) -> Line {
-        let stated = self.columns[places[0]].unit.clone().filter(|u| Quantity::Force.unit(u).is_some());
+        let stated = self.stated(places[0], Quantity::Force).map(str::to_owned);
         let (unit, reason) = match (stated, self.gravity(places)) {
             (Some(unit), _) => (unit.clone(), message!("guess_header", unit)),
             (None, Some((unit, length))) => {
@@ -458,7 +464,7 @@ impl Looked {
 
     fn temperature(&self) -> Option<Line> {
         let place = (0..self.columns.len()).find(|&k| self.is_temperature(k))?;
-        let unit = self.columns[place].unit.clone().filter(|u| Quantity::Temperature.unit(u).is_some());
+        let unit = self.stated(place, Quantity::Temperature).map(str::to_owned);
         let (unit, reason) = match unit {
             Some(unit) => (unit.clone(), message!("guess_header", unit)),
             None => ("C".to_owned(), message!("guess_celsius")),

@@ -28,6 +28,7 @@ const COMPLEX: u8 = 0x08;
 const DEEPEST: usize = 8;
 const MOST_BYTES: u64 = 4 << 30;
 
+#[derive(Clone, Copy)]
 struct Bytes<'a> {
     rest: &'a [u8],
     big_endian: bool,
@@ -35,7 +36,7 @@ struct Bytes<'a> {
 
 struct Element<'a> {
     kind: u32,
-    data: &'a [u8],
+    data: Bytes<'a>,
 }
 
 /// Every numeric array of a file.
@@ -50,16 +51,16 @@ pub fn arrays(file: &[u8]) -> Result<Vec<Array>, Message> {
     };
     let mut found = Vec::new();
     let mut bytes = Bytes { rest: &file[HEADER..], big_endian };
-    while let Some(element) = bytes.element()? {
-        match element.kind {
-            MATRIX => matrix(element.data, big_endian, "", 0, &mut found)?,
+    while let Some(Element { kind, data }) = bytes.element()? {
+        match kind {
+            MATRIX => matrix(data, "", 0, &mut found)?,
             DEFLATED => {
                 let mut plain = Vec::new();
-                let mut inflated = flate2::read::ZlibDecoder::new(element.data).take(MOST_BYTES);
+                let mut inflated = flate2::read::ZlibDecoder::new(data.rest).take(MOST_BYTES);
                 inflated.read_to_end(&mut plain).map_err(|_| message!("mat_broken"))?;
                 let mut bytes = Bytes { rest: &plain, big_endian };
                 if let Some(Element { kind: MATRIX, data }) = bytes.element()? {
-                    matrix(data, big_endian, "", 0, &mut found)?;
+                    matrix(data, "", 0, &mut found)?;
                 }
             }
             _ => {}
@@ -68,26 +69,23 @@ pub fn arrays(file: &[u8]) -> Result<Vec<Array>, Message> {
     Ok(found)
 }
 
-fn matrix(data: &[u8], big_endian: bool, prefix: &str, depth: usize, found: &mut Vec<Array>) -> Result<(), Message> {
-    let mut bytes = Bytes { rest: data, big_endian };
+fn matrix(mut bytes: Bytes, prefix: &str, depth: usize, found: &mut Vec<Array>) -> Result<(), Message> {
     let Some(flags) = bytes.element()? else { return Ok(()) };
-    let flags = flags.unsigned(big_endian);
-    let flags = flags.first().copied().ok_or_else(|| message!("mat_broken"))?;
+    let flags = flags.data.u32(0).ok_or_else(|| message!("mat_broken"))?;
     let (class, complex) = ((flags & 0xff) as u8, (flags >> 8) as u8 & COMPLEX != 0);
-    let dimensions = bytes.must()?.unsigned(big_endian);
-    let own = String::from_utf8_lossy(bytes.must()?.data).trim_matches('\0').to_owned();
+    let dimensions = bytes.must()?.unsigned();
+    let own = String::from_utf8_lossy(bytes.must()?.data.rest).trim_matches('\0').to_owned();
     let name = if prefix.is_empty() { own } else { prefix.to_owned() };
     if class == STRUCTURE && depth < DEEPEST && dimensions.iter().product::<u32>() == 1 {
-        let length = bytes.must()?.unsigned(big_endian).first().copied().unwrap_or(32).max(1) as usize;
-        let names = bytes.must()?.data;
+        let length = bytes.must()?.data.u32(0).unwrap_or(32).max(1) as usize;
+        let names = bytes.must()?.data.rest;
         for field in names.chunks(length) {
             let field = String::from_utf8_lossy(field);
             let field = field.split('\0').next().unwrap_or_default();
-            let element = bytes.must()?;
-            matrix(element.data, big_endian, &format!("{name}.{field}"), depth + 1, found)?;
+            matrix(bytes.must()?.data, &format!("{name}.{field}"), depth + 1, found)?;
         }
     } else if NUMBERS.contains(&class) && !complex && dimensions.len() == 2 {
-        let values = bytes.must()?.numbers(big_endian)?;
+        let values = bytes.must()?.numbers()?;
         let (rows, columns) = (dimensions[0] as usize, dimensions[1] as usize);
         if rows.checked_mul(columns) != Some(values.len()) {
             return Err(message!("mat_broken"));
@@ -113,19 +111,20 @@ impl<'a> Bytes<'a> {
             return Ok(None);
         }
         let broken = || message!("mat_broken");
+        let of = |kind: u32, rest: &'a [u8]| Element { kind, data: Bytes { rest, ..*self } };
         let tag = self.u32(0).ok_or_else(broken)?;
         if tag >> 16 != 0 {
             let (kind, length) = (tag & 0xffff, (tag >> 16) as usize);
-            let data = self.rest.get(4..4 + length.min(4)).ok_or_else(broken)?;
+            let element = of(kind, self.rest.get(4..4 + length.min(4)).ok_or_else(broken)?);
             self.rest = &self.rest[8..];
-            return Ok(Some(Element { kind, data }));
+            return Ok(Some(element));
         }
         let length = self.u32(4).ok_or_else(broken)? as usize;
-        let data = self.rest.get(8..8 + length).ok_or_else(broken)?;
+        let element = of(tag, self.rest.get(8..8 + length).ok_or_else(broken)?);
         // What is deflated is not padded.
         let padded = if tag == DEFLATED { length } else { length.next_multiple_of(8) };
         self.rest = self.rest.get(8 + padded..).unwrap_or_default();
-        Ok(Some(Element { kind: tag, data }))
+        Ok(Some(element))
     }
 
     fn must(&mut self) -> Result<Element<'a>, Message> {
@@ -134,20 +133,16 @@ impl<'a> Bytes<'a> {
 }
 
 impl Element<'_> {
-    fn unsigned(&self, big_endian: bool) -> Vec<u32> {
-        let of = |four: &[u8]| {
-            let four = [four[0], four[1], four[2], four[3]];
-            if big_endian { u32::from_be_bytes(four) } else { u32::from_le_bytes(four) }
-        };
-        self.data.chunks_exact(4).map(of).collect()
+    fn unsigned(&self) -> Vec<u32> {
+        (0..self.data.rest.len() / 4).filter_map(|k| self.data.u32(4 * k)).collect()
     }
 
     /// Numbers are stored in the smallest type that holds them, whatever their class.
-    fn numbers(&self, big_endian: bool) -> Result<Vec<f64>, Message> {
+    fn numbers(&self) -> Result<Vec<f64>, Message> {
+        let Bytes { rest, big_endian } = self.data;
         macro_rules! of {
             ($kind:ty) => {
-                self.data
-                    .chunks_exact(size_of::<$kind>())
+                rest.chunks_exact(size_of::<$kind>())
                     .map(|bytes| {
                         let mut own = [0; size_of::<$kind>()];
                         own.copy_from_slice(bytes);

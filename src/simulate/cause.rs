@@ -187,20 +187,52 @@ pub struct Particulars {
 }
 
 impl Mechanism {
+    /// The effect of a catalogue id that has no particulars.
+    fn without_particulars(id: &str) -> Option<Self> {
+        Some(match id {
+            "temperature_bias" => Self::TemperatureBias,
+            "temperature_scale" => Self::TemperatureScale,
+            "time_ramp" => Self::TimeRamp,
+            "hysteresis" => Self::Hysteresis,
+            "scale_asymmetry" => Self::ScaleAsymmetry,
+            "scale_quadratic" => Self::ScaleQuadratic,
+            "scale_cubic" => Self::ScaleCubic,
+            "anisoinertia" => Self::Anisoinertia,
+            "g_rate_coupling" => Self::GRateCoupling,
+            "azimuth" => Self::Azimuth,
+            "cubic_g" => Self::CubicG,
+            "output_axis_g" => Self::OutputAxisG,
+            "mount_clocking" => Self::MountClocking,
+            _ => return None,
+        })
+    }
+
+    /// What makes the effect of a catalogue id of a direction a gyro.
+    fn along(id: &str) -> Option<fn([Vector3<f64>; 3]) -> Self> {
+        Some(match id {
+            "g_linear" => Self::GLinear,
+            "g_squared" => Self::GSquared,
+            "temperature_g" => Self::TemperatureG,
+            "magnetic" => Self::Magnetic,
+            "cross_compliance" => Self::CrossCompliance,
+            _ => return None,
+        })
+    }
+
     /// The effect of a catalogue id with its particulars; none where the id is unknown.
     /// `starts_h` holds the mid-times of the dwells.
     pub fn draw(id: &str, fixed: &Particulars, starts_h: &[f64], rng: &mut ChaCha8Rng) -> Option<Self> {
+        if let Some(along) = Self::along(id) {
+            return Some(along([0; 3].map(|_| fixed.direction.unwrap_or_else(|| any_direction(rng)))));
+        }
         let dwells = starts_h.len();
         let span_h = starts_h.last().copied().unwrap_or(0.0).max(1e-3);
-        let mut directions = || [0; 3].map(|_| fixed.direction.unwrap_or_else(|| any_direction(rng)));
+        let tilt = |rng: &mut ChaCha8Rng| {
+            let angle = rng.random_range(0.0..std::f64::consts::TAU);
+            fixed.direction.unwrap_or(Vector3::new(angle.cos(), angle.sin(), 0.0))
+        };
         Some(match id {
-            "g_linear" => Self::GLinear(directions()),
-            "g_squared" => Self::GSquared(directions()),
-            "temperature_bias" => Self::TemperatureBias,
-            "temperature_g" => Self::TemperatureG(directions()),
-            "temperature_scale" => Self::TemperatureScale,
             "warmup" => Self::Warmup { tau_h: fixed.time_h.unwrap_or_else(|| span_h * rng.random_range(0.05..0.3)) },
-            "time_ramp" => Self::TimeRamp,
             "bias_step" => Self::BiasStep { first: fixed.dwell.unwrap_or_else(|| inner_dwell(dwells, rng)) },
             "outlier_dwell" => Self::OutlierDwell { index: fixed.dwell.unwrap_or_else(|| rng.random_range(0..dwells)) },
             "periodic" => {
@@ -208,33 +240,19 @@ impl Mechanism {
                 let phase = rng.random_range(0.0..std::f64::consts::TAU);
                 Self::Periodic { period_h: fixed.time_h.unwrap_or(drawn), phase }
             }
-            "hysteresis" => Self::Hysteresis,
-            "scale_asymmetry" => Self::ScaleAsymmetry,
-            "scale_quadratic" => Self::ScaleQuadratic,
-            "scale_cubic" => Self::ScaleCubic,
-            "anisoinertia" => Self::Anisoinertia,
-            "g_rate_coupling" => Self::GRateCoupling,
             "levelling" => {
-                let angle = rng.random_range(0.0..std::f64::consts::TAU);
-                let along = fixed.direction.unwrap_or(Vector3::new(angle.cos(), angle.sin(), 0.0));
+                let along = tilt(rng);
                 Self::Levelling { east: along.x, north: along.y }
             }
-            "azimuth" => Self::Azimuth,
             "relevelling" => {
-                let angle = rng.random_range(0.0..std::f64::consts::TAU);
-                let along = fixed.direction.unwrap_or(Vector3::new(angle.cos(), angle.sin(), 0.0));
+                let along = tilt(rng);
                 let first = fixed.dwell.unwrap_or_else(|| inner_dwell(dwells, rng));
                 Self::Relevelling { east: along.x, north: along.y, first }
             }
             "reseating" => {
                 Self::Reseating { about: fixed.direction.unwrap_or_else(|| any_direction(rng)), first: fixed.dwell }
             }
-            "magnetic" => Self::Magnetic(directions()),
-            "cross_compliance" => Self::CrossCompliance(directions()),
-            "cubic_g" => Self::CubicG,
-            "output_axis_g" => Self::OutputAxisG,
-            "mount_clocking" => Self::MountClocking,
-            _ => return None,
+            _ => return Self::without_particulars(id),
         })
     }
 
@@ -250,18 +268,12 @@ impl Mechanism {
     /// Alternatives of an effect, each with one member for every free coefficient, over a campaign of so many hours
     /// and dwells; `times` are tried beside the grid of time constants and periods.
     pub fn alternatives(id: &str, span_h: f64, dwells: usize, times: &[f64]) -> Option<Vec<Vec<Self>>> {
-        let directions = |of: fn([Vector3<f64>; 3]) -> Self| {
-            vec![(0..3).map(|axis| of([Vector3::ith(axis, 1.0); 3])).collect::<Vec<_>>()]
-        };
-        let one = |effect: Self| vec![vec![effect]];
+        if let Some(along) = Self::along(id) {
+            return Some(vec![(0..3).map(|axis| along([Vector3::ith(axis, 1.0); 3])).collect()]);
+        }
         let sines =
             |period_h: f64| [0.0, std::f64::consts::FRAC_PI_2].map(|phase| Self::Periodic { period_h, phase }).to_vec();
         Some(match id {
-            "g_linear" => directions(Self::GLinear),
-            "g_squared" => directions(Self::GSquared),
-            "temperature_g" => directions(Self::TemperatureG),
-            "magnetic" => directions(Self::Magnetic),
-            "cross_compliance" => directions(Self::CrossCompliance),
             "levelling" => {
                 vec![vec![Self::Levelling { east: 1.0, north: 0.0 }, Self::Levelling { east: 0.0, north: 1.0 }]]
             }
@@ -286,20 +298,7 @@ impl Mechanism {
             }
             "bias_step" => (1..dwells).map(|first| vec![Self::BiasStep { first }]).collect(),
             "outlier_dwell" => (0..dwells).map(|index| vec![Self::OutlierDwell { index }]).collect(),
-            "temperature_bias" => one(Self::TemperatureBias),
-            "temperature_scale" => one(Self::TemperatureScale),
-            "time_ramp" => one(Self::TimeRamp),
-            "hysteresis" => one(Self::Hysteresis),
-            "scale_asymmetry" => one(Self::ScaleAsymmetry),
-            "scale_quadratic" => one(Self::ScaleQuadratic),
-            "scale_cubic" => one(Self::ScaleCubic),
-            "anisoinertia" => one(Self::Anisoinertia),
-            "g_rate_coupling" => one(Self::GRateCoupling),
-            "azimuth" => one(Self::Azimuth),
-            "cubic_g" => one(Self::CubicG),
-            "output_axis_g" => one(Self::OutputAxisG),
-            "mount_clocking" => one(Self::MountClocking),
-            _ => return None,
+            _ => vec![vec![Self::without_particulars(id)?]],
         })
     }
 }

@@ -202,53 +202,37 @@ pub enum StandardErrors {
 }
 
 /// A cause to put into the campaign, sized either in its own unit or by how visible it is to be.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EffectChoice {
     /// An id of the effects catalogue, or `outside:FAMILY`.
     pub effect: String,
     /// Slots that have it; left out, all. Effects of the station act on all gyros anyway.
-    #[serde(default)]
     pub gyros: Option<Vec<String>>,
     /// In the cause's own unit.
-    #[serde(default)]
     pub size: Option<f64>,
     /// Square root of the whitened power that the model cannot absorb, over all gyros.
-    #[serde(default)]
     pub detectability: Option<f64>,
     /// From which to which share of the campaign's time it acts; left out, all the time.
-    #[serde(default)]
     pub acts_in: Option<[f64; 2]>,
     /// tau of `warmup`, period of `periodic`.
-    #[serde(default)]
     pub time_h: Option<f64>,
     /// The dwell of `outlier_dwell`, the first dwell after a `bias_step`, a `relevelling` or a `reseating` (which is
     /// between static and turning dwells where it is left out).
-    #[serde(default)]
     pub dwell: Option<usize>,
     /// The direction of `temperature_g`, `magnetic`, `cross_compliance` (k_IS, k_IO, k_OS), `levelling` (east, north).
-    #[serde(default)]
     pub direction: Option<[f64; 3]>,
 }
 
 impl EffectChoice {
     /// `effect` in all gyros, as visible as `detectability` says.
     pub fn detectable(effect: &str, detectability: f64) -> Self {
-        Self { size: None, detectability: Some(detectability), ..Self::sized(effect, 0.0) }
+        Self { effect: effect.into(), detectability: Some(detectability), ..Self::default() }
     }
 
     /// `effect` in all gyros, of a stated size.
     pub fn sized(effect: &str, size: f64) -> Self {
-        Self {
-            effect: effect.into(),
-            gyros: None,
-            size: Some(size),
-            detectability: None,
-            acts_in: None,
-            time_h: None,
-            dwell: None,
-            direction: None,
-        }
+        Self { effect: effect.into(), size: Some(size), ..Self::default() }
     }
 }
 

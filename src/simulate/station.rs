@@ -68,20 +68,6 @@ pub fn normal_gravity_g0(latitude: f64, height_m: f64) -> f64 {
     (at_ellipsoid - 3.086e-6 * height_m) / STANDARD_GRAVITY_M_S2
 }
 
-/// The table's errors: its base is not level and not to the north.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TableErrors {
-    /// East, North, Up as they are, into what the table takes for East, North, Up.
-    pub table_from_nav: Rotation3<f64>,
-}
-
-impl TableErrors {
-    /// A level table that points north.
-    pub fn none() -> Self {
-        Self { table_from_nav: Rotation3::identity() }
-    }
-}
-
 /// Body-frame quantities at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {
@@ -96,7 +82,10 @@ pub struct Moment {
 }
 
 /// What the IMU feels over one dwell: one moment at rest, equally spaced headings of one turn otherwise.
-pub fn moments(dwell: &Planned, earth: &Earth, errors: &TableErrors) -> Vec<Moment> {
+///
+/// `table_from_nav`: East, North, Up as they are, into what the table takes for East, North, Up, whose base is not
+/// level and not to the north.
+pub fn moments(dwell: &Planned, earth: &Earth, table_from_nav: &Rotation3<f64>) -> Vec<Moment> {
     let steps = match dwell.phase {
         Phase::Static => 1,
         Phase::Rate => MOMENTS_A_TURN,
@@ -107,7 +96,7 @@ pub fn moments(dwell: &Planned, earth: &Earth, errors: &TableErrors) -> Vec<Mome
             let heading = step as f64 / steps as f64 * std::f64::consts::TAU * dwell.turn_arcsec_s.signum();
             let heading = if dwell.phase == Phase::Static { 0.0 } else { heading };
             let body_from_table = dwell.attitude * Rotation3::from_axis_angle(&Vector3::z_axis(), -heading);
-            let body_from_nav = body_from_table * errors.table_from_nav;
+            let body_from_nav = body_from_table * table_from_nav;
             Moment {
                 a: body_from_nav * earth.gravity,
                 w: body_from_nav * earth.rate + body_from_table * turn,
@@ -168,7 +157,7 @@ mod tests {
     fn at_rest_the_imu_feels_what_the_station_commands() {
         let earth = Earth::at(&SiteChoice::default()).unwrap();
         let dwell = turning(Vector3::new(0.5, -0.3, 0.8), 0.0);
-        let sensed = moments(&dwell, &earth, &TableErrors::none());
+        let sensed = moments(&dwell, &earth, &Rotation3::identity());
         let (a, w) = commanded(&dwell, &earth);
         assert_eq!(sensed.len(), 1);
         assert!((sensed[0].a - a).norm() < 1e-15 && (sensed[0].w - w).norm() < 1e-13);
@@ -180,7 +169,7 @@ mod tests {
         let up = Vector3::new(0.0, 0.6, -0.8);
         for arcsec_s in [3600.0, -7200.0] {
             let dwell = turning(up, arcsec_s);
-            let sensed = moments(&dwell, &earth, &TableErrors::none());
+            let sensed = moments(&dwell, &earth, &Rotation3::identity());
             let n = sensed.len() as f64;
             let mean_w: Vector3<f64> = sensed.iter().map(|m| m.w).sum::<Vector3<f64>>() / n;
             let (a, w) = commanded(&dwell, &earth);
@@ -197,10 +186,10 @@ mod tests {
     fn a_tilted_table_tilts_gravity_by_the_same_angle_in_every_position() {
         let earth = Earth::at(&SiteChoice::default()).unwrap();
         let tilt = 1e-3;
-        let errors = TableErrors { table_from_nav: Rotation3::new(Vector3::new(tilt, 0.0, 0.0)) };
+        let table_from_nav = Rotation3::new(Vector3::new(tilt, 0.0, 0.0));
         let dwell = turning(Vector3::y(), 0.0);
         let (a, _) = commanded(&dwell, &earth);
-        let sensed = moments(&dwell, &earth, &errors)[0];
+        let sensed = moments(&dwell, &earth, &table_from_nav)[0];
         assert!((sensed.a.angle(&a) - tilt).abs() < 1e-12);
         assert!((sensed.a.norm() - a.norm()).abs() < 1e-15);
     }

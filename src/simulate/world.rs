@@ -15,7 +15,7 @@ use super::gyro::{TrueGyro, gyros};
 use super::programme::{Planned, plan};
 use super::scenario::Scenario;
 use super::sensed::{Disturbance, Sensed, Situation};
-use super::station::{Earth, Moment, TableErrors, commanded, moments};
+use super::station::{Earth, Moment, commanded, moments};
 use super::{Stream, random};
 use crate::message;
 
@@ -101,7 +101,7 @@ impl World {
         let one = Rotation3::identity();
         let table_from_nav = causes.iter().fold(one, |r, cause| cause.table_from_nav(at) * r);
         let seat = causes.iter().fold(one, |r, cause| cause.seat(at) * r);
-        let mut sensed = moments(dwell, &self.earth, &TableErrors { table_from_nav });
+        let mut sensed = moments(dwell, &self.earth, &table_from_nav);
         for moment in &mut sensed {
             for vector in [&mut moment.a, &mut moment.w, &mut moment.field, &mut moment.north] {
                 *vector = seat * *vector;

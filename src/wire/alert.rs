@@ -32,7 +32,6 @@ pub struct AlertBody {
     /// `warning`, or `critical` once a second campaign has confirmed the violation of a specification.
     pub severity: Cow<'static, str>,
     /// When the gyro began to do this: the time of the record that began it. Null where an earlier version wrote this.
-    #[serde(default)]
     #[schema(required)]
     pub since: Option<String>,
     /// When that was found.
@@ -181,7 +180,6 @@ pub struct AcknowledgementBody {
 pub struct SilenceBody {
     /// The silence of many alerts (`/v1/silences`) that holds for this one; null where it is a silence of this alert
     /// alone.
-    #[serde(default)]
     #[schema(required)]
     pub silence: Option<String>,
     pub by: String,

@@ -10,9 +10,10 @@ use super::reason::Reason;
 use super::triple::Triple;
 use crate::core::calibrate::GyroCalibration;
 use crate::core::calibrate::uncertainty::UncertaintyBudget;
-use crate::core::judge::Verdict;
+use crate::core::judge::{Measured, Verdict};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::separate::{self, JudgedMethod, Separation};
+use crate::wire::body::bodies;
 
 /// The answer to one record or campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -201,8 +202,8 @@ impl SeparationBody {
             alpha_deg: Triple(separation.alpha.map(f64::to_degrees)),
             misalignment_arcmin: separation.misalignment.to_degrees() * 60.0,
             rigid: rigid_beside,
-            published: published.map(PublishedBody::of),
-            as_printed: separation.as_printed.as_ref().ok().map(PublishedBody::of),
+            published: published.map(PublishedBody::from),
+            as_printed: separation.as_printed.as_ref().ok().map(PublishedBody::from),
             as_measured: None,
             uncertainty: None,
         }
@@ -225,18 +226,10 @@ impl SeparationBody {
     }
 }
 
-impl PublishedBody {
-    fn of(published: &separate::Published) -> Self {
-        let [d_i_sd, d_s_sd] = split(published.sd());
-        Self {
-            branch: published.branch.name().into(),
-            d_i: published.d_i,
-            d_s: published.d_s,
-            d_i_sd,
-            d_s_sd,
-            closure_rms: published.closure_rms,
-        }
-    }
+bodies! {
+    FigureBody of Measured: value, sd;
+    PublishedBody of separate::Published: branch: |published| published.branch.name().into(), d_i, d_s,
+        d_i_sd: |published| split(published.sd())[0], d_s_sd: |published| split(published.sd())[1], closure_rms;
 }
 
 impl VerdictBody {

@@ -5,14 +5,19 @@ use std::borrow::Cow;
 use nalgebra::Vector3;
 
 use super::geometry::GeometryBody;
+use super::message::MessageBody;
+use super::numbers::Numbers;
 use super::triple::Triple;
 use crate::core::bench::BenchMethod;
 use crate::core::effects::Effect;
+use crate::core::id::Id;
+use crate::core::message::Message;
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::name::Name;
 use crate::core::named::Named;
 use crate::core::time::UtcMicros;
 use crate::wire::time;
+use crate::words::asked;
 
 /// A value of the core as a body has it.
 pub(crate) trait ToBody<T> {
@@ -20,12 +25,12 @@ pub(crate) trait ToBody<T> {
 }
 
 /// `SpreadBody of Spread: sd, interval;` makes one of the other, member by member; `error_pulse_s = error` takes it from
-/// a member of another name.
+/// a member of another name, or of a member, and `shift: |moved| moved.now - moved.then` computes it.
 macro_rules! bodies {
-    ($($body:ident of $core:ty: $($member:ident $(= $of:ident)?),+;)+) => {$(
+    ($($body:ident of $core:ty: $($member:ident $(= $($of:ident).+)? $(: $make:expr)?),+;)+) => {$(
         impl From<&$core> for $body {
             fn from(core: &$core) -> Self {
-                Self { $($member: $crate::wire::body::bodies!(@ core $member $($of)?)),+ }
+                Self { $($member: $crate::wire::body::bodies!(@ core, $core, $member $(= $($of).+)? $(: $make)?)),+ }
             }
         }
 
@@ -35,8 +40,14 @@ macro_rules! bodies {
             }
         }
     )+};
-    (@ $core:ident $member:ident) => { $crate::wire::body::ToBody::to_body(&$core.$member) };
-    (@ $core:ident $member:ident $of:ident) => { $crate::wire::body::ToBody::to_body(&$core.$of) };
+    (@ $core:ident, $of:ty, $member:ident) => { $crate::wire::body::ToBody::to_body(&$core.$member) };
+    (@ $core:ident, $of:ty, $member:ident = $($from:ident).+) => {
+        $crate::wire::body::ToBody::to_body(&$core.$($from).+)
+    };
+    (@ $core:ident, $of:ty, $member:ident: $make:expr) => {{
+        let make: fn(&$of) -> _ = $make;
+        make($core)
+    }};
 }
 
 pub(crate) use bodies;
@@ -51,7 +62,13 @@ macro_rules! as_it_is {
     )*};
 }
 
-as_it_is!(f64, usize, bool, String, BenchMethod);
+as_it_is!(f64, u64, usize, bool, String, BenchMethod, Slot);
+
+impl ToBody<&'static str> for &'static str {
+    fn to_body(&self) -> &'static str {
+        self
+    }
+}
 
 impl ToBody<String> for &'static str {
     fn to_body(&self) -> String {
@@ -71,6 +88,12 @@ impl<T: Named> ToBody<String> for T {
     }
 }
 
+impl<T: Named> ToBody<&'static str> for T {
+    fn to_body(&self) -> &'static str {
+        self.name()
+    }
+}
+
 impl ToBody<String> for Effect {
     fn to_body(&self) -> String {
         self.id().to_owned()
@@ -80,6 +103,25 @@ impl ToBody<String> for Effect {
 impl ToBody<String> for Name {
     fn to_body(&self) -> String {
         self.to_string()
+    }
+}
+
+impl ToBody<String> for Id {
+    fn to_body(&self) -> String {
+        self.to_string()
+    }
+}
+
+/// In the language that is asked for.
+impl ToBody<String> for Message {
+    fn to_body(&self) -> String {
+        asked().words(self)
+    }
+}
+
+impl ToBody<MessageBody> for Message {
+    fn to_body(&self) -> MessageBody {
+        MessageBody::of(self, asked())
     }
 }
 
@@ -99,6 +141,24 @@ impl ToBody<String> for Option<Slot> {
 impl ToBody<Triple> for Vector3<f64> {
     fn to_body(&self) -> Triple {
         (*self).into()
+    }
+}
+
+impl ToBody<[f64; 3]> for Vector3<f64> {
+    fn to_body(&self) -> [f64; 3] {
+        (*self).into()
+    }
+}
+
+impl ToBody<Numbers> for Vector3<f64> {
+    fn to_body(&self) -> Numbers {
+        self.into()
+    }
+}
+
+impl ToBody<Numbers> for Vec<f64> {
+    fn to_body(&self) -> Numbers {
+        self.as_slice().into()
     }
 }
 

@@ -12,16 +12,17 @@ use super::note::NoteBody;
 use super::time;
 use super::triple::Triple;
 use crate::core::calibrate::bench::BenchCalibration;
+use crate::core::calibrate::drift::NotSeparated;
 use crate::core::calibrate::noise::NoiseScale;
 use crate::core::calibrate::outcome::Outcome;
 use crate::core::calibrate::repeats_between::Repeated;
-use crate::core::calibrate::{GyroCalibration, Parameter, ScaleSource};
+use crate::core::calibrate::{Calibration, GyroCalibration, Parameter, ScaleSource};
 use crate::core::campaign::{self, Campaign, CampaignNote, StationLack, StationPart, StationUncertainty};
 use crate::core::model::{Term, Terms};
-use crate::core::mounting::Slot;
+use crate::core::mounting::{Geometry, Slot};
 use crate::core::note::Note;
-use crate::core::separate::JudgedMethod;
-use crate::words;
+use crate::core::separate::{JudgedMethod, Separation};
+use crate::wire::body::{ToBody, bodies};
 
 mod parameters;
 
@@ -115,26 +116,10 @@ pub struct RepeatedBody {
     pub beyond_sd: f64,
 }
 
-impl From<&Repeated> for RepeatedBody {
-    fn from(repeated: &Repeated) -> Self {
-        Self {
-            slot: repeated.slot,
-            serial: repeated.serial.to_string(),
-            coefficient: repeated.coefficient,
-            unit: repeated.unit,
-            campaigns: repeated.campaigns,
-            mean: repeated.mean,
-            sd: repeated.sd,
-            stated_sd: repeated.stated_sd,
-            scatter_sd: repeated.scatter_sd,
-            chi2: repeated.scatter.chi2,
-            dof: repeated.scatter.dof,
-            p_value: repeated.scatter.p_value(),
-            ratio: repeated.ratio(),
-            ratio_interval: repeated.ratio_interval(),
-            beyond_sd: repeated.beyond_sd,
-        }
-    }
+bodies! {
+    RepeatedBody of Repeated: slot, serial, coefficient, unit, campaigns, mean, sd, stated_sd, scatter_sd,
+        chi2 = scatter.chi2, dof = scatter.dof, p_value: |repeated| repeated.scatter.p_value(), ratio: Repeated::ratio,
+        ratio_interval: Repeated::ratio_interval, beyond_sd;
 }
 
 /// Systematic standard uncertainties of the station that are in the standard deviations.
@@ -270,80 +255,89 @@ impl CampaignAnswer {
         };
         match outcome {
             Outcome::Imu { calibration, separations, as_measured } => {
-                answer.calibration.model = names(calibration.terms);
-                answer.calibration.repeats.clone_from(&calibration.repeats);
-                let found = &calibration.noise_found;
-                answer.calibration.noise = (!found.is_empty()).then(|| NoiseFoundBody::from(found));
-                for effect in calibration.gyros.iter().flat_map(|gyro| &gyro.effects).map(|e| e.effect.id()) {
-                    if !answer.calibration.effects.iter().any(|known| known == effect) {
-                        answer.calibration.effects.push(effect.to_owned());
-                    }
-                }
-                answer.calibration.gyros =
-                    calibration.gyros.iter().map(|gyro| GyroFitBody::of(gyro, calibration.has_sem)).collect();
-                let notes = calibration.all_notes().into_iter().map(Note::Campaign);
-                answer.notes.extend(notes.map(|note| NoteBody::of(&note)));
+                answer.fitted(calibration);
                 for (j, (gyro, separation)) in calibration.gyros.iter().zip(separations).enumerate() {
-                    let (slot, serial) = (gyro.slot, gyro.serial.to_string());
-                    match separation {
-                        Ok(s) => {
-                            let body = SeparationBody::of(&serial, s, method);
-                            let body = body.with_uncertainty(gyro, &campaign.geometry);
-                            let own =
-                                as_measured.as_ref().and_then(|own| Some((own, own.separations[j].as_ref().ok()?)));
-                            answer.separations.push(match own {
-                                Some((own, measured)) => body.measured_at(own.temperature_c, measured),
-                                None => body,
-                            });
-                        }
-                        Err(why) => {
-                            answer.not_separated.push(NotSeparatedBody {
-                                slot,
-                                serial,
-                                reason: words::asked().words(&why.message()),
-                            });
-                        }
-                    }
+                    let measured = as_measured.as_ref();
+                    let measured =
+                        measured.and_then(|own| Some((own.temperature_c, own.separations[j].as_ref().ok()?)));
+                    answer.separated(gyro, separation, measured, (&campaign.geometry, method));
                 }
             }
-            Outcome::Bench(bench) => {
-                let aliased = bench.aliases.iter().map(|alias| Note::Campaign(CampaignNote::ProductAliased(*alias)));
-                answer.notes.extend(aliased.map(|note| NoteBody::of(&note)));
-                let parts = StationPart::ALL.into_iter().filter(|p| campaign.station_uncertainty.of(*p).is_some());
-                let parts: Vec<StationPart> = parts.collect();
-                if !parts.is_empty() {
-                    let left_out = CampaignNote::StationLeftOut { parts, why: StationLack::BenchTest };
-                    answer.notes.push(NoteBody::of(&Note::Campaign(left_out)));
-                }
-                answer.calibration.repeats.clone_from(&bench.repeats);
-                answer.calibration.gyros = vec![GyroFitBody::of_bench(campaign, bench)];
-                answer.bench_result = Some(BenchBody::from(&bench.result(campaign)));
-            }
+            Outcome::Bench(bench) => answer.tested(campaign, bench),
         }
         answer
+    }
+
+    fn note(&mut self, note: CampaignNote) {
+        self.notes.push(NoteBody::of(&Note::Campaign(note)));
+    }
+
+    fn fitted(&mut self, calibration: &Calibration) {
+        let body = &mut self.calibration;
+        body.model = names(calibration.terms);
+        body.repeats.clone_from(&calibration.repeats);
+        let found = &calibration.noise_found;
+        body.noise = (!found.is_empty()).then(|| NoiseFoundBody::from(found));
+        for effect in calibration.gyros.iter().flat_map(|gyro| &gyro.effects).map(|e| e.effect.id()) {
+            if !body.effects.iter().any(|known| known == effect) {
+                body.effects.push(effect.to_owned());
+            }
+        }
+        body.gyros = calibration.gyros.iter().map(|gyro| GyroFitBody::of(gyro, calibration.has_sem)).collect();
+        for note in calibration.all_notes() {
+            self.note(note);
+        }
+    }
+
+    /// `measured`: the same gyro at the temperature at which it was measured, deg C.
+    fn separated(
+        &mut self,
+        gyro: &GyroCalibration,
+        separation: &Result<Separation, NotSeparated>,
+        measured: Option<(f64, &Separation)>,
+        (geometry, method): (&Geometry, JudgedMethod),
+    ) {
+        let (slot, serial) = (gyro.slot, gyro.serial.to_string());
+        match separation {
+            Ok(separation) => {
+                let body = SeparationBody::of(&serial, separation, method).with_uncertainty(gyro, geometry);
+                self.separations.push(match measured {
+                    Some((temperature_c, measured)) => body.measured_at(temperature_c, measured),
+                    None => body,
+                });
+            }
+            Err(why) => self.not_separated.push(NotSeparatedBody { slot, serial, reason: why.message().to_body() }),
+        }
+    }
+
+    fn tested(&mut self, campaign: &Campaign, bench: &BenchCalibration) {
+        for alias in &bench.aliases {
+            self.note(CampaignNote::ProductAliased(*alias));
+        }
+        let parts = StationPart::ALL.into_iter().filter(|p| campaign.station_uncertainty.of(*p).is_some());
+        let parts: Vec<StationPart> = parts.collect();
+        if !parts.is_empty() {
+            self.note(CampaignNote::StationLeftOut { parts, why: StationLack::BenchTest });
+        }
+        self.calibration.repeats.clone_from(&bench.repeats);
+        self.calibration.gyros = vec![GyroFitBody::of_bench(campaign, bench)];
+        self.bench_result = Some(BenchBody::from(&bench.result(campaign)));
     }
 }
 
 impl GyroFitBody {
     fn of(gyro: &GyroCalibration, has_sem: bool) -> Self {
         let scale = gyro.scale_factor();
-        let residuals = ResidualsBody {
-            pulse_per_s: list(&gyro.residuals),
-            deg_per_h: scale.map(|k| gyro.residuals.iter().map(|r| r / k).collect()),
-            standardised: gyro.standardised.as_ref().map(list),
-            leverage: list(&gyro.leverage),
-        };
         let sd = |term| {
             let p: &[Parameter] = gyro.of(term)?;
             Some(Triple([p[0].sd?, p[1].sd?, p[2].sd?]))
         };
-        let noise = NoiseBody::of(&gyro.noise, gyro.sigma.as_ref(), has_sem, scale);
         Self {
             slot: gyro.slot,
             serial: gyro.serial.to_string(),
             e_source: gyro.scale_source.name().to_owned(),
             parameters: gyro.parameters.iter().enumerate().map(|(i, p)| ParameterBody::of(p, gyro, i)).collect(),
-            effects: gyro.effects.iter().map(EffectParameterBody::of).collect(),
+            effects: gyro.effects.to_body(),
             e_pulse_per_arcsec: gyro.e().map(Triple::from),
             g_pulse_per_s_g0: gyro.g().map(Triple::from),
             p_pulse_per_s_g02: gyro.p().map(Triple::from),
@@ -357,8 +351,8 @@ impl GyroFitBody {
             dof: gyro.dof,
             reduced_chi2: gyro.reduced_chi2().filter(|_| has_sem),
             p_value: gyro.p_value,
-            noise,
-            residuals,
+            noise: NoiseBody::of(&gyro.noise, gyro.sigma.as_ref(), has_sem, scale),
+            residuals: ResidualsBody::of(&gyro.residuals, scale, gyro.standardised.as_ref(), &gyro.leverage),
         }
     }
 
@@ -370,18 +364,7 @@ impl GyroFitBody {
             slot: gyro.slot,
             serial: gyro.serial.to_string(),
             e_source: bench.scale_source.name().to_owned(),
-            parameters: bench
-                .coefficients
-                .iter()
-                .map(|c| ParameterBody {
-                    name: c.name.to_owned(),
-                    unit: c.unit.to_owned(),
-                    value: c.value,
-                    sd: c.sd,
-                    determined: true,
-                    uncertainty: None,
-                })
-                .collect(),
+            parameters: bench.coefficients.to_body(),
             effects: Vec::new(),
             e_pulse_per_arcsec: Some(bench.e.into()),
             g_pulse_per_s_g0: None,
@@ -404,12 +387,23 @@ impl GyroFitBody {
             reduced_chi2: (has_sem && bench.dof > 0).then(|| bench.chi2 / bench.dof as f64),
             p_value: bench.p_value,
             noise: NoiseBody::of(&bench.noise, bench.sigma.as_ref(), has_sem, Some(k)),
-            residuals: ResidualsBody {
-                pulse_per_s: list(&bench.residuals),
-                deg_per_h: Some(bench.residuals.iter().map(|r| r / k).collect()),
-                standardised: bench.standardised.as_ref().map(list),
-                leverage: list(&bench.leverage),
-            },
+            residuals: ResidualsBody::of(&bench.residuals, Some(k), bench.standardised.as_ref(), &bench.leverage),
+        }
+    }
+}
+
+impl ResidualsBody {
+    fn of(
+        residuals: &DVector<f64>,
+        scale: Option<f64>,
+        standardised: Option<&DVector<f64>>,
+        leverage: &DVector<f64>,
+    ) -> Self {
+        Self {
+            pulse_per_s: list(residuals),
+            deg_per_h: scale.map(|k| residuals.iter().map(|r| r / k).collect()),
+            standardised: standardised.map(list),
+            leverage: list(leverage),
         }
     }
 }

@@ -5,12 +5,12 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use crate::core::diagnose::{CLOSURE_CLASS, ClosureDiagnosis, GyroClosure};
+use crate::core::diagnose::{BUDGET_DEG_PER_H_G0, CLOSURE_CLASS, ClosureDiagnosis, GyroClosure};
 use crate::core::message::{Message, figure, list};
 use crate::core::mounting::Slot;
 use crate::message;
+use crate::wire::body::{ToBody, bodies};
 use crate::wire::message::MessageBody;
-use crate::words::asked;
 
 const D_O_UNIT: &str = "deg/(h*g0)";
 
@@ -115,15 +115,15 @@ impl From<&ClosureDiagnosis> for ClosureBody {
             verdict: d.verdict.name().to_owned(),
             gap: ClosureGapBody {
                 rms_deg_per_h_g0: d.rms,
-                budget_deg_per_h_g0: crate::core::diagnose::BUDGET_DEG_PER_H_G0,
+                budget_deg_per_h_g0: BUDGET_DEG_PER_H_G0,
                 p_value: p_values.reduce(f64::min),
             },
             located: ClosureWhereBody { gyros: d.gyros.iter().map(|g| ClosureShareBody::of(g, total)).collect() },
             effects: if out.is_empty() { Vec::new() } else { vec![ClosureEffectBody::of(&out)] },
-            impact: out.iter().map(|g| ClosureImpactBody::of(g)).collect(),
+            impact: out.iter().map(|gyro| gyro.to_body()).collect(),
             next_measurements: if out.is_empty() { Vec::new() } else { measurements(&out) },
-            notes: notes.iter().map(|note| asked().words(note)).collect(),
-            note_codes: notes.iter().map(|note| MessageBody::of(note, asked())).collect(),
+            notes: notes.to_body(),
+            note_codes: notes.to_body(),
         }
     }
 }
@@ -168,22 +168,14 @@ impl ClosureEffectBody {
     }
 }
 
-impl ClosureImpactBody {
-    fn of(g: &GyroClosure) -> Self {
-        Self {
-            slot: g.slot.name().to_owned(),
-            coefficient: "D_S".to_owned(),
-            under: CLOSURE_CLASS[1].id().to_owned(),
-            plain: g.d_s,
-            augmented: g.d_s + g.d_s_shift,
-            shift: g.d_s_shift,
-            of_budget: g.d_s_shift.abs() / crate::core::diagnose::BUDGET_DEG_PER_H_G0,
-        }
-    }
+bodies! {
+    ClosureImpactBody of GyroClosure: slot, coefficient: |_| "D_S".to_owned(), under: |_| CLOSURE_CLASS[1].to_body(),
+        plain = d_s, augmented: |gyro| gyro.d_s + gyro.d_s_shift, shift = d_s_shift,
+        of_budget: |gyro| gyro.d_s_shift.abs() / BUDGET_DEG_PER_H_G0;
 }
 
 fn class() -> Vec<String> {
-    CLOSURE_CLASS.iter().map(|effect| effect.id().to_owned()).collect()
+    CLOSURE_CLASS.iter().map(ToBody::to_body).collect()
 }
 
 /// What would take the class apart, the cheapest first.
@@ -196,8 +188,8 @@ fn measurements(out: &[&GyroClosure]) -> Vec<MeasurementBody> {
     let others = [message!("closure_seated_again"), message!("closure_on_bench")];
     let all = by_change.into_iter().chain(others);
     let body = |measurement: Message| MeasurementBody {
-        measurement: asked().words(&measurement),
-        message: MessageBody::of(&measurement, asked()),
+        measurement: measurement.to_body(),
+        message: measurement.to_body(),
         separates: class(),
     };
     all.map(body).collect()

@@ -309,7 +309,6 @@ pub struct CandidateBody {
     #[schema(required)]
     pub closure: Option<f64>,
     /// 95 % interval of that.
-    #[serde(default)]
     #[schema(required)]
     pub interval: Option<[f64; 2]>,
     pub p_value_adjusted: f64,
@@ -414,6 +413,15 @@ bodies! {
     ImpactBody of core::Impact: slot, coefficient, plain, plain_sd, augmented, augmented_sd, shift, of_budget;
     ResidualBody of core::Residual: index, slot, before_deg_per_h, after_deg_per_h, sd_deg_per_h;
     DescribedBody of core::Described: by, evidence;
+    EstimateBody of Estimate: slot, name, value, sd, unit: |estimate| unit::of_machines(estimate.unit);
+    CandidateBody of core::Candidate: effect, closure, interval, p_value_adjusted, within_noise, gyros,
+        why_not: |_| String::new(), finding = why_not;
+    NotIdentifiableBody of core::NotIdentifiable: effect, visible_fraction, confounded_with, reason: |_| String::new(),
+        needs: |_| String::new(), finding = reason;
+    NextDwellBody of core::NextDwell: phase, specific_force_g0, rate_arcsec_s, table: |next| Some(next.into()),
+        separates;
+    TableBody of core::NextDwell: up: |next| next.attitude.column(2).into_owned().into(),
+        north: |next| next.attitude.column(1).into_owned().into(), rate_deg_s: |next| next.table_rate_arcsec_s / 3600.0;
 }
 
 impl ToBody<GyroClassBody> for (Slot, Vec<Effect>) {
@@ -425,13 +433,6 @@ impl ToBody<GyroClassBody> for (Slot, Vec<Effect>) {
 impl ToBody<EffectDriftBody> for (Slot, Vec<f64>) {
     fn to_body(&self) -> EffectDriftBody {
         EffectDriftBody { slot: self.0.to_body(), deg_per_h: self.1.iter().map(|v| (v * 1e9).round() / 1e9).collect() }
-    }
-}
-
-impl ToBody<EstimateBody> for Estimate {
-    fn to_body(&self) -> EstimateBody {
-        let Estimate { slot, name, value, sd, unit } = *self;
-        EstimateBody { slot: slot.to_body(), name: name.to_owned(), value, sd, unit: unit::of_machines(unit) }
     }
 }
 
@@ -457,11 +458,11 @@ impl From<&core::Diagnosis> for DiagnosisBody {
             effects: d.effects.to_body(),
             closure: d.closure.to_body(),
             remaining: d.remaining.to_body(),
-            candidates: d.candidates.iter().map(CandidateBody::from).collect(),
-            not_identifiable: d.not_identifiable.iter().map(NotIdentifiableBody::from).collect(),
+            candidates: d.candidates.to_body(),
+            not_identifiable: d.not_identifiable.to_body(),
             impact: d.impact.iter().filter(|i| i.is_material()).map(ImpactBody::from).collect(),
             impact_within_noise: d.impact.iter().filter(|i| !i.is_material()).map(ImpactBody::from).collect(),
-            next_dwells: d.next_dwells.iter().map(NextDwellBody::from).collect(),
+            next_dwells: d.next_dwells.to_body(),
             residuals: d.residuals.to_body(),
             notes: Vec::new(),
             description: d.description.to_body(),
@@ -471,7 +472,7 @@ impl From<&core::Diagnosis> for DiagnosisBody {
             effects_against_model: None,
             forecast: None,
             hypotheses: (d.hypotheses.iter().filter_map(|own| own.hypothesis()))
-                .map(|own| HypothesisBody::of(&own.written))
+                .map(|own| HypothesisBody::from(&own.written))
                 .collect(),
         };
         unsaid.said_in(asked())
@@ -504,50 +505,6 @@ impl From<&NoiseFound> for NoiseFoundBody {
             falls_with_duration,
             grows_with_rate,
             grows_in_time,
-        }
-    }
-}
-
-impl From<&core::Candidate> for CandidateBody {
-    fn from(c: &core::Candidate) -> Self {
-        Self {
-            effect: c.effect.id().to_owned(),
-            closure: c.closure,
-            interval: c.interval,
-            p_value_adjusted: c.p_value_adjusted,
-            within_noise: c.within_noise,
-            gyros: c.gyros.to_body(),
-            why_not: String::new(),
-            finding: MessageBody::of(&c.why_not, asked()),
-        }
-    }
-}
-
-impl From<&core::NotIdentifiable> for NotIdentifiableBody {
-    fn from(n: &core::NotIdentifiable) -> Self {
-        Self {
-            effect: n.effect.id().to_owned(),
-            visible_fraction: n.visible_fraction,
-            confounded_with: n.confounded_with.to_body(),
-            reason: String::new(),
-            needs: String::new(),
-            finding: MessageBody::of(&n.reason, asked()),
-        }
-    }
-}
-
-impl From<&core::NextDwell> for NextDwellBody {
-    fn from(n: &core::NextDwell) -> Self {
-        Self {
-            phase: n.phase.name().to_owned(),
-            specific_force_g0: n.specific_force_g0.into(),
-            rate_arcsec_s: n.rate_arcsec_s.into(),
-            table: Some(TableBody {
-                up: n.attitude.column(2).into_owned().into(),
-                north: n.attitude.column(1).into_owned().into(),
-                rate_deg_s: n.table_rate_arcsec_s / 3600.0,
-            }),
-            separates: n.separates.to_body(),
         }
     }
 }

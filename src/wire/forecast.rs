@@ -107,8 +107,8 @@ impl ForecastPointBody {
             effects_changed,
             notes: forecast.map(|forecast| forecast.notes.clone()).unwrap_or_default(),
             note_codes: forecast.map(|forecast| forecast.note_codes.clone()).unwrap_or_default(),
-            why_not: told.err().map(|why| asked().words(why)),
-            why_not_code: told.err().map(|why| MessageBody::of(why, asked())),
+            why_not: told.err().map(ToBody::to_body),
+            why_not_code: told.err().map(ToBody::to_body),
         }
     }
 
@@ -274,7 +274,7 @@ impl ForecastVerdictBody {
             unseen: unseen.map(|unseen| unseen.name().to_owned()),
             campaigns,
             reason: asked().sentences(&said),
-            reason_codes: said.iter().map(|message| MessageBody::of(message, asked())).collect(),
+            reason_codes: said.to_body(),
         })
     }
 
@@ -399,19 +399,14 @@ impl ForecastBody {
             imu: campaign.imu.to_string(),
             station: campaign.station.to_string(),
             measured_at: time::format(campaign.measured_at),
-            model: ForecastModelBody {
-                measured_at: time::format(model.measured_at),
-                campaigns: model.campaigns.len(),
-                effects: model.effects.iter().map(|adopted| adopted.effect.id().to_owned()).collect(),
-                reference_temperature_c: model.reference_c,
-            },
-            gyros: forecast.gyros.iter().map(GyroForecastBody::of).collect(),
+            model: model.to_body(),
+            gyros: forecast.gyros.to_body(),
             promised: promised.to_body(),
             next_dwells: Vec::new(),
             compared: None,
             effects_against_model: None,
-            notes: forecast.notes.iter().map(|note| asked().words(note)).collect(),
-            note_codes: forecast.notes.iter().map(|note| MessageBody::of(note, asked())).collect(),
+            notes: forecast.notes.to_body(),
+            note_codes: forecast.notes.to_body(),
         }
     }
 
@@ -445,21 +440,6 @@ impl ForecastBody {
         self.compared = Some(ComparedBody::of(comparison, ladder, verdict.as_ref(), said.as_ref()));
         self.effects_against_model = changed.map(ChangedBody::from);
         self
-    }
-}
-
-impl GyroForecastBody {
-    fn of(gyro: &GyroForecast) -> Self {
-        let not_foretold = gyro.foretold.iter().enumerate().filter(|(_, foretold)| !**foretold);
-        Self {
-            slot: gyro.slot.name().to_owned(),
-            serial: gyro.serial.to_string(),
-            scale_pulse_per_arcsec: gyro.scale,
-            predicted_pulse_s: gyro.predicted.clone(),
-            sd_pulse_s: gyro.sd.clone(),
-            noise_sd_pulse_s: gyro.noise.clone(),
-            not_foretold: not_foretold.map(|(k, _)| k).collect(),
-        }
     }
 }
 
@@ -520,6 +500,12 @@ impl ComparedBody {
 }
 
 bodies! {
+    ForecastModelBody of Identified: measured_at, campaigns: |model| model.campaigns.len(),
+        effects: |model| model.effects.iter().map(|adopted| adopted.effect.to_body()).collect(),
+        reference_temperature_c = reference_c;
+    GyroForecastBody of GyroForecast: slot, serial, scale_pulse_per_arcsec = scale, predicted_pulse_s = predicted,
+        sd_pulse_s = sd, noise_sd_pulse_s = noise,
+        not_foretold: |gyro| (0..gyro.foretold.len()).filter(|&k| !gyro.foretold[k]).collect();
     ClosingBody of Closing: before_deg_per_h, after_deg_per_h, closure, interval;
     RungBody of Rung: effect, rms_deg_per_h, rms_over_sd;
     MissBody of Miss: slot, dwell, z;

@@ -65,59 +65,45 @@ fn likely_unit(quantity: Quantity, factor: f64) -> Option<&'static str> {
     units.iter().find(|(unit, _)| is(*unit)).map(|(_, unit)| *unit)
 }
 
-impl From<&HistoryNote> for Coded {
-    fn from(note: &HistoryNote) -> Self {
-        let seat = |seat: &Seat| SeatBody { imu: seat.imu.clone(), slot: seat.slot };
+impl From<HistoryNote> for Coded {
+    fn from(note: HistoryNote) -> Self {
+        let named = |NamedRecord { record, at }| NamedBody { record, calibrated_at: time::format(at) };
+        let seat = |Seat { imu, slot }| SeatBody { imu, slot };
         match note {
             HistoryNote::TimeInDoubt(doubt) => {
                 let (epoch, nearest) = match doubt {
-                    TimeDoubt::NearEpoch { epoch } => (Some(time::format(*epoch)), None),
-                    TimeDoubt::FarFromOthers { nearest } => (None, Some(time::format(*nearest))),
+                    TimeDoubt::NearEpoch { epoch } => (Some(time::format(epoch)), None),
+                    TimeDoubt::FarFromOthers { nearest } => (None, Some(time::format(nearest))),
                 };
                 Self::TimeInDoubt { set_aside: true, epoch, nearest }
             }
             HistoryNote::OthersSetAside { records } => {
-                let body =
-                    |it: &NamedRecord| NamedBody { record: it.record.clone(), calibrated_at: time::format(it.at) };
-                Self::OthersSetAside { records: records.iter().map(body).collect() }
+                Self::OthersSetAside { records: records.into_iter().map(named).collect() }
             }
-            HistoryNote::Suspect { station, author, reason } => {
-                Self::Suspect { station: station.clone(), author: author.clone(), reason: reason.clone() }
-            }
-            HistoryNote::AheadOfNow { hours } => Self::AheadOfNow { hours: *hours },
-            HistoryNote::NewSerial { slot, serial, had, nearest } => {
-                Self::NewSerial { slot: *slot, serial: serial.clone(), had: had.clone(), nearest: nearest.clone() }
-            }
-            HistoryNote::LookAlike { of, name, known } => {
-                Self::LookAlike { of: *of, name: name.clone(), known: known.clone() }
-            }
+            HistoryNote::Suspect { station, author, reason } => Self::Suspect { station, author, reason },
+            HistoryNote::AheadOfNow { hours } => Self::AheadOfNow { hours },
+            HistoryNote::NewSerial { slot, serial, had, nearest } => Self::NewSerial { slot, serial, had, nearest },
+            HistoryNote::LookAlike { of, name, known } => Self::LookAlike { of, name, known },
             HistoryNote::SerialsExchanged { fits } => {
-                let body = |(serial, of): &(String, String)| FitBody { serial: serial.clone(), figures_of: of.clone() };
-                Self::SerialsExchanged { fits: fits.iter().map(body).collect() }
+                let body = |(serial, figures_of)| FitBody { serial, figures_of };
+                Self::SerialsExchanged { fits: fits.into_iter().map(body).collect() }
             }
-            HistoryNote::OtherUnit { serials, budgets } => {
-                Self::OtherUnit { serials: serials.clone(), budgets: *budgets }
+            HistoryNote::OtherUnit { serials, budgets } => Self::OtherUnit { serials, budgets },
+            HistoryNote::IdenticalFigures { serials, record } => {
+                let NamedBody { record, calibrated_at } = named(record);
+                Self::IdenticalFigures { serials, record, calibrated_at }
             }
-            HistoryNote::IdenticalFigures { serials, record } => Self::IdenticalFigures {
-                serials: serials.clone(),
-                record: record.record.clone(),
-                calibrated_at: time::format(record.at),
-            },
-            HistoryNote::UnitFactor { serials, quantity, factor } => Self::UnitFactor {
-                serials: serials.clone(),
-                quantity: *quantity,
-                factor: *factor,
-                unit: likely_unit(*quantity, *factor).map(str::to_owned),
-            },
-            HistoryNote::Moved { serial, from, to } => {
-                Self::Moved { serial: serial.clone(), from: seat(from), to: seat(to) }
+            HistoryNote::UnitFactor { serials, quantity, factor } => {
+                let unit = likely_unit(quantity, factor).map(str::to_owned);
+                Self::UnitFactor { serials, quantity, factor, unit }
             }
+            HistoryNote::Moved { serial, from, to } => Self::Moved { serial, from: seat(from), to: seat(to) },
         }
     }
 }
 
 fn coded(note: &HistoryNote) -> Map<String, Value> {
-    match serde_json::to_value(Coded::from(note)) {
+    match serde_json::to_value(Coded::from(note.clone())) {
         Ok(Value::Object(members)) => members,
         _ => Map::new(),
     }
@@ -133,7 +119,7 @@ pub fn parameters(note: &HistoryNote) -> Map<String, Value> {
 
 /// What a reader is told.
 pub fn message(note: &HistoryNote) -> Message {
-    Coded::from(note).message()
+    Coded::from(note.clone()).message()
 }
 
 /// The notes of a record as they are kept; nothing where there are none.
@@ -183,71 +169,55 @@ fn day(time: &str) -> &str {
 }
 
 impl Coded {
-    fn message(&self) -> Message {
-        let serials = |serials: &[String]| list(serials.iter().cloned());
+    fn message(self) -> Message {
         match self {
-            Self::TimeInDoubt { epoch: Some(epoch), .. } => message!("time_near_epoch", epoch = text(day(epoch))),
+            Self::TimeInDoubt { epoch: Some(epoch), .. } => message!("time_near_epoch", epoch = text(day(&epoch))),
             Self::TimeInDoubt { nearest, .. } => {
                 message!("time_far_from_others", nearest = text(nearest.as_deref().map_or("", day)))
             }
             Self::OthersSetAside { records } => {
-                let one = |it: &NamedBody| {
-                    message!("record_of_day", record = it.record.clone(), day = text(day(&it.calibrated_at)))
+                let one = |NamedBody { record, calibrated_at }| {
+                    message!("record_of_day", record, day = text(day(&calibrated_at)))
                 };
-                message!("others_set_aside", records = list(records.iter().map(one)))
+                message!("others_set_aside", records = list(records.into_iter().map(one)))
             }
-            Self::Suspect { station, author, reason } => {
-                let (station, author, reason) = (station.clone(), author.clone(), reason.clone());
-                message!("suspect", station, author, reason)
-            }
-            Self::AheadOfNow { hours } => message!("ahead_of_now", hours = figure(*hours, 1)),
+            Self::Suspect { station, author, reason } => message!("suspect", station, author, reason),
+            Self::AheadOfNow { hours } => message!("ahead_of_now", hours = figure(hours, 1)),
             Self::NewSerial { slot, serial, had, nearest } => {
-                let (serial, slot, had) = (serial.clone(), slot.name(), had.clone());
-                match nearest.clone() {
+                let slot = slot.name();
+                match nearest {
                     None => message!("new_serial", serial, slot, had),
-                    Some(nearest) => {
-                        message!("new_serial_like", serial, slot, had, nearest)
-                    }
+                    Some(nearest) => message!("new_serial_like", serial, slot, had, nearest),
                 }
             }
-            Self::LookAlike { of, name, known } => {
-                message!("look_alike", of = of.name(), name = name.clone(), known = known.clone())
-            }
+            Self::LookAlike { of, name, known } => message!("look_alike", of = of.name(), name, known),
             Self::SerialsExchanged { fits } => {
-                let one =
-                    |fit: &FitBody| message!("figures_of", serial = fit.serial.clone(), other = fit.figures_of.clone());
-                message!("serials_exchanged", fits = list(fits.iter().map(one)))
+                let one = |FitBody { serial, figures_of }| message!("figures_of", serial, other = figures_of);
+                message!("serials_exchanged", fits = list(fits.into_iter().map(one)))
             }
-            Self::OtherUnit { serials: of, budgets } => {
-                message!("other_unit", serials = serials(of), budgets = figure(*budgets, 0))
+            Self::OtherUnit { serials, budgets } => {
+                message!("other_unit", serials = list(serials), budgets = figure(budgets, 0))
             }
-            Self::IdenticalFigures { serials: of, record, calibrated_at } => {
-                let (record, at) = (record.clone(), calibrated_at.clone());
-                message!("identical_figures", serials = serials(of), record, at)
+            Self::IdenticalFigures { serials, record, calibrated_at: at } => {
+                message!("identical_figures", serials = list(serials), record, at)
             }
-            Self::UnitFactor { serials: of, quantity, factor, unit } => {
-                let quantity = quantity.name();
-                if *factor == -1.0 {
-                    return message!("sign_reversed", quantity, serials = serials(of));
+            Self::UnitFactor { serials, quantity, factor, unit } => {
+                let (quantity, serials) = (quantity.name(), list(serials));
+                if factor == -1.0 {
+                    return message!("sign_reversed", quantity, serials);
                 }
                 let times =
                     if factor.abs() > 1.0 { format!("{factor:.6}") } else { format!("1/{:.6}", factor.recip()) };
                 let times = text(times.trim_end_matches('0').trim_end_matches('.'));
-                match unit.clone() {
-                    None => message!("unit_factor", quantity, serials = serials(of), times),
-                    Some(unit) => {
-                        message!("unit_factor_of", quantity, serials = serials(of), times, unit)
-                    }
+                match unit {
+                    None => message!("unit_factor", quantity, serials, times),
+                    Some(unit) => message!("unit_factor_of", quantity, serials, times, unit),
                 }
             }
-            Self::Moved { serial, from, to } => message!(
-                "moved",
-                serial = serial.clone(),
-                from_imu = from.imu.clone(),
-                from_slot = from.slot.name(),
-                to_imu = to.imu.clone(),
-                to_slot = to.slot.name(),
-            ),
+            Self::Moved { serial, from, to } => {
+                let (from_slot, to_slot) = (from.slot.name(), to.slot.name());
+                message!("moved", serial, from_imu = from.imu, from_slot, to_imu = to.imu, to_slot)
+            }
         }
     }
 }

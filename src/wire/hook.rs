@@ -19,7 +19,6 @@ use crate::message;
 #[serde(deny_unknown_fields)]
 pub struct NewHookBody {
     /// For people, and the `receiver` of Alertmanager's body. The kind, where it is left out.
-    #[serde(default)]
     pub name: Option<String>,
     /// What the target understands, as `standard-webhooks`. The fault of an unknown kind lists all.
     pub kind: String,
@@ -27,10 +26,8 @@ pub struct NewHookBody {
     pub url: String,
     /// `whsec_` and 24 to 64 bytes in base64. `standard-webhooks` draws one where it is left out; other kinds are then
     /// not signed.
-    #[serde(default)]
     pub secret: Option<String>,
     /// The whole value of an `Authorization` header, as `Bearer …`.
-    #[serde(default)]
     pub authorization: Option<String>,
     #[serde(default)]
     pub filter: FilterBody,
@@ -40,7 +37,6 @@ pub struct NewHookBody {
     #[serde(default = "yes")]
     pub batch: bool,
     /// What an answer is to say for the message to count as delivered.
-    #[serde(default)]
     pub expect: Option<ExpectBody>,
 }
 

@@ -9,6 +9,7 @@ use crate::core::effects::{COMPETITORS, Effect, OwnHypothesis, Range, Written, o
 use crate::core::fault::{Fault, Faults};
 use crate::core::message::{Message, sent, text};
 use crate::message;
+use crate::wire::body::{ToBody, bodies};
 
 /// An equation for the drift that the catalogue does not hold.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -114,24 +115,12 @@ impl HypothesisBody {
             _ => Err(faults),
         }
     }
+}
 
-    /// A hypothesis as it was stated.
-    pub fn of(written: &Written) -> Self {
-        let range = |range: &Range| {
-            (range.name.clone(), HypothesisRangeBody { from: range.from, to: range.to, unit: range.unit.clone() })
-        };
-        Self {
-            id: written.id.clone(),
-            words: written.words.clone(),
-            cause: written.cause.clone(),
-            equation: written.equation.clone(),
-            unit: written.unit.clone(),
-            plausible: written.plausible,
-            typical: Some(written.typical),
-            common: written.common,
-            range: written.range.iter().map(range).collect(),
-        }
-    }
+bodies! {
+    HypothesisBody of Written: id, words, cause, equation, unit, plausible, typical: |written| Some(written.typical),
+        common, range: |written| written.range.iter().map(|range| (range.name.clone(), range.to_body())).collect();
+    HypothesisRangeBody of Range: from, to, unit;
 }
 
 /// Refuses two that have one id.
@@ -155,7 +144,7 @@ mod tests {
     fn a_file_is_read_and_written_as_the_same_hypothesis() {
         let effect = parse_toml(FILE.as_bytes()).unwrap();
         assert_eq!((effect.id(), effect.entry().unit, effect.is_nameable()), ("creep", "deg/(h g0)", true));
-        let body = HypothesisBody::of(&effect.hypothesis().unwrap().written);
+        let body = HypothesisBody::from(&effect.hypothesis().unwrap().written);
         let json = serde_json::to_string(&body).unwrap();
         let again: HypothesisBody = serde_json::from_str(&json).unwrap();
         assert_eq!(again.to_core().unwrap(), effect);

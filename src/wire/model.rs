@@ -55,16 +55,13 @@ const VERSIONS: [u32; 2] = [1, 2];
 #[derive(Debug, Clone, PartialEq, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AdoptionBody {
-    #[serde(default)]
     pub version: Option<u32>,
     /// As in the model file. Without terms, effects and sizes the plain model is in force again.
     #[serde(default)]
     pub terms: Vec<String>,
     #[serde(default)]
     pub effects: Vec<KnownEffectBody>,
-    #[serde(default)]
     pub provenance: Option<ProvenanceBody>,
-    #[serde(default)]
     pub identified: Option<IdentifiedBody>,
     #[serde(default)]
     pub plausible_sizes: BTreeMap<String, f64>,
@@ -439,7 +436,10 @@ impl From<&AugmentedModel> for ModelBody {
     }
 }
 
-bodies! { ProvenanceBody of Provenance: imu, station, measured_at; }
+bodies! {
+    ProvenanceBody of Provenance: imu, station, measured_at;
+    KnownEstimateBody of Estimate: slot, name, value, sd, unit: |estimate| unit::of_machines(estimate.unit);
+}
 
 impl From<&KnownEffect> for KnownEffectBody {
     fn from(known: &KnownEffect) -> Self {
@@ -449,18 +449,10 @@ impl From<&KnownEffect> for KnownEffectBody {
         let estimates = known.estimates.iter().filter(|e| coefficients.iter().any(|c| c.name == e.name));
         Self {
             effect: effect.id().to_owned(),
-            gyros: slots.iter().map(|slot| slot.name().to_owned()).collect(),
+            gyros: slots.to_body(),
             shape: ShapeBody::of(*shape),
-            hypothesis: effect.hypothesis().map(|own| HypothesisBody::of(&own.written)),
-            estimates: estimates
-                .map(|e| KnownEstimateBody {
-                    slot: e.slot.map_or("all", Slot::name).to_owned(),
-                    name: e.name.to_owned(),
-                    value: e.value,
-                    sd: e.sd,
-                    unit: unit::of_machines(e.unit),
-                })
-                .collect(),
+            hypothesis: effect.hypothesis().map(|own| HypothesisBody::from(&own.written)),
+            estimates: estimates.map(KnownEstimateBody::from).collect(),
         }
     }
 }

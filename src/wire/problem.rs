@@ -83,6 +83,7 @@ not_there! {
     no_such_hook(id): "title_no_such_hook", message!("no_such_hook", id = text(id));
     no_such_delivery(id): "title_no_such_delivery", message!("no_such_delivery", id = text(id));
     no_such_diagnoses(id): "title_no_such_diagnoses", message!("no_such_diagnoses", id = text(id));
+    no_such_token(id): "title_no_such_token", message!("no_such_token", id = text(id));
 }
 
 impl Problem {

@@ -4,12 +4,11 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::message::MessageBody;
-use super::time;
 use crate::core::diagnose::{Moved, Parts, Split};
 use crate::core::mounting::Slot;
-use crate::wire::body::bodies;
+use crate::wire::body::{ToBody, bodies};
 use crate::wire::unit;
-use crate::words::{Language, asked};
+use crate::words::Language;
 
 /// What parts a campaign from a reference of the same IMU.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -72,34 +71,13 @@ pub struct MovedBody {
 bodies! {
     PartsBody of Parts: whole_deg_per_h = whole, parameters_deg_per_h = parameters, structure_deg_per_h = structure,
         noise_deg_per_h = noise, p_value;
+    MovedBody of Moved: slot, coefficient, reference, now, shift: |moved| moved.now - moved.reference, sd,
+        unit: |moved| unit::of_machines(moved.unit);
+    SplitBody of Split: imu, station, measured_at, all, gyros, moved, notes, note_codes = notes;
 }
 
-impl From<&Moved> for MovedBody {
-    fn from(m: &Moved) -> Self {
-        Self {
-            slot: m.slot.name().to_owned(),
-            coefficient: m.coefficient.to_owned(),
-            reference: m.reference,
-            now: m.now,
-            shift: m.now - m.reference,
-            sd: m.sd,
-            unit: unit::of_machines(m.unit),
-        }
-    }
-}
-
-impl From<&Split> for SplitBody {
-    fn from(s: &Split) -> Self {
-        let gyro = |(slot, parts): &(Slot, Parts)| GyroPartsBody { slot: slot.name().to_owned(), parts: parts.into() };
-        Self {
-            imu: s.imu.to_string(),
-            station: s.station.to_string(),
-            measured_at: time::format(s.measured_at),
-            all: PartsBody::from(&s.all),
-            gyros: s.gyros.iter().map(gyro).collect(),
-            moved: s.moved.iter().map(MovedBody::from).collect(),
-            notes: s.notes.iter().map(|note| asked().words(note)).collect(),
-            note_codes: s.notes.iter().map(|note| MessageBody::of(note, asked())).collect(),
-        }
+impl ToBody<GyroPartsBody> for (Slot, Parts) {
+    fn to_body(&self) -> GyroPartsBody {
+        GyroPartsBody { slot: self.0.to_body(), parts: self.1.to_body() }
     }
 }

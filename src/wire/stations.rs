@@ -183,17 +183,11 @@ impl StationBody {
     }
 }
 
-impl From<&SuspectWindow> for SuspectWindowBody {
-    fn from(SuspectWindow { span, author, reason }: &SuspectWindow) -> Self {
-        let (from, to) = (time::format(span.from), time::format(span.to));
-        Self { from, to, by: author.clone(), reason: reason.clone() }
-    }
-}
-
 bodies! {
     StationColumnBody of StationColumn: repeatability, offset, drift, drifts, steps, windows, gyro_by_station = by_gyro,
         course;
     SpreadBody of Spread: sd, interval;
+    SuspectWindowBody of SuspectWindow: from = span.from, to = span.to, by = author, reason;
     SharedBody of Shared: value, sd, gyros, imus;
     CoursePointBody of CoursePoint: at, value, sd, records;
 }

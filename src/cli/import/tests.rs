@@ -137,14 +137,14 @@ async fn what_is_sent_goes_by_way_of_the_proxy_that_is_named() {
 }
 
 /// Watches until `done`, or fails after ten seconds.
-async fn watch_until(dir: &Path, service: &Service, done: impl Fn() -> bool) {
+async fn watch_until(dir: &Path, service: &Service, digest: bool, done: impl Fn() -> bool) {
     let finished = async {
         while !done() {
             tokio::time::sleep(Duration::from_millis(20)).await;
         }
     };
     tokio::select! {
-        stopped = watch(dir, TableMap::default(), Some(Duration::ZERO), service, false) => stopped.unwrap(),
+        stopped = watch(dir, TableMap::default(), Some(Duration::ZERO), service, digest) => stopped.unwrap(),
         waited = tokio::time::timeout(Duration::from_secs(10), finished) => waited.expect("it is done within ten seconds"),
     }
 }
@@ -157,9 +157,9 @@ async fn a_file_that_the_service_stumbles_over_holds_up_no_other() {
     let script = Script::new(&[(500, "oops"), (201, r#"{"id":"r2"}"#)], (200, r#"{"id":"r1"}"#));
     let service = script.serve().await;
     let sent = dir.path().join("sent");
-    watch_until(dir.path(), &service, || sent.join("2-good.json").exists()).await;
+    watch_until(dir.path(), &service, false, || sent.join("2-good.json").exists()).await;
     assert!(dir.path().join("1-poison.json").exists(), "it stays until it is acknowledged");
-    watch_until(dir.path(), &service, || sent.join("1-poison.json").exists()).await;
+    watch_until(dir.path(), &service, false, || sent.join("1-poison.json").exists()).await;
 }
 
 #[tokio::test]
@@ -173,7 +173,7 @@ async fn what_is_refused_lies_aside_with_the_reason_and_what_is_unfinished_is_le
     let service = Script::new(&[], (422, REFUSED)).serve().await;
     let refused = dir.path().join("refused");
     let both = || refused.join("bad.json").exists() && refused.join("not-json.json").exists();
-    watch_until(dir.path(), &service, both).await;
+    watch_until(dir.path(), &service, false, both).await;
     assert_eq!(fs::read_to_string(refused.join("bad.json.reason.txt")).unwrap(), "/imu: is missing\n");
     let reason = fs::read_to_string(refused.join("not-json.json.reason.txt")).unwrap();
     assert!(reason.contains("line 1 column 10"), "{reason}");
@@ -188,7 +188,7 @@ async fn a_wrong_token_or_address_moves_no_file() {
         fs::write(dir.path().join("run.json"), RECORD).unwrap();
         let script = Script::new(&[(status, REFUSED)], (201, r#"{"id":"r1"}"#));
         let service = script.clone().serve().await;
-        watch_until(dir.path(), &service, || !script.heard().is_empty()).await;
+        watch_until(dir.path(), &service, false, || !script.heard().is_empty()).await;
         assert!(dir.path().join("run.json").exists(), "{status}");
     }
 }
@@ -208,7 +208,7 @@ async fn a_revision_whose_answer_was_lost_is_done_and_another_of_the_same_conten
         let script = Script::new(&[(200, r#"{"id":"r2"}"#)], (200, &stands(author)));
         let service = script.serve().await;
         let moved = dir.path().join(moved_to).join("run.json");
-        watch_until(dir.path(), &service, || moved.exists()).await;
+        watch_until(dir.path(), &service, false, || moved.exists()).await;
     }
 }
 
@@ -223,7 +223,7 @@ async fn a_revision_that_cannot_be_handled_holds_up_no_other() {
     fs::write(file("b.json.why.txt"), SAID).unwrap();
     let script = Script::new(&[], (201, STORED));
     let service = script.serve().await;
-    watch_until(dir.path(), &service, || dir.path().join("sent/b.json").exists()).await;
+    watch_until(dir.path(), &service, false, || dir.path().join("sent/b.json").exists()).await;
     assert!(file("a.json").exists(), "it stays");
 }
 
@@ -234,14 +234,6 @@ async fn a_file_whose_lines_a_broken_try_has_stored_ends_its_import_too() {
     let known = "{\"status\":200}\n{\"status\":200}\n";
     let script = Script::new(&[(200, known)], (200, ""));
     let service = script.clone().serve().await;
-    let finished = async {
-        while !dir.path().join("sent/run.ndjson").exists() {
-            tokio::time::sleep(Duration::from_millis(20)).await;
-        }
-    };
-    tokio::select! {
-        stopped = watch(dir.path(), TableMap::default(), Some(Duration::ZERO), &service, true) => stopped.unwrap(),
-        waited = tokio::time::timeout(Duration::from_secs(10), finished) => waited.expect("it is sent"),
-    }
+    watch_until(dir.path(), &service, true, || dir.path().join("sent/run.ndjson").exists()).await;
     assert_eq!(script.heard(), [format!("{RECORD}{RECORD}"), String::new()], "the end of the import");
 }

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Error, bail};
+use anyhow::{Context, Error};
 use clap::Args;
 use comfy_table::Table;
 
 use super::hypothesis;
-use super::tallies::{figures, percent, progress, target};
+use super::tallies::{demand, figures, percent, progress, target};
 use crate::blindcheck::answer::Answer;
 use crate::blindcheck::draw::{Case, Draw};
 use crate::blindcheck::hypothesis::{FOUND, HypothesisReport, NoReport};
@@ -142,10 +142,7 @@ impl Blindcheck {
         };
         let report = Report::of(&seal, scores);
         self.format.show(&report, || tables(&report, begun.elapsed().as_secs_f64()))?;
-        if self.strict && !report.reached() {
-            bail!(word("terminal_not_reached"));
-        }
-        Ok(())
+        demand(self.strict, report.reached())
     }
 
     fn kinds(&self) -> anyhow::Result<()> {

@@ -2,17 +2,17 @@
 
 use std::time::Instant;
 
-use anyhow::{Error, bail};
+use anyhow::Error;
 use clap::Args;
 
 use super::blindcheck_service::ask;
-use super::tallies::{figures, progress, target};
+use super::tallies::{demand, figures, progress, target};
 use crate::blindcheck::history::draw::{DrawnFleet, HiddenCause};
 use crate::blindcheck::history::report::{HistoryRate, HistoryReport};
 use crate::blindcheck::history::run;
 use crate::blindcheck::history::speed::{Speed, measure};
 use crate::cli::document::{Format, table_of};
-use crate::cli::errors::{said, with_causes, word};
+use crate::cli::errors::{said, with_causes};
 use crate::message;
 
 /// Draw fleets with a hidden cause, send each to a service of its own, score what it answers of every gyro
@@ -63,10 +63,7 @@ impl History {
         bar.finish_and_clear();
         let report = HistoryReport::of(self.seed, &scores);
         self.format.show(&report, || tables(&report, begun.elapsed().as_secs_f64()))?;
-        if self.strict && !report.reached() {
-            bail!(word("terminal_not_reached"));
-        }
-        Ok(())
+        demand(self.strict, report.reached())
     }
 }
 

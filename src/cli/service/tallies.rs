@@ -1,5 +1,6 @@
 //! How the blind checks show their progress and their proportions.
 
+use anyhow::bail;
 use indicatif::ProgressBar;
 
 use crate::blindcheck::tally::Tally;
@@ -24,6 +25,14 @@ pub(super) fn target(at_least: Option<f64>, at_most: Option<f64>, reached: Optio
     let goal = goal.or_else(|| at_most.map(|share| format!("<= {}", percent(share))));
     let mark = reached.map_or("", |reached| word(if reached { "terminal_reached" } else { "terminal_short_of_it" }));
     [goal.unwrap_or_default(), mark.to_owned()]
+}
+
+/// With `strict`, what has not been reached is an error.
+pub(super) fn demand(strict: bool, reached: bool) -> anyhow::Result<()> {
+    if strict && !reached {
+        bail!(word("terminal_not_reached"));
+    }
+    Ok(())
 }
 
 pub(super) fn percent(share: f64) -> String {

@@ -8,6 +8,7 @@ use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 
 use super::request::{Request, TrendText};
+use crate::http::problem::Answer;
 use crate::http::query;
 
 /// A tag of what the answer holds (rows by identifier and what is shown of them, or periods with the events), and how it
@@ -22,19 +23,24 @@ pub(super) fn etag(request: &Request, holds: &impl Hash, next: &Option<String>) 
     HeaderValue::from_str(&tag).expect("hexadecimal digits in quotes are a valid header")
 }
 
-pub(super) fn is_known(headers: &HeaderMap, tag: &HeaderValue) -> bool {
+fn is_known(headers: &HeaderMap, tag: &HeaderValue) -> bool {
     let known = headers.get(IF_NONE_MATCH).and_then(|known| known.to_str().ok());
     let tag = tag.to_str().unwrap_or_default();
     // A proxy that compresses may weaken the tag.
     known.is_some_and(|known| known.split(',').any(|k| k.trim().trim_start_matches("W/") == tag || k.trim() == "*"))
 }
 
-pub(super) fn not_modified(tag: &HeaderValue) -> Response {
-    (StatusCode::NOT_MODIFIED, [(ETAG, tag.clone())]).into_response()
-}
-
-pub(super) fn answer(body: TrendText, tag: &HeaderValue, uri: &Uri) -> Response {
-    let media_type = if body.csv { "text/csv; charset=utf-8" } else { "application/json" };
-    let link = query::link(uri, body.next.as_deref());
-    (link, [(CONTENT_TYPE, media_type), (VARY, "accept")], [(ETAG, tag.clone())], body.text).into_response()
+/// What the client knows already is not written again.
+pub(super) fn answer(
+    (uri, headers): (&Uri, &HeaderMap),
+    tag: HeaderValue,
+    written: impl FnOnce() -> Answer<TrendText>,
+) -> Answer<Response> {
+    if is_known(headers, &tag) {
+        return Ok((StatusCode::NOT_MODIFIED, [(ETAG, tag)]).into_response());
+    }
+    let TrendText { text, csv, next } = written()?;
+    let media_type = if csv { "text/csv; charset=utf-8" } else { "application/json" };
+    let link = query::link(uri, next.as_deref());
+    Ok((link, [(CONTENT_TYPE, media_type), (VARY, "accept")], [(ETAG, tag)], text).into_response())
 }

@@ -3,7 +3,7 @@
 use super::body::Point;
 use crate::config::JudgedMethod;
 use crate::core::figures::Figures;
-use crate::core::judge::{Coefficient, State as Judgement};
+use crate::core::judge::{Coefficient, State};
 use crate::pipeline::{BenchItem, Names, Statuses, sample_of};
 
 /// A record or an event that an answer holds, and what is shown of the record: another model in force restates it.
@@ -35,7 +35,7 @@ pub(super) fn seen_bench(row: &BenchItem) -> Seen {
 }
 
 fn state_of(figures: &Figures, column: usize) -> &'static str {
-    figures.states.0[column].unwrap_or(Judgement::Indeterminate).name()
+    figures.states.0[column].unwrap_or(State::Indeterminate).name()
 }
 
 pub(super) fn separated_point<'t>(

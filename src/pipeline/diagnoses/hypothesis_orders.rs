@@ -51,7 +51,7 @@ impl HypothesisHandler<'_> {
                     None if known.len() >= MOST => return Err(OrderError::TooManyHypotheses(MOST)),
                     None => {}
                 }
-                let written = effect.hypothesis().map(|own| HypothesisBody::of(&own.written));
+                let written = effect.hypothesis().map(|own| HypothesisBody::from(&own.written));
                 let (id, body) = (self.writer.next_id(self.now), text(&written));
                 let (author, reason) = (author.clone(), reason.clone());
                 let row = HypothesisRow { id, body, author, reason, added_at: self.now, ended_at: None };

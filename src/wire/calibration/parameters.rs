@@ -5,9 +5,11 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use crate::core::calibrate::design::unit;
+use crate::core::calibrate::bench::BenchCoefficient;
+use crate::core::calibrate::design;
 use crate::core::calibrate::{EffectParameter, GyroCalibration, NullDirection, Parameter};
 use crate::wire::answer::UncertaintyBody;
+use crate::wire::body::bodies;
 use crate::wire::unit;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -54,7 +56,7 @@ impl ParameterBody {
         Self {
             uncertainty: budget.map(|[budget]| budget.into()),
             name: p.name.to_owned(),
-            unit: unit(p.term).to_owned(),
+            unit: design::unit(p.term).to_owned(),
             value: p.value,
             sd: p.sd,
             determined: p.determined,
@@ -62,16 +64,10 @@ impl ParameterBody {
     }
 }
 
-impl EffectParameterBody {
-    pub(super) fn of(e: &EffectParameter) -> Self {
-        Self {
-            effect: e.effect.id().to_owned(),
-            name: e.coefficient.name.to_owned(),
-            unit: unit::of_machines(e.coefficient.unit),
-            value: e.value,
-            sd: e.sd,
-        }
-    }
+bodies! {
+    ParameterBody of BenchCoefficient: name, unit, value, sd, determined: |_| true, uncertainty: |_| None;
+    EffectParameterBody of EffectParameter: effect, name = coefficient.name,
+        unit: |parameter| unit::of_machines(parameter.coefficient.unit), value, sd;
 }
 
 impl NullDirectionBody {

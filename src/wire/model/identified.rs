@@ -16,7 +16,7 @@ use crate::wire::body::{ToBody, bodies};
 use crate::wire::geometry::GeometryBody;
 use crate::wire::numbers::in_range;
 use crate::wire::triple::Triple;
-use crate::wire::{text, time, unit};
+use crate::wire::{text, unit};
 
 /// Most coefficients that a model may have: three gyros with every effect of the catalogue.
 const MOST: usize = 400;
@@ -132,6 +132,9 @@ const TERM_NAMES: [(Term, &[&str]); 4] = [
 ];
 
 bodies! {
+    ModelGyroBody of ModelGyro: slot, serial, e_held, e_pulse_per_arcsec = e, g_pulse_per_s_g0 = g, noise;
+    NoiseLawBody of NoiseLaw: sem_factor, random_walk_deg_per_sqrt_h = random_walk, rate_noise_ppm = rate_ppm,
+        dof: |noise| Some(noise.dof).filter(|dof| dof.is_finite());
     FittedCampaignBody of FittedCampaign: station, measured_at, dwells, source;
     ValidityBody of Validity: temperature_c, rate_arcsec_s, directions;
 }
@@ -148,7 +151,7 @@ impl IdentifiedBody {
                 }
             };
             ModelCoefficientBody {
-                slot: c.slot.map_or("all", Slot::name).to_owned(),
+                slot: c.slot.to_body(),
                 effect,
                 name: name.to_owned(),
                 value: c.value,
@@ -157,25 +160,12 @@ impl IdentifiedBody {
                 unit: unit::of_machines(unit),
             }
         };
-        let gyro = |gyro: &ModelGyro| ModelGyroBody {
-            slot: gyro.slot.name().to_owned(),
-            serial: gyro.serial.to_string(),
-            e_held: gyro.e_held,
-            e_pulse_per_arcsec: gyro.e.into(),
-            g_pulse_per_s_g0: gyro.g.into(),
-            noise: NoiseLawBody {
-                sem_factor: gyro.noise.sem_factor,
-                random_walk_deg_per_sqrt_h: gyro.noise.random_walk,
-                rate_noise_ppm: gyro.noise.rate_ppm,
-                dof: gyro.noise.dof.is_finite().then_some(gyro.noise.dof),
-            },
-        };
         Self {
-            imu: model.imu.to_string(),
-            geometry: GeometryBody::of(&model.geometry),
+            imu: model.imu.to_body(),
+            geometry: model.geometry.to_body(),
             reference_temperature_c: model.reference_c,
-            measured_at: time::format(model.measured_at),
-            gyros: model.gyros.iter().map(gyro).collect(),
+            measured_at: model.measured_at.to_body(),
+            gyros: model.gyros.to_body(),
             coefficients: model.coefficients.iter().enumerate().map(coefficient).collect(),
             covariance: (0..model.coefficients.len())
                 .map(|i| (0..=i).map(|k| model.covariance[(i, k)]).collect())

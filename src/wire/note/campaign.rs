@@ -14,17 +14,7 @@ const NAMED: usize = 5;
 
 pub(super) fn message(note: &CampaignNote) -> Message {
     match note {
-        CampaignNote::Missing { column, dwells, of } => {
-            let (count, of, dwells) = (dwells.len(), *of, places(dwells));
-            match column {
-                DwellColumn::Attitude => message!("some_attitudes_missing", count, of, dwells),
-                DwellColumn::Temperature if 2 * count > of => {
-                    message!("temperatures_mostly_missing", count, of, dwells)
-                }
-                DwellColumn::Temperature => message!("temperatures_missing", count, of, dwells),
-                DwellColumn::StandardErrors => message!("standard_errors_missing", count, of, dwells),
-            }
-        }
+        CampaignNote::Missing { column, dwells, of } => missing(*column, dwells, *of),
         CampaignNote::TemperatureOutlier { dwell, celsius, median } => {
             message!("temperature_outlier", dwell = text(dwell), celsius = text(celsius), median = figure(*median, 2),)
         }
@@ -60,19 +50,11 @@ pub(super) fn message(note: &CampaignNote) -> Message {
         CampaignNote::ResidualsExceedNoise { gyros } => {
             message!("residuals_exceed_noise", slots = list(gyros.iter().map(|slot| slot.name())))
         }
-        CampaignNote::EffectLeftOut { slot, effect, why } => {
-            let why = match why {
-                LeftOut::Lacks(what) => what.message(),
-                LeftOut::NotTold => message!("not_told_apart"),
-                LeftOut::Held => message!("held_as_in_model"),
-                LeftOut::AnyTemperature => message!("any_temperature"),
-            };
-            match slot {
-                None => message!("effect_left_out", effect = effect.id(), why),
-                Some(slot) => {
-                    message!("effect_left_out_of_gyro", slot = slot.name(), effect = effect.id(), why)
-                }
-            }
+        CampaignNote::EffectLeftOut { slot: None, effect, why } => {
+            message!("effect_left_out", effect = effect.id(), why = left_out(why))
+        }
+        CampaignNote::EffectLeftOut { slot: Some(slot), effect, why } => {
+            message!("effect_left_out_of_gyro", slot = slot.name(), effect = effect.id(), why = left_out(why))
         }
         CampaignNote::EffectAtReference { effect } => message!("effect_at_reference", effect = effect.word()),
         CampaignNote::EffectsLeftOut { why } => message!("effects_left_out", why = why.message()),
@@ -97,11 +79,31 @@ pub(super) fn message(note: &CampaignNote) -> Message {
     }
 }
 
+fn missing(column: DwellColumn, dwells: &[usize], of: usize) -> Message {
+    let (count, dwells) = (dwells.len(), places(dwells));
+    match column {
+        DwellColumn::Attitude => message!("some_attitudes_missing", count, of, dwells),
+        DwellColumn::Temperature if 2 * count > of => message!("temperatures_mostly_missing", count, of, dwells),
+        DwellColumn::Temperature => message!("temperatures_missing", count, of, dwells),
+        DwellColumn::StandardErrors => message!("standard_errors_missing", count, of, dwells),
+    }
+}
+
+fn left_out(why: &LeftOut) -> Message {
+    match why {
+        LeftOut::Lacks(what) => what.message(),
+        LeftOut::NotTold => message!("not_told_apart"),
+        LeftOut::Held => message!("held_as_in_model"),
+        LeftOut::AnyTemperature => message!("any_temperature"),
+    }
+}
+
 pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
     let pointers = |dwells: &[usize], field: &str| -> Vec<String> {
         dwells.iter().map(|k| format!("/dwells/{k}/{field}")).collect()
     };
     let value = match note {
+        CampaignNote::NoStandardErrors | CampaignNote::NoRepeats | CampaignNote::EffectsLeftOut { .. } => json!({}),
         CampaignNote::Missing { column, dwells, of } => {
             json!({"pointers": pointers(dwells, column.name()), "of": of})
         }
@@ -113,7 +115,6 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
         CampaignNote::RateNotOfAttitude { off, of, dwell, most_arcsec_s } => json!({
             "pointer": format!("/dwells/{dwell}/rate_arcsec_s"), "dwells": off, "of": of, "arcsec_s": most_arcsec_s
         }),
-        CampaignNote::NoStandardErrors | CampaignNote::NoRepeats => json!({}),
         CampaignNote::NoiseGrows { times } => json!({"times": times}),
         CampaignNote::NoiseShared { correlation } => json!({"correlation": correlation}),
         CampaignNote::NoiseRemembers { probability, deg_per_h } => {
@@ -132,7 +133,6 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
             None => json!({"effect": effect.id()}),
         },
         CampaignNote::EffectAtReference { effect } => json!({"effect": effect.id()}),
-        CampaignNote::EffectsLeftOut { .. } => json!({}),
         CampaignNote::StationLeftOut { parts, .. } => {
             json!({"parts": parts.iter().map(|part| part.name()).collect::<Vec<_>>()})
         }

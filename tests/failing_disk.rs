@@ -192,7 +192,7 @@ async fn after_a_failed_flush_nothing_is_stored_and_none_is_tried_again() {
     }
     let copying = [("GYROWATCH_DATABASE__CHECKPOINT_PAGES", "40")];
     for (what, file, when, settings) in [
-        ("of a commit", "gyrowatch.db-wal", "62", &[][..]),
+        ("of a commit", "gyrowatch.db-wal", "64", &[][..]),
         ("of the database while the log is copied into it", "gyrowatch.db", "18", &copying),
     ] {
         // One flush of a thread fails and later ones would succeed: who tries again is found out.

@@ -8,7 +8,7 @@ use crate::cluster;
 use crate::command::{beside, ended, verified};
 use crate::lab;
 use crate::receiver;
-use crate::support::{NEVER_LATE, SUMMARY, Server, data, document, file_url, gyrowatch, id, root};
+use crate::support::{NEVER_LATE, SUMMARY, Server, data, document, file_url, gyrowatch, id, once, root};
 use serde_json::{Value, json};
 use sqlx::migrate::Migrator;
 use sqlx::{AssertSqlSafe, ConnectOptions, Connection, PgConnection, SqliteConnection};
@@ -30,7 +30,8 @@ async fn filled(settings: &[(&str, &str)]) -> (Server, Vec<(String, Value)>) {
     let event = json!({ "event": "repair", "reason": "new motor", "at": "2026-03-20T00:00:00Z" });
     assert_eq!(server.post_json("/v1/gyros/LFG-0101/events", &event).await.status, 201);
     for campaign in ["practice/campaign-00.json", "practice/campaign-02.json"] {
-        assert_eq!(server.post("/v1/campaigns", "application/json", data(campaign)).await.status, 201);
+        let stored = server.post("/v1/campaigns", "application/json", data(campaign)).await.created();
+        paths.push(format!("/v1/campaigns/{}", stored["id"].as_str().unwrap()));
     }
     paths.push(SUMMARY.into());
     let benches = server.post("/v1/import", "application/x-ndjson", data("paper-bench.ndjson")).await.text();
@@ -59,6 +60,13 @@ async fn goes_on(upgraded: &Server, version: i64) {
     let mut new = document("paper.json");
     new["calibrated_at"] = "2026-04-12T08:00:00Z".into();
     assert_eq!(upgraded.post_json("/v1/records", &new).await.status, 201, "version {version}");
+}
+
+/// What an earlier version stored as it was sent is deflated.
+async fn deflates(count: impl AsyncFn(&'static str) -> i64) {
+    let of_campaigns = "SELECT count(*) FROM record WHERE kind = 1 AND packed IS NULL";
+    once(async || count(of_campaigns).await, |unpacked| *unpacked == 0).await;
+    assert_eq!(count("SELECT count(*) FROM record WHERE kind = 1 AND body = ''").await, 2);
 }
 
 async fn names(connection: &mut SqliteConnection, sql: String) -> Vec<String> {
@@ -184,6 +192,12 @@ async fn a_database_of_every_earlier_version_is_brought_up_to_date_with_all_that
             assert_eq!(after, before, "version {version}: {path}");
         }
         goes_on(&upgraded, version).await;
+        let file = file_url(&upgraded.database());
+        deflates(async |sql| {
+            let mut connection = SqliteConnection::connect(&file).await.unwrap();
+            sqlx::query_scalar(sql).fetch_one(&mut connection).await.unwrap()
+        })
+        .await;
         assert!(upgraded.terminate().0.success());
         let said = verified(&file_url(&upgraded.database()));
         assert!(said.contains("gyros compared in lists"), "version {version}: {said}");
@@ -261,6 +275,11 @@ async fn a_database_of_a_server_of_every_earlier_version_is_brought_up_to_date_w
             assert_eq!(after, before, "version {version}: {path}");
         }
         goes_on(&upgraded, version).await;
+        deflates(async |sql| {
+            let mut connection = PgConnection::connect(&url).await.unwrap();
+            sqlx::query_scalar(sql).fetch_one(&mut connection).await.unwrap()
+        })
+        .await;
         let said = verified(&url);
         assert!(said.contains("gyros compared in lists"), "version {version}: {said}");
     }

@@ -40,6 +40,7 @@ use diagnoses::Diagnoser;
 use diagnoses::background::IdleDetector;
 use diagnoses::models::ModelCache;
 use ingest::stale::StaleCalibrations;
+use ingest::unpacked::UnpackedTexts;
 use ingest::writer;
 use ingest::writer::Duties;
 use write_queue::{Job, WriteQueue};
@@ -105,6 +106,7 @@ impl Pipeline {
         // It ends when the writers, who alone tell it of more, are gone.
         tokio::spawn(diagnoses.diagnoser.clone().run(watched));
         let (queue, idle) = (pipeline.queue.downgrade(), ingest.activity.clone());
+        tokio::spawn(UnpackedTexts { store: ingest.store.clone(), queue: queue.clone(), idle: idle.clone() }.run());
         tokio::spawn(StaleCalibrations { reader: reader.clone(), queue, idle }.run());
         let writers = std::iter::once((writer, Duties::Orders))
             .chain(partitions.into_iter().map(|partition| (partition, Duties::Partition)));

@@ -13,7 +13,7 @@ use crate::pipeline::error::{OrderError, WriteError};
 use crate::pipeline::hooks::{Found, Order};
 use crate::pipeline::ingest::{Accepted, Reply, Restated, Submission};
 use crate::store;
-use crate::store::Store;
+use crate::store::{PackedText, Store};
 use crate::wire::alert::AlertBody;
 
 /// Where an answer goes.
@@ -33,6 +33,8 @@ pub(super) enum Job {
     Model { adoption: Box<(Adoption, Restated)>, by: Actor, reply: ReplyTo<Accepted, OrderError> },
     /// Calibrations of an IMU by its number, as the model states them that is in force.
     Restate { stale: Box<(u32, Id, Restated)>, reply: ReplyTo<(), WriteError> },
+    /// Texts of stored records are deflated.
+    Pack { texts: Vec<PackedText>, reply: ReplyTo<(), WriteError> },
     /// A hypothesis is to compete in all diagnoses, or no longer.
     Hypothesis { order: HypothesisOrder, by: Actor, reply: ReplyTo<Accepted, OrderError> },
     /// Many campaigns are to be diagnosed, or no longer.

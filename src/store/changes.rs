@@ -23,7 +23,7 @@ use crate::store::tables::hook::HookRow;
 use crate::store::tables::hypothesis::HypothesisRow;
 use crate::store::tables::keys::KeyRow;
 use crate::store::tables::model::ModelRow;
-use crate::store::tables::record::{RecordRow, RejudgedSheet};
+use crate::store::tables::record::{PackedText, RecordRow, RejudgedSheet};
 use crate::store::tables::set_aside::{ConfirmationRow, SetAside};
 use crate::store::tables::silence::SilenceRow;
 use crate::store::tables::suspect_window::WindowMarkRow;
@@ -35,6 +35,8 @@ pub struct Changes {
     pub stations: Vec<NewName>,
     pub gyros: Vec<NewName>,
     pub records: Vec<RecordRow>,
+    /// Texts of stored records, deflated from now on.
+    pub packed: Vec<PackedText>,
     pub history: Vec<HistoryRow>,
     /// Stored rows that are judged anew.
     pub rejudged: Rejudged,
@@ -121,6 +123,7 @@ impl Changes {
 
     pub fn is_empty(&self) -> bool {
         self.records.is_empty()
+            && self.packed.is_empty()
             && self.corrections.is_empty()
             && self.confirmed.is_empty()
             && self.benches.is_empty()

@@ -50,7 +50,9 @@ pub use crate::store::tables::hook::HookRow;
 pub use crate::store::tables::hypothesis::HypothesisRow;
 pub use crate::store::tables::keys::KeyRow;
 pub use crate::store::tables::model::ModelRow;
-pub use crate::store::tables::record::{RecordAt, RecordEntry, RecordFilter, RecordRow, RejudgedSheet, StationTotals};
+pub use crate::store::tables::record::{
+    PackedText, RecordAt, RecordEntry, RecordFilter, RecordRow, RejudgedSheet, StationTotals,
+};
 pub use crate::store::tables::set_aside::{ConfirmationRow, StoredAside};
 pub use crate::store::tables::silence::SilenceRow;
 pub use crate::store::tables::suspect_window::WindowMarkRow;

@@ -25,7 +25,7 @@ use crate::store::sqlite::{lock, private};
 use crate::store::tables::hook;
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-pub(super) const MIGRATIONS: [(i64, &str, &str); 29] = [
+pub(super) const MIGRATIONS: [(i64, &str, &str); 30] = [
     (1, "history", include_str!("../../migrations/sqlite/0001_history.sql")),
     (2, "alerts", include_str!("../../migrations/sqlite/0002_alerts.sql")),
     (3, "models", include_str!("../../migrations/sqlite/0003_models.sql")),
@@ -55,6 +55,7 @@ pub(super) const MIGRATIONS: [(i64, &str, &str); 29] = [
     (27, "suspect_windows", include_str!("../../migrations/sqlite/0027_suspect_windows.sql")),
     (28, "bounded_lists", include_str!("../../migrations/sqlite/0028_bounded_lists.sql")),
     (29, "imu_order", include_str!("../../migrations/sqlite/0029_imu_order.sql")),
+    (30, "long_texts", include_str!("../../migrations/sqlite/0030_long_texts.sql")),
 ];
 
 /// Opens the database, creates it if there is none, and brings its schema up to date.

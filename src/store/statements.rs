@@ -25,6 +25,7 @@ pub(super) fn batch_of(changes: &Changes) -> Batch {
     }
     correction::withdraw(&changes.withdrawn, &mut batch);
     record::insert(&changes.records, &mut batch);
+    record::pack(&changes.packed, &mut batch);
     set_aside::insert(&changes.set_aside, &mut batch);
     set_aside::confirm(&changes.confirmed, changes.history.iter(), &mut batch);
     set_aside::note(&changes.rejudged.notes, &mut batch);

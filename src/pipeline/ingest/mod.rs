@@ -12,6 +12,7 @@ mod refused;
 mod same_content;
 pub(super) mod stale;
 pub(super) mod submission;
+pub(super) mod unpacked;
 pub(super) mod writer;
 
 use std::collections::BTreeMap;

@@ -19,7 +19,7 @@ use crate::store::sqlite::write_behind::WriteBehind;
 use crate::store::writer::Writer;
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-const MIGRATIONS: [(i64, &str, &str); 22] = [
+const MIGRATIONS: [(i64, &str, &str); 23] = [
     (1, "schema", include_str!("../../../migrations/postgres/0001_schema.sql")),
     (2, "claims", include_str!("../../../migrations/postgres/0002_claims.sql")),
     (3, "shared_limits", include_str!("../../../migrations/postgres/0003_shared_limits.sql")),
@@ -42,6 +42,7 @@ const MIGRATIONS: [(i64, &str, &str); 22] = [
     (20, "suspect_windows", include_str!("../../../migrations/postgres/0020_suspect_windows.sql")),
     (21, "bounded_lists", include_str!("../../../migrations/postgres/0021_bounded_lists.sql")),
     (22, "imu_order", include_str!("../../../migrations/postgres/0022_imu_order.sql")),
+    (23, "long_texts", include_str!("../../../migrations/postgres/0023_long_texts.sql")),
 ];
 
 /// How long who reads everything waits for the next row.

@@ -112,6 +112,50 @@ pub(crate) fn insert(records: &[RecordRow], batch: &mut Batch) {
     batch.insert("record", COLUMNS, OnConflict::Fail, rows);
 }
 
+/// The text of a stored record, deflated.
+#[derive(Debug, Clone)]
+pub struct PackedText {
+    pub record: Id,
+    pub imu: u32,
+    packed: Vec<u8>,
+}
+
+pub(crate) fn pack(texts: &[PackedText], batch: &mut Batch) {
+    let mut rows = Rows::default();
+    texts.iter().for_each(|text| rows.row().put(&text.record).bytes(&text.packed));
+    batch.change("UPDATE record SET body = '', packed = $C1", "id = $C0 AND packed IS NULL", rows);
+}
+
+/// Of records with a long text that an earlier version stored as it was sent; as the index `record_unpacked` has it.
+const UNPACKED: Sql = Sql {
+    sqlite: "packed IS NULL AND length(CAST(body AS BLOB)) >= 2048",
+    postgres: "packed IS NULL AND octet_length(body) >= 2048",
+};
+
+/// How many records have a long text that is not deflated.
+pub async fn count_unpacked(store: &Store) -> Result<usize, StoreError> {
+    let sql = AssertSqlSafe(format!("SELECT count(*) FROM record WHERE {}", store.readers.words(UNPACKED)));
+    Ok(counted(read!(store, query_scalar.fetch_one, sql)))
+}
+
+/// Long texts that are not deflated, of the first records after `after`, as many as `limit`: deflated, and the last of
+/// these records. One that does not become shorter stays as it is.
+pub async fn unpacked(store: &Store, after: Id, limit: u32) -> Result<Option<(Vec<PackedText>, Id)>, StoreError> {
+    let sql = format!(
+        "SELECT id, imu, body FROM record WHERE {} AND id > $1 ORDER BY id LIMIT $2",
+        store.readers.words(UNPACKED)
+    );
+    let rows: Vec<(i64, Whole<u32>, String)> =
+        read!(store, query_as.fetch_all, AssertSqlSafe(sql), after.0, Whole(limit));
+    let Some((last, ..)) = rows.last() else { return Ok(None) };
+    look_up_numbers(store, [rows.iter().map(|(_, Whole(imu), _)| *imu).collect(), Vec::new(), Vec::new()]).await?;
+    let packed = |(id, Whole(imu), body): &(i64, Whole<u32>, String)| {
+        let (_, packed) = text::pack(body);
+        Some(PackedText { record: Id(*id), imu: *imu, packed: packed? })
+    };
+    Ok(Some((rows.iter().filter_map(packed).collect(), Id(*last))))
+}
+
 const COLUMNS: &str = "id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts, voided, notes, \
                        sent_by, temperature_c, packed";
 

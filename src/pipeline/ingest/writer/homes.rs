@@ -5,7 +5,7 @@ use crate::core::id::Id;
 use crate::pipeline::hooks::Found;
 use crate::pipeline::ingest::submission::{Calibration, Corrected, Submission};
 use crate::store;
-use crate::store::{Cells, Store, StoreError};
+use crate::store::{Cells, PackedText, Store, StoreError};
 
 pub(super) struct Homes<'a> {
     pub store: &'a Store,
@@ -67,6 +67,12 @@ impl Homes<'_> {
         let tables = self.store.names().read();
         cells.extend(gyros.into_iter().filter_map(|gyro| tables.gyros.cell(gyro)));
         Ok(())
+    }
+
+    /// Of the IMUs whose records they are.
+    pub fn of_texts(&self, texts: &[PackedText]) -> Cells {
+        let tables = self.store.names().read();
+        texts.iter().filter_map(|text| tables.imus.cell(text.imu)).collect()
     }
 
     /// Of the gyros of alerts.

@@ -181,6 +181,10 @@ impl Task {
             Job::Restate { stale, reply } => {
                 let _gone = reply.send(in_turn!(self.state, Cells::all(), self.restating().state_anew(&stale)));
             }
+            Job::Pack { texts, reply } => {
+                let _gone =
+                    reply.send(in_turn!(self.state, self.state.homes().of_texts(&texts), self.state.pack(&texts)));
+            }
             Job::Hypothesis { order, by, reply } => {
                 let _gone = reply.send(in_turn!(self.state, Cells::one(0), self.order_hypothesis(&order, &by)));
             }

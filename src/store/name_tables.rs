@@ -74,7 +74,8 @@ pub struct Table {
     by_name: Hashes,
     /// By its [`look_keys`].
     by_look: Hashes,
-    by_cell: HashMap<u8, HashSet<u32>>,
+    /// Each number once.
+    by_cell: HashMap<u8, Vec<u32>>,
 }
 
 impl Table {
@@ -153,14 +154,14 @@ impl Table {
         }
         look_keys(&name).iter().for_each(|key| self.by_look.enter(key, number));
         self.by_name.enter(&name, number);
-        self.by_cell.entry(cell).or_default().insert(number);
+        self.by_cell.entry(cell).or_default().push(number);
         self.by_number.insert(number, (name, cell));
         true
     }
 
     fn remove(&mut self, number: u32) {
         let Some((name, cell)) = self.by_number.remove(&number) else { return };
-        self.by_cell.entry(cell).or_default().remove(&number);
+        self.by_cell.entry(cell).or_default().retain(|other| *other != number);
         if let Cow::Owned(normal) = normal_form(&name) {
             self.by_name.remove(&normal, number);
         }

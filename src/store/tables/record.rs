@@ -122,7 +122,9 @@ pub struct PackedText {
 
 pub(crate) fn pack(texts: &[PackedText], batch: &mut Batch) {
     let mut rows = Rows::default();
-    texts.iter().for_each(|text| rows.row().put(&text.record).bytes(&text.packed));
+    for text in texts {
+        rows.row().put(&text.record).bytes(&text.packed);
+    }
     batch.change("UPDATE record SET body = '', packed = $C1", "id = $C0 AND packed IS NULL", rows);
 }
 

@@ -201,11 +201,21 @@ async fn is_as_at_one_server(url: &str, expected: &Steps, senders: i64) {
 }
 
 /// The same where a transaction reads its cells without locking them: what the check above would miss, this one shows.
+/// Whether two transactions meet where it matters is chance.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn without_locks_the_check_fails() {
     if !cluster::is_there() {
         return;
     }
+    for _ in 0..6 {
+        if goes_wrong_without_locks().await {
+            return;
+        }
+    }
+    panic!("everything is as with locks");
+}
+
+async fn goes_wrong_without_locks() -> bool {
     let url = cluster::fresh_database().await;
     let between = Proxy::before(&url).await;
     let through = between.url(&url);
@@ -213,6 +223,5 @@ async fn without_locks_the_check_fails() {
     between.takes_locks_away();
     let sent = AssertUnwindSafe(sent_by_all(&servers, 8, 12, true)).catch_unwind().await;
     let whole = command::on(&url).arg("verify").output().unwrap().status.success();
-    let twice = count(&url, TWICE).await;
-    assert!(sent.is_err() || !whole || twice > 0, "everything is as with locks");
+    sent.is_err() || !whole || count(&url, TWICE).await > 0
 }

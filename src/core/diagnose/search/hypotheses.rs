@@ -20,9 +20,8 @@ pub(crate) const INVISIBLE: f64 = 1e-6;
 
 /// Prior power, in squared standard deviations, of each coefficient of a flat hypothesis along a unit column, by the
 /// number of coefficients: effects at the limit of detection (d = 5 is 25 in all), above it and of any size, whatever the
-/// number.
-/// Without the last, a prior that knows no strong effects would rather have a strong one explained by a competitor
-/// with many columns.
+/// number. Without the last, a prior that knows no strong effects would rather have a strong one explained by a
+/// competitor with many columns.
 const FLAT_POWER: [[f64; 3]; 4] = [[10.0, 50.0, 1e5], [5.0, 25.0, 5e4], [3.0, 16.0, 3.3e4], [2.0, 10.0, 2e4]];
 /// Most columns of a block whose systems are solved on the stack: the search has millions of them.
 pub(crate) const SMALL: usize = 3;

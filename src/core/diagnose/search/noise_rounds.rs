@@ -146,12 +146,14 @@ impl Settled {
     /// The search once more where something is named or a gap is seen: with all that the noise may be, and against
     /// suspects that are not worth their time elsewhere.
     pub fn closer(&self) -> Result<Self, Refusal> {
+        // Of what the dwells are, whatever their noise is.
+        let components = components(&self.frame.setting);
         let (mut laws, mut rebased) = (Vec::new(), None::<Self>);
         while laws.len() < MOST_LAWS {
             let now = rebased.as_ref().unwrap_or(self);
             let Some((gain, law, frame)) = likelier_law(&now.frame, &now.bank, &now.found) else { break };
             // Scatter that goes with something is no noise.
-            if now.likeliest_component() > gain {
+            if now.likeliest_component(&components) > gain {
                 break;
             }
             laws.push(law);
@@ -193,7 +195,6 @@ impl Settled {
         {
             closer.found.remove(weakest);
         }
-        let components = components(&closer.frame.setting);
         while let Some(of_another_form) = closer.of_another_form(&components, &closer.found) {
             closer.found.remove(of_another_form);
             closer.another_form = true;
@@ -203,9 +204,8 @@ impl Settled {
 
     /// ln of the odds that the residuals beside what was found go with some component, of which each is as likely,
     /// taken at the best of them.
-    fn likeliest_component(&self) -> f64 {
+    fn likeliest_component(&self, all: &[Component]) -> f64 {
         let state = each_by_itself(&self.frame, self.search().extras(&self.found));
-        let all = components(&self.frame.setting);
         let evidence = all.iter().map(|component| component.evidence(&self.frame, &state));
         evidence.fold(of_single_dwells(&state), f64::max) - ((all.len() + 1) as f64).ln()
     }

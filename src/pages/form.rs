@@ -86,7 +86,7 @@ impl ActionForm {
                 input type="hidden" name="back" value=(self.back);
                 (self.fields)
                 @if !self.unreasoned {
-                    label { (t.who) input name="by" value=(by) required maxlength="128" autocomplete="name"; }
+                    (who(t, by))
                     label { (t.reason_word) textarea name="reason" rows="3" required maxlength="4096" { (word.reason) } }
                 }
                 @if self.is_final {
@@ -178,6 +178,11 @@ pub(super) fn choice<'a>(
             @for (value, word) in of { option value=(value) selected[value == chosen] { (word) } }
         } }
     }
+}
+
+/// Who does it: `by` where that is known.
+pub(super) fn who(t: &Text, by: &str) -> Markup {
+    html! { label { (t.who) input name="by" value=(by) required maxlength="128" autocomplete="name"; } }
 }
 
 /// Of which rule.

@@ -6,7 +6,7 @@ use super::table::{known, open_ones, table};
 use crate::core::alert_decision::Standing;
 use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
-use crate::pages::form::{fault_list, see_other};
+use crate::pages::form::{fault_list, see_other, who};
 use crate::pages::prelude::*;
 use crate::pages::silences::{days_field, silent_until};
 use crate::pages::viewer::is_local;
@@ -149,7 +149,7 @@ fn form(viewer: &Viewer, said: &BulkForm, found: &[AlertBody], faults: &Faults) 
             label { (t.action_word) select name="deed" {
                 @for (k, (name, word)) in deeds.iter().enumerate() { option value=(name) selected[k == chosen] { (word) } }
             } }
-            label { (t.who) input name="by" value=(by) required maxlength="128" autocomplete="name"; }
+            (who(t, by))
             label { (t.reason_word) textarea name="reason" rows="3" maxlength="4096" required[viewer.signed_in.is_none()] { (said.reason) } }
             (days_field(t, &said.days, false))
             p { button.primary { (t.confirm_short) } " " a href=(said.back()) { (t.go_back) } }

@@ -4,6 +4,7 @@ use super::table::table;
 use crate::core::alert_decision::Action;
 use crate::core::id::Id;
 use crate::core::judge::Rule;
+use crate::pages::form::who;
 use crate::pages::history::event_name;
 use crate::pages::layout::{encoded, instant, symbol};
 use crate::pages::prelude::*;
@@ -59,7 +60,7 @@ pub(in crate::pages) async fn page(
                 input type="hidden" name="alert" value=(alert.id);
                 input type="hidden" name="deed" value="comment";
                 input type="hidden" name="back" value=(here);
-                label { (t.who) input name="by" value=(viewer.signed_in.as_deref().unwrap_or_default()) required maxlength="128" autocomplete="name"; }
+                (who(t, viewer.signed_in.as_deref().unwrap_or_default()))
                 label { (t.reason_word) textarea name="reason" rows="3" required maxlength="4096" {} }
                 p { button.primary { (t.comment) } }
             }

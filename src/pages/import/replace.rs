@@ -1,5 +1,6 @@
 //! The form that puts a document in the place of the one that is stored for its IMU and time.
 
+use crate::pages::form::who;
 use crate::pages::prelude::*;
 use crate::pipeline::Refused;
 
@@ -16,7 +17,7 @@ pub(super) fn offer(viewer: &Viewer, why: &Refused, text: &str) -> Markup {
                 form.deed action="/import/replace" method="post" {
                     input type="hidden" name="id" value=(existing);
                     textarea name="text" hidden { (text) }
-                    label { (t.who) input name="by" value=(by) required maxlength="128" autocomplete="name"; }
+                    (who(t, by))
                     label { (t.reason_word) textarea name="reason" rows="2" required maxlength="4096" {} }
                     label.sure { input type="checkbox" name="confirm" value="yes" required; span { (t.replace_what) } }
                     p { button.primary { (t.replace_it) } }

@@ -51,7 +51,7 @@ pub use crate::store::tables::hypothesis::HypothesisRow;
 pub use crate::store::tables::keys::KeyRow;
 pub use crate::store::tables::model::ModelRow;
 pub use crate::store::tables::record::{
-    PackedText, RecordAt, RecordEntry, RecordFilter, RecordRow, RejudgedSheet, StationTotals,
+    LongText, PackedText, RecordAt, RecordEntry, RecordFilter, RecordRow, RejudgedSheet, StationTotals,
 };
 pub use crate::store::tables::set_aside::{ConfirmationRow, StoredAside};
 pub use crate::store::tables::silence::SilenceRow;

@@ -54,6 +54,11 @@ fn step_back() {}
 #[derive(Debug, Clone)]
 pub(crate) struct IdleDetector(Arc<Mutex<Instant>>);
 
+/// What nobody waits for begins when nothing has come in for this long,
+const QUIET: Duration = Duration::from_millis(100);
+/// or when it has given way for this long.
+const GIVES_WAY: Duration = Duration::from_secs(1);
+
 impl IdleDetector {
     pub fn new() -> Self {
         Self(Arc::new(Mutex::new(Instant::now())))
@@ -64,8 +69,13 @@ impl IdleDetector {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
     }
 
+    /// Lets what comes in go first, for a second at the most.
+    pub async fn give_way(&self) {
+        self.wait_for_idle(QUIET, GIVES_WAY).await;
+    }
+
     /// Returns when nothing has come in for as long as `quiet`, after `most` in any case.
-    pub async fn wait_for_idle(&self, quiet: Duration, most: Duration) {
+    async fn wait_for_idle(&self, quiet: Duration, most: Duration) {
         let end = Instant::now() + most;
         loop {
             let settled = *self.0.lock().unwrap_or_else(PoisonError::into_inner) + quiet;

@@ -31,10 +31,6 @@ const CLAIMED_EACH: usize = 4;
 const PAUSE: Duration = Duration::from_secs(5);
 /// One that cannot be kept is made again after that, then after twice as long, up to this.
 const LONGEST_PAUSE: Duration = Duration::from_secs(600);
-/// A diagnosis begins when nothing has come in for this long,
-const QUIET: Duration = Duration::from_millis(100);
-/// or when it has given way for this long.
-const GIVES_WAY: Duration = Duration::from_secs(1);
 
 impl Diagnoser {
     /// Makes what is due and what is ordered, until nobody can make anything due any more.
@@ -85,7 +81,7 @@ impl Diagnoser {
                 let made = stream::iter(claimed.iter().copied())
                     .take_while(|_| ready(due.has_changed().is_ok()))
                     .map(|id| async move {
-                        self.idle.wait_for_idle(QUIET, GIVES_WAY).await;
+                        self.idle.give_way().await;
                         (id, self.diagnosis(id, Awaited::ByNobody, Duration::MAX).await)
                     })
                     .buffer_unordered(self.at_once)
@@ -152,7 +148,7 @@ impl Diagnoser {
     /// Makes a diagnosis that orders wait for, whether or not there is one. Where the database cannot be read now it
     /// goes on waiting; what can never be read has failed.
     async fn settle(&self, id: Id) {
-        self.idle.wait_for_idle(QUIET, GIVES_WAY).await;
+        self.idle.give_way().await;
         let begun_at = self.clock.now();
         match self.make(id).await {
             Ok(()) => {}

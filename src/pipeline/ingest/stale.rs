@@ -3,7 +3,6 @@
 //! broken off goes on at the next start.
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use super::admit::rows_as_stated;
 use super::campaign::Restated;
@@ -15,11 +14,6 @@ use crate::pipeline::error::WriteError;
 use crate::pipeline::write_queue::{Job, WeakWriteQueue};
 use crate::store;
 use crate::store::{RecordRow, RestatedRow, StoreError};
-
-/// Nothing has come in for this long before a calibration is looked at,
-const QUIET: Duration = Duration::from_millis(100);
-/// or it has given way for this long.
-const GIVES_WAY: Duration = Duration::from_secs(1);
 
 /// Looks for calibrations that are not stated by the model in force of their IMU, and has them stated so.
 pub(in crate::pipeline) struct StaleCalibrations {
@@ -47,7 +41,7 @@ impl StaleCalibrations {
     async fn stale_of(&self, imu: u32, in_force: &InForce) -> Result<Restated, StoreError> {
         let mut stale = Restated::new();
         for head in store::record::of_imu(&self.reader.store, imu, u32::MAX).await? {
-            self.idle.wait_for_idle(QUIET, GIVES_WAY).await;
+            self.idle.give_way().await;
             if self.queue.upgrade().is_none() {
                 return Ok(Restated::new());
             }

@@ -1,23 +1,17 @@
 //! Long texts that an earlier version stored as they were sent: deflated after a start, in the background, a few a
 //! transaction. What was broken off goes on at the next start.
 
-use std::time::Duration;
-
 use crate::core::id::Id;
-use crate::pipeline::diagnoses::background::IdleDetector;
-use crate::pipeline::error::{StorageError, WriteError};
+use crate::pipeline::diagnoses::background::{Awaited, IdleDetector, beside_others};
+use crate::pipeline::error::WriteError;
 use crate::pipeline::write_queue::{Job, WeakWriteQueue};
 use crate::store;
-use crate::store::{Store, StoreError};
+use crate::store::{LongText, PackedText, Store};
 
-/// Nothing has come in for this long before a few texts are deflated,
-const QUIET: Duration = Duration::from_millis(100);
-/// or it has given way for this long.
-const GIVES_WAY: Duration = Duration::from_secs(1);
-/// Of one transaction: some ten milliseconds of work.
+/// Of one transaction.
 const AT_ONCE: u32 = 16;
-/// Texts after which it is said how far it has come.
-const SAID_EVERY: usize = 64 * AT_ONCE as usize;
+/// Transactions after which it is said how far it has come.
+const SAID_EVERY: usize = 64;
 
 /// Has them deflated.
 pub(in crate::pipeline) struct UnpackedTexts {
@@ -41,22 +35,25 @@ impl UnpackedTexts {
     }
 
     async fn pack_all(&self) -> Result<usize, WriteError> {
-        let of = store::record::count_unpacked(&self.store).await.map_err(written)?;
+        let of = store::record::count_unpacked(&self.store).await?;
         let (mut done, mut after) = (0, Id(0));
-        while let Some((texts, last)) = store::record::unpacked(&self.store, after, AT_ONCE).await.map_err(written)? {
-            self.idle.wait_for_idle(QUIET, GIVES_WAY).await;
-            let Some(queue) = self.queue.upgrade() else { break };
+        for transaction in 1.. {
+            self.idle.give_way().await;
+            let found = store::record::unpacked(&self.store, after, AT_ONCE).await?;
+            let (Some(last), Some(queue)) = (found.last(), self.queue.upgrade()) else { break };
+            after = last.record;
+            // One that does not become shorter stays as it is.
+            let deflated = move || found.iter().filter_map(LongText::packed).collect::<Vec<PackedText>>();
+            let texts = beside_others("deflating", Awaited::ByNobody, deflated).await.unwrap_or_default();
+            if texts.is_empty() {
+                continue;
+            }
             done += texts.len();
             queue.ask_in_turn(|reply| Job::Pack { texts, reply }).await?;
-            if done % SAID_EVERY < AT_ONCE as usize {
+            if transaction % SAID_EVERY == 0 {
                 tracing::info!(done, of, "long texts of an earlier version are deflated");
             }
-            after = last;
         }
         Ok(done)
     }
-}
-
-fn written(error: StoreError) -> WriteError {
-    StorageError::from(error).into()
 }

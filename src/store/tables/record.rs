@@ -112,12 +112,28 @@ pub(crate) fn insert(records: &[RecordRow], batch: &mut Batch) {
     batch.insert("record", COLUMNS, OnConflict::Fail, rows);
 }
 
-/// The text of a stored record, deflated.
-#[derive(Debug, Clone)]
-pub struct PackedText {
+/// The text of a stored record as it was sent.
+#[derive(Debug)]
+pub struct LongText {
     pub record: Id,
+    imu: u32,
+    body: String,
+}
+
+/// The same, deflated.
+#[derive(Debug)]
+pub struct PackedText {
+    record: Id,
     pub imu: u32,
     packed: Vec<u8>,
+}
+
+impl LongText {
+    /// None where it does not become shorter.
+    pub fn packed(&self) -> Option<PackedText> {
+        let (_, packed) = text::pack(&self.body);
+        Some(PackedText { record: self.record, imu: self.imu, packed: packed? })
+    }
 }
 
 pub(crate) fn pack(texts: &[PackedText], batch: &mut Batch) {
@@ -140,22 +156,16 @@ pub async fn count_unpacked(store: &Store) -> Result<usize, StoreError> {
     Ok(counted(read!(store, query_scalar.fetch_one, sql)))
 }
 
-/// Long texts that are not deflated, of the first records after `after`, as many as `limit`: deflated, and the last of
-/// these records. One that does not become shorter stays as it is.
-pub async fn unpacked(store: &Store, after: Id, limit: u32) -> Result<Option<(Vec<PackedText>, Id)>, StoreError> {
+/// Long texts that are not deflated, of the first records after `after`, as many as `limit`.
+pub async fn unpacked(store: &Store, after: Id, limit: u32) -> Result<Vec<LongText>, StoreError> {
     let sql = format!(
         "SELECT id, imu, body FROM record WHERE {} AND id > $1 ORDER BY id LIMIT $2",
         store.readers.words(UNPACKED)
     );
     let rows: Vec<(i64, Whole<u32>, String)> =
         read!(store, query_as.fetch_all, AssertSqlSafe(sql), after.0, Whole(limit));
-    let Some((last, ..)) = rows.last() else { return Ok(None) };
     look_up_numbers(store, [rows.iter().map(|(_, Whole(imu), _)| *imu).collect(), Vec::new(), Vec::new()]).await?;
-    let packed = |(id, Whole(imu), body): &(i64, Whole<u32>, String)| {
-        let (_, packed) = text::pack(body);
-        Some(PackedText { record: Id(*id), imu: *imu, packed: packed? })
-    };
-    Ok(Some((rows.iter().filter_map(packed).collect(), Id(*last))))
+    Ok(rows.into_iter().map(|(id, Whole(imu), body)| LongText { record: Id(id), imu, body }).collect())
 }
 
 const COLUMNS: &str = "id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts, voided, notes, \

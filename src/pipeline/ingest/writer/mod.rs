@@ -32,7 +32,7 @@ use crate::pipeline::hooks::{Found, HookCache, HookHandler, Order, heard_by};
 use crate::pipeline::ingest::judge::Judge;
 use crate::pipeline::write_queue::Job;
 use crate::pipeline::{Accepted, OrderError, Reply, WriteError, write_queue};
-use crate::store::{Cells, Store, StoreError, Writer};
+use crate::store::{Cells, Changes, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::{store, telemetry};
 use clock::ClockTick;
@@ -182,8 +182,10 @@ impl Task {
                 let _gone = reply.send(in_turn!(self.state, Cells::all(), self.restating().state_anew(&stale)));
             }
             Job::Pack { texts, reply } => {
-                let _gone =
-                    reply.send(in_turn!(self.state, self.state.homes().of_texts(&texts), self.state.pack(&texts)));
+                let cells = self.state.homes().of_texts(&texts);
+                let changes = Changes { packed: texts, ..Changes::default() };
+                let commit = async |state: &mut WriterState| Ok::<_, WriteError>(state.commit(&changes).await?);
+                let _gone = reply.send(in_turn!(self.state, cells, commit(&mut self.state)));
             }
             Job::Hypothesis { order, by, reply } => {
                 let _gone = reply.send(in_turn!(self.state, Cells::one(0), self.order_hypothesis(&order, &by)));

@@ -6,11 +6,11 @@ use std::time::Duration;
 
 use super::homes::Homes;
 use super::state::{Item, WriterState};
-use crate::pipeline::error::{StorageError, Unwritten, WriteError};
+use crate::pipeline::error::Unwritten;
 use crate::pipeline::ingest::reader::Reader;
 use crate::pipeline::ingest::submission::Submission;
 use crate::store;
-use crate::store::{Cells, Changes, Missed, Moves, News, PackedText, StoreError};
+use crate::store::{Cells, Changes, Missed, Moves, News, StoreError};
 
 const MOST_TRIES: u32 = 4;
 const FIRST_PAUSE: Duration = Duration::from_millis(30);
@@ -126,12 +126,6 @@ impl WriterState {
         self.writer.commit(changes).await?;
         self.wake(changes);
         Ok(())
-    }
-
-    /// Stores texts that have been deflated.
-    pub(super) async fn pack(&mut self, texts: &[PackedText]) -> Result<(), WriteError> {
-        let changes = Changes { packed: texts.to_vec(), ..Changes::default() };
-        self.commit(&changes).await.map_err(|error| StorageError::from(error).into())
     }
 
     /// Wakes the worker where what has been committed gives it something to do.

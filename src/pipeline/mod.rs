@@ -41,8 +41,7 @@ use diagnoses::background::IdleDetector;
 use diagnoses::models::ModelCache;
 use ingest::stale::StaleCalibrations;
 use ingest::unpacked::UnpackedTexts;
-use ingest::writer;
-use ingest::writer::Duties;
+use ingest::writer::{self, Duties};
 use write_queue::{Job, WriteQueue};
 
 pub use crate::alert::HookKind;

@@ -12,8 +12,7 @@ use crate::pipeline::diagnoses::{Adoption, DiagnosisOrder, HypothesisOrder, Made
 use crate::pipeline::error::{OrderError, WriteError};
 use crate::pipeline::hooks::{Found, Order};
 use crate::pipeline::ingest::{Accepted, Reply, Restated, Submission};
-use crate::store;
-use crate::store::{PackedText, Store};
+use crate::store::{self, PackedText, Store};
 use crate::wire::alert::AlertBody;
 
 /// Where an answer goes.

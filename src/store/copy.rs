@@ -9,8 +9,7 @@ use super::error::StoreError;
 use super::handle::Options;
 use super::postgres;
 use crate::store::packed::history_row::PACKED_LEN;
-use crate::store::sqlite::lock;
-use crate::store::sqlite::lock::Lock;
+use crate::store::sqlite::lock::{self, Lock};
 use crate::store::sqlite::write_behind::history_log::PendingHistory;
 use crate::system::sha256;
 

@@ -63,12 +63,11 @@ pub use error::StoreError;
 pub use handle::{Options, Store};
 pub use id::IdSource;
 pub use open::{hide_stored_secrets, open};
-pub use postgres::{Duty, Missed, Moves, News};
+pub use postgres::{Duty, Missed, Moves, News, claim};
 pub use secrets::Secrets;
 pub use token_beside::Beside;
 pub use writer::{Committer, Writer, Written};
 
-pub use postgres::claim;
 pub use tables::{
     access, alerts, bench, correction, diagnosis, diagnosis_digest, diagnosis_job, event, gyro_attribute, head,
     histories, history, hook, hypothesis, keys, model, names, outbox, record, set_aside, silence, suspect_window,

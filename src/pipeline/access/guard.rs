@@ -14,8 +14,8 @@ use crate::core::access::Role;
 use crate::core::id::Id;
 use crate::core::message::Message;
 use crate::core::time::UtcMicros;
-use crate::store::{SessionRow, Store, StoreError, TokenRow};
-use crate::{message, store};
+use crate::message;
+use crate::store::{self, SessionRow, Store, StoreError, TokenRow};
 
 /// How long a token that was revoked by the command line may still be used.
 const REREAD: Duration = Duration::from_secs(1);

@@ -18,8 +18,7 @@ use super::write_queue::{Job, WriteQueue};
 use crate::core::access::{AuditEntry, AuditFilter, Role};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::store;
-use crate::store::{Store, TokenRow};
+use crate::store::{self, Store, TokenRow};
 use crate::system::Clock;
 
 pub use audit::{Actor, By, Caller};

@@ -10,8 +10,7 @@ use crate::core::time::UtcMicros;
 use crate::store::{AlertOf, AlertRow, Changes, NewName, StoreError, Table, Tables};
 use crate::wire::alert::{AcknowledgementBody, AlertBody, AlertFindingBody, SilenceBody};
 use crate::wire::reason::Reason;
-use crate::wire::time;
-use crate::wire::unit;
+use crate::wire::{time, unit};
 
 /// Where the judged figures come from.
 #[derive(Debug, Clone, PartialEq)]

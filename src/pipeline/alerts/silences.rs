@@ -5,8 +5,7 @@ use crate::core::alert_filter::Matchers;
 use crate::core::id::Id;
 use crate::core::judge::{Rule, Verdict};
 use crate::core::time::UtcMicros;
-use crate::store;
-use crate::store::{AlertOf, AlertRow, Remark, SilenceRow, Store, StoreError};
+use crate::store::{self, AlertOf, AlertRow, Remark, SilenceRow, Store, StoreError};
 use crate::wire::silence::{EndedSilenceBody, MatchersBody, MatchingSilenceBody};
 use crate::wire::time;
 

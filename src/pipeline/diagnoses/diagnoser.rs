@@ -15,7 +15,6 @@ use crate::core::id::Id;
 use crate::core::imu_model::changed_since;
 use crate::core::kind::Kind;
 use crate::core::time::UtcMicros;
-use crate::message;
 use crate::pipeline::diagnoses::background::{Awaited, IdleDetector, beside_others};
 use crate::pipeline::diagnoses::digest::seats;
 use crate::pipeline::diagnoses::forecaster::Forecaster;
@@ -25,14 +24,13 @@ use crate::pipeline::diagnoses::models::{InForce, ModelCache};
 use crate::pipeline::error::WriteError;
 use crate::pipeline::ingest::fitted::damaged;
 use crate::pipeline::write_queue::{Job, WeakWriteQueue};
-use crate::store;
-use crate::store::{RecordRow, Store, StoreError};
+use crate::store::{self, RecordRow, Store, StoreError};
 use crate::system::Clock;
-use crate::telemetry;
 use crate::wire::campaign;
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::forecast::ChangedBody;
 use crate::wire::message::{from_stored, to_stored};
+use crate::{message, telemetry};
 
 /// Computed at the same time at the least, where there is but one processor: one asked for need not wait for another.
 const AT_ONCE: usize = 2;

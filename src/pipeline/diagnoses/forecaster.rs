@@ -12,8 +12,7 @@ use crate::core::kind::Kind;
 use crate::core::message::Message;
 use crate::message;
 use crate::pipeline::ingest::fitted::damaged;
-use crate::store;
-use crate::store::{Store, StoreError};
+use crate::store::{self, Store, StoreError};
 use crate::wire::campaign;
 use crate::wire::forecast::{ForecastBody, ForecastPointBody};
 

@@ -13,8 +13,7 @@ use crate::core::id::Id;
 use crate::core::judge::{State, Verdict};
 use crate::core::kind::Kind;
 use crate::pipeline::error::StorageError;
-use crate::store;
-use crate::store::{RecordEntry, Store, StoreError};
+use crate::store::{self, RecordEntry, Store, StoreError};
 use crate::wire::forecast::{ForecastBody, ForecastPointBody, ForecastSeriesBody};
 use crate::words;
 

@@ -5,8 +5,7 @@ use crate::core::effects::Effect;
 use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::store;
-use crate::store::{HypothesisRow, Store, StoreError};
+use crate::store::{self, HypothesisRow, Store, StoreError};
 use crate::wire::hypothesis::HypothesisBody;
 
 /// One that competes.

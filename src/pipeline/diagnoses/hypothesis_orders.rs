@@ -8,8 +8,7 @@ use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
 use crate::pipeline::error::OrderError;
 use crate::pipeline::ingest::Accepted;
-use crate::store;
-use crate::store::{Changes, HypothesisRow, Store, StoreError, Writer};
+use crate::store::{self, Changes, HypothesisRow, Store, StoreError, Writer};
 use crate::wire::hypothesis::HypothesisBody;
 
 /// So many compete at most: each raises what a name takes, and the time of every diagnosis.

@@ -6,8 +6,7 @@ use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
 use crate::pipeline::error::OrderError;
 use crate::pipeline::ingest::Accepted;
-use crate::store;
-use crate::store::{CampaignFilter, Changes, JobChanges, NewJob, Store, StoreError, Writer};
+use crate::store::{self, CampaignFilter, Changes, JobChanges, NewJob, Store, StoreError, Writer};
 use crate::wire::diagnoses::WhichBody;
 
 /// Which campaigns somebody wants diagnosed.

@@ -10,8 +10,7 @@ use crate::pipeline::access::Actor;
 use crate::pipeline::diagnoses::hypotheses::Competing;
 use crate::pipeline::error::OrderError;
 use crate::pipeline::ingest::Accepted;
-use crate::store;
-use crate::store::{Changes, ModelRow, Store, StoreError, Writer};
+use crate::store::{self, Changes, ModelRow, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::wire::model;
 

@@ -17,8 +17,7 @@ use super::made::{DiagnosisOutcome, Made};
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::pipeline::diagnoses::background::Awaited;
-use crate::store;
-use crate::store::StoreError;
+use crate::store::{self, StoreError};
 
 /// How many due campaigns are looked up at once.
 const PAGE: u32 = 64;

@@ -8,8 +8,7 @@ use crate::core::effects::Effect;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::diagnoses::digest::{Digest, NamedDigest, OUTSIDE, OutsideForecast, REFUSED};
-use crate::store;
-use crate::store::{CampaignFilter, DigestRow, Store, StoreError, Tables};
+use crate::store::{self, CampaignFilter, DigestRow, Store, StoreError, Tables};
 use crate::wire::diagnoses::{
     AtStationBody, ClosuresBody, CoverageBody, DoubtBody, FindingBody, LargestShiftBody, OutsideForecastBody,
     OverviewBody, SightingBody, SummaryBody,

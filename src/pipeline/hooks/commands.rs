@@ -12,15 +12,16 @@ use crate::core::delivery::DeliveryState;
 use crate::core::id::Id;
 use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::pipeline::access::Actor;
 use crate::pipeline::error::{OrderError, WriteError};
 use crate::pipeline::hooks::registry::{CurrentAlert, OutboxContext, Subscription, introduce};
 use crate::store::{
-    AttemptRow, Changes, DeliverySubject, HookRow, NewDelivery, OutboxChanges, Progress, Store, StoreError, Writer,
+    self, AttemptRow, Changes, DeliverySubject, HookRow, NewDelivery, OutboxChanges, Progress, Store, StoreError,
+    Writer,
 };
 use crate::wire::message::to_stored;
 use crate::wire::time;
-use crate::{message, store};
 
 /// Each hook costs a task and a queue.
 const MOST_HOOKS: usize = 1000;

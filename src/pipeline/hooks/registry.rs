@@ -3,16 +3,13 @@
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, HashMap};
 
-use super::show;
-use super::show::DIGEST;
-use crate::core::alert_decision;
-use crate::core::alert_decision::{Action, Alert};
+use super::show::{self, DIGEST};
+use crate::core::alert_decision::{self, Action, Alert};
 use crate::core::id::Id;
 use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::News;
-use crate::store;
-use crate::store::{DeliverySubject, HookRow, IdSource, NewDelivery, OutboxChanges, Part, Store, StoreError};
+use crate::store::{self, DeliverySubject, HookRow, IdSource, NewDelivery, OutboxChanges, Part, Store, StoreError};
 use crate::wire::alert::AlertBody;
 use crate::wire::hook::{DigestBody, FilterBody};
 

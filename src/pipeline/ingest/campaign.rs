@@ -11,18 +11,17 @@ use crate::core::campaign::{Campaign, Temperatures};
 use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
 use crate::core::kind::Kind;
-use crate::pipeline::diagnoses::models;
-use crate::pipeline::diagnoses::models::InForce;
+use crate::pipeline::diagnoses::models::{self, InForce};
 use crate::pipeline::ingest::fitted::{CampaignFit, Fitted, ReadCampaign};
 use crate::pipeline::ingest::submission::{
     BenchTest, CalibratedGyro, Calibration, Confirmation, Correction, Submission, anything, check_names, kept,
 };
-use crate::store::{RecordRow, StoreError};
+use crate::store::{self, RecordRow, StoreError};
 use crate::wire::bench::BenchBody;
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{self, Form};
 use crate::wire::campaign_csv::parse_csv_as_sent;
-use crate::{message, store, words};
+use crate::{message, words};
 
 impl Reader {
     /// Reads, checks, fits and separates a campaign in JSON or CSV. A raw bench test becomes a bench result.

@@ -12,8 +12,7 @@ use crate::pipeline::diagnoses::background::{Awaited, IdleDetector, beside_other
 use crate::pipeline::diagnoses::models::InForce;
 use crate::pipeline::error::WriteError;
 use crate::pipeline::write_queue::{Job, WeakWriteQueue};
-use crate::store;
-use crate::store::{RecordRow, RestatedRow, StoreError};
+use crate::store::{self, RecordRow, RestatedRow, StoreError};
 
 /// Looks for calibrations that are not stated by the model in force of their IMU, and has them stated so.
 pub(in crate::pipeline) struct StaleCalibrations {

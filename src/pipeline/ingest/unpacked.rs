@@ -5,8 +5,7 @@ use crate::core::id::Id;
 use crate::pipeline::diagnoses::background::{Awaited, IdleDetector, beside_others};
 use crate::pipeline::error::WriteError;
 use crate::pipeline::write_queue::{Job, WeakWriteQueue};
-use crate::store;
-use crate::store::{LongText, PackedText, Store};
+use crate::store::{self, LongText, PackedText, Store};
 
 /// Of one transaction.
 const AT_ONCE: u32 = 16;

@@ -12,8 +12,7 @@ use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, load_marks, sample_of};
 use crate::pipeline::queries::gyro_history::Histories;
-use crate::store;
-use crate::store::{StoreError, Stretch};
+use crate::store::{self, StoreError, Stretch};
 use crate::words;
 
 /// Records of the gyro itself that are looked at, at most.

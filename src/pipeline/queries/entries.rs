@@ -8,8 +8,7 @@ use crate::core::changes::{GyroHistory, HistoryEntry};
 use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::pipeline::ingest::judge::gyro_window::sample_of;
-use crate::store;
-use crate::store::{Store, StoreError};
+use crate::store::{self, Store, StoreError};
 
 /// Newest records of each gyro that tell what stations do.
 pub(super) const PEER_RECORDS: usize = 100;

@@ -15,17 +15,16 @@ use crate::config::Config;
 use crate::core::changes::{self, FleetStations};
 use crate::core::figures::Figures;
 use crate::core::fleet_order::FleetOrder;
-use crate::core::judge::{BASELINE_RECORDS, Limits, Mark, Measured, Sample, baseline_since, stated_level};
-use crate::core::judge::{Rule, State, Status};
+use crate::core::judge::{
+    BASELINE_RECORDS, Limits, Mark, Measured, Rule, Sample, State, Status, baseline_since, stated_level,
+};
 use crate::core::mounting::Slot;
-use crate::core::time::Span;
-use crate::core::time::UtcMicros;
+use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, marks_of, sample_of};
 use crate::pipeline::kept::Kept;
-use crate::store;
 use crate::store::head::{CalibratedRow, DueImus, Narrowed, Ranks, Sought, Standings, StationTally, Tally};
-use crate::store::{RecordEntry, Store, StoreError, Stretch, Table};
+use crate::store::{self, RecordEntry, Store, StoreError, Stretch, Table};
 use crate::system::Clock;
 use crate::wire::answer::VerdictBody;
 use crate::words;

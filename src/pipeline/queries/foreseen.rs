@@ -1,8 +1,7 @@
 //! What a calibration that is not stored would be judged to be, beside the last that is.
 
-use super::Queries;
 use super::standing::{Violation, violations};
-use super::status;
+use super::{Queries, status};
 use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::judge::{Measured, Need, Older, Outlook, Status, Verdict};
@@ -11,8 +10,7 @@ use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::Calibration;
 use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, sample_of};
-use crate::store;
-use crate::store::StoredVerdict;
+use crate::store::{self, StoredVerdict};
 
 /// A number that nothing stored has.
 const UNKNOWN: u32 = u32::MAX;

@@ -11,14 +11,11 @@ use crate::core::correction::CorrectedResult;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::judge::history::{baseline_of, seat_baseline_of};
-use crate::core::judge::{BASELINE_RECORDS, Coefficient, Event, Limits, Rule};
-use crate::core::judge::{Mark, Sample};
-use crate::core::time::Span;
-use crate::core::time::UtcMicros;
+use crate::core::judge::{BASELINE_RECORDS, Coefficient, Event, Limits, Mark, Rule, Sample};
+use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, load_marks, mark_of, sample_of};
-use crate::store;
-use crate::store::{BenchRow, Store, StoreError, StoredVerdict};
+use crate::store::{self, BenchRow, Store, StoreError, StoredVerdict};
 use crate::system::Clock;
 
 /// Everything about one gyro, oldest first.

@@ -9,8 +9,7 @@ use crate::core::time::Span;
 use crate::pipeline::alerts::Naming;
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, read_ahead};
 use crate::pipeline::queries::standing::{Facts, StoredFacts};
-use crate::store;
-use crate::store::{HeadRow, Store, StoreError};
+use crate::store::{self, HeadRow, Store, StoreError};
 use crate::system::sha256;
 
 /// Gyros whose histories are held at once.

@@ -24,8 +24,7 @@ use super::error::StorageError;
 use super::ingest::Reader;
 use crate::config::Config;
 use crate::core::suspect_window::{SuspectWindow, in_force};
-use crate::store;
-use crate::store::Store;
+use crate::store::{self, Store};
 use crate::system::Clock;
 
 pub use crate::pipeline::ingest::judge::gyro_window::sample_of;

@@ -13,8 +13,7 @@ use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::{finding_of, status_of};
 use crate::pipeline::ingest::judge::gyro_window::sample_of;
 use crate::pipeline::queries::status;
-use crate::store;
-use crate::store::{AlertRow, HeadRow, NewestRow, RecordVerdicts, Store, StoreError, StoredVerdict};
+use crate::store::{self, AlertRow, HeadRow, NewestRow, RecordVerdicts, Store, StoreError, StoredVerdict};
 
 /// How one gyro stands.
 #[derive(Debug, Clone, PartialEq)]

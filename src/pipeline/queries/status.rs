@@ -5,8 +5,7 @@ use std::collections::HashMap;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule, State, Status};
-use crate::store;
-use crate::store::{Store, StoreError, StoredVerdict};
+use crate::store::{self, Store, StoreError, StoredVerdict};
 
 /// Of D_I, D_S and the closure.
 const COLUMNS: [Coefficient; 3] = [Coefficient::DI, Coefficient::DS, Coefficient::DO];

@@ -9,9 +9,8 @@ use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::diagnoses::outside_forecasts;
 use crate::pipeline::error::StorageError;
-use crate::store;
 use crate::store::head::{CalibratedRow, DueImus};
-use crate::store::{Store, StoreError};
+use crate::store::{self, Store, StoreError};
 use crate::wire::diagnoses::OutsideForecastBody;
 
 /// Lines of each list.

@@ -15,8 +15,7 @@ use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
 use crate::pipeline::queries::heads::{checksum, stored_rows};
 use crate::pipeline::queries::record::{Records, Reread};
 use crate::pipeline::{CalibratedGyro, Calibration};
-use crate::store;
-use crate::store::{StoreError, StoredVerdict, Table};
+use crate::store::{self, StoreError, StoredVerdict, Table};
 use crate::wire::bench::parse_bench_result;
 
 /// What was computed again.

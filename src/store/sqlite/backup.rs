@@ -11,14 +11,13 @@ use super::lock::beside;
 use super::{checksum, private};
 use crate::core::id::Id;
 use crate::core::time::Span;
-use crate::store;
 use crate::store::db::Readers;
 use crate::store::error::StoreError;
 use crate::store::handle::{Options, Place, Store};
 use crate::store::name_tables::Names;
 use crate::store::open::{MIGRATIONS, connect_options, finds_nothing, load_names, migrate};
-use crate::store::postgres;
 use crate::store::sqlite::write_behind::WriteBehind;
+use crate::store::{self, postgres};
 use crate::system::{fill_random, sha256};
 
 impl Options {

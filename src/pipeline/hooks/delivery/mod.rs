@@ -28,8 +28,7 @@ use crate::alert::mail::MailError;
 use crate::core::id::Id;
 use crate::pipeline::hooks::Hooks;
 use crate::pipeline::hooks::delivery::context::{DeliveryContext, OFF_DUTY};
-use crate::store;
-use crate::store::{Duty, StoreError};
+use crate::store::{self, Duty, StoreError};
 use crate::words::Language;
 
 use crate::pipeline::hooks::delivery::queue::DeliveryQueue;

@@ -18,12 +18,11 @@ use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::error::{StorageFault, WriteError};
 use crate::pipeline::hooks::delivery::circuit::Circuit;
-use crate::pipeline::hooks::delivery::message;
-use crate::pipeline::hooks::delivery::message::Addressee;
+use crate::pipeline::hooks::delivery::message::{self, Addressee};
 use crate::pipeline::hooks::{Attempted, Found};
-use crate::store::{DueDelivery, Duty, Progress, StoreError};
+use crate::store::{self, DueDelivery, Duty, Progress, StoreError};
+use crate::telemetry;
 use crate::wire::alert::AlertBody;
-use crate::{store, telemetry};
 
 /// Deliveries that are fetched at a time.
 const FETCH: u32 = 64;

@@ -9,8 +9,7 @@ use crate::core::id::Id;
 use crate::core::suspect_window::Mark;
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::ingest::submission::{Calibration, Submission};
-use crate::store;
-use crate::store::{RecordAt, Store, StoreError};
+use crate::store::{self, RecordAt, Store, StoreError};
 
 /// What is stored where a group's items are about to go. What is not in here was not asked for.
 #[derive(Debug, Default)]

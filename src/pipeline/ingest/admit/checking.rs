@@ -16,8 +16,7 @@ use crate::core::own_history::{Looked, Shown, against_histories};
 use crate::core::suspect_window::SuspectWindow;
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
-use crate::store;
-use crate::store::{NamesOf, StoreError, StoredAside};
+use crate::store::{self, NamesOf, StoreError, StoredAside};
 use crate::wire::history_note;
 
 /// A clock may be ahead of the service's by so much without a word, days.

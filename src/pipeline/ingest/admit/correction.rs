@@ -16,9 +16,8 @@ use crate::core::suspect_window::{Mark, SuspectWindow, in_force};
 use crate::core::time::Span;
 use crate::pipeline::ingest::submission::{Calibration, Confirmation, Corrected, Correction, Doubt, WindowMark};
 use crate::pipeline::{Accepted, Refused};
-use crate::store;
 use crate::store::{
-    ConfirmationRow, HistoryRow, NamesOf, RecordRow, RestatedRow, StoreError, StoredAside, WindowMarkRow,
+    self, ConfirmationRow, HistoryRow, NamesOf, RecordRow, RestatedRow, StoreError, StoredAside, WindowMarkRow,
 };
 use crate::wire::{history_note, time};
 

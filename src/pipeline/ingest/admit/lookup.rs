@@ -13,8 +13,7 @@ use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::ingest::same_content::says_the_same;
 use crate::pipeline::ingest::submission::Calibration;
 use crate::pipeline::{Accepted, Refused};
-use crate::store;
-use crate::store::{NamesOf, Store, StoreError};
+use crate::store::{self, NamesOf, Store, StoreError};
 
 /// A serial is near to another that differs by so many slips of the pen.
 const SLIPS: usize = 2;

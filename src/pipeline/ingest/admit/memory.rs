@@ -10,8 +10,7 @@ use crate::core::id::Id;
 use crate::core::mounting::Slot;
 use crate::core::own_history::Shown;
 use crate::core::time::{Span, UtcMicros};
-use crate::store;
-use crate::store::{Store, StoreError};
+use crate::store::{self, Store, StoreError};
 
 /// Newest records of a gyro that are read, and how many more may gather before the oldest are forgotten.
 const REMEMBERED: usize = 32;

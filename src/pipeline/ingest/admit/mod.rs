@@ -26,10 +26,9 @@ use crate::pipeline::ingest::submission::{
     AttributesOrder, BenchTest, CalibratedGyro, Calibration, GyroEvent, Submission,
 };
 use crate::pipeline::{Accepted, Refused};
-use crate::store;
 use crate::store::{
-    BenchRow, EventRow, GyroAttributeRow, HistoryRow, NamesOf, NewName, RecordRow, RecordVerdicts, RestatedRow, Store,
-    StoreError, StoredVerdict,
+    self, BenchRow, EventRow, GyroAttributeRow, HistoryRow, NamesOf, NewName, RecordRow, RecordVerdicts, RestatedRow,
+    Store, StoreError, StoredVerdict,
 };
 use crate::wire::{history_note, time};
 pub(crate) use ahead::Ahead;

@@ -12,8 +12,7 @@ use crate::core::judge::{
 };
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::ingest::judge::older_summary::{OlderSummary, RUN};
-use crate::store;
-use crate::store::{EventRow, Store, StoreError};
+use crate::store::{self, EventRow, Store, StoreError};
 
 /// The newest records of one gyro, its newest baselines, and what was done to it.
 #[derive(Debug, Clone, Default)]

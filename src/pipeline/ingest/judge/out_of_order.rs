@@ -11,8 +11,7 @@ use crate::core::judge::history::{Need, baseline_of, seat_baseline_of};
 use crate::core::judge::{BASELINE_RECORDS, Mark, Rule, Sample, Seat, Verdict, baseline_since, judge};
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, Source, load_marks, mark_of, sample_of};
-use crate::store;
-use crate::store::{Changes, HistoryRow, RejudgedSheet, RestatedRow, StoreError, StoredVerdict};
+use crate::store::{self, Changes, HistoryRow, RejudgedSheet, RestatedRow, StoreError, StoredVerdict};
 
 /// A gyro's history as it now is, before what has been altered in it is judged again.
 #[derive(Debug)]

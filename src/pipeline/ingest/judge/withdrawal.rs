@@ -3,15 +3,13 @@
 use std::collections::{HashMap, HashSet};
 
 use super::judged::{Firing, Judged, Undone};
-use crate::core::alert_decision;
-use crate::core::alert_decision::{Alert, Policy, Status};
+use crate::core::alert_decision::{self, Alert, Policy, Status};
 use crate::core::correction::CorrectionItem;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule};
 use crate::core::time::{Span, UtcMicros};
-use crate::store;
-use crate::store::{Changes, HistoryRow, Store, StoreError};
+use crate::store::{self, Changes, HistoryRow, Store, StoreError};
 
 /// Follows the alerts of a gyro again over what is left of its history.
 pub(super) struct Replay<'a> {

@@ -17,8 +17,7 @@ use crate::pipeline::hooks::{CurrentAlert, OutboxContext};
 use crate::pipeline::ingest::judge::Judged;
 use crate::pipeline::ingest::submission::Calibration;
 use crate::pipeline::queries::agreement::{Agreement, agreement_after};
-use crate::store;
-use crate::store::{AlertOf, AlertRow, Changes, StoreError};
+use crate::store::{self, AlertOf, AlertRow, Changes, StoreError};
 use crate::wire::alert::AlertBody;
 
 /// Stations with gyros that are remembered.

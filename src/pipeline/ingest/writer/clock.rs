@@ -11,8 +11,7 @@ use crate::core::id::Id;
 use crate::core::judge::Rule;
 use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::{AlertContext, Naming, SharedVerdict, follow_clock};
-use crate::store;
-use crate::store::{AlertOf, AlertRow, Cells, Changes, Duty, StoreError};
+use crate::store::{self, AlertOf, AlertRow, Cells, Changes, Duty, StoreError};
 
 /// Gyros, stations and IMUs that one transaction of the clock is about.
 const AT_ONCE: usize = 1000;

@@ -12,8 +12,7 @@ use crate::pipeline::alerts::{AlertCache, AlertContext, Origin};
 use crate::pipeline::diagnoses::{Adoption, Made, newest_verdict};
 use crate::pipeline::error::WriteError;
 use crate::pipeline::ingest::judge::Undone;
-use crate::store;
-use crate::store::{AlertOf, AlertRow, Changes, RecordEntry, StoreError};
+use crate::store::{self, AlertOf, AlertRow, Changes, RecordEntry, StoreError};
 
 pub(super) struct ForecastAlerts<'a> {
     pub state: &'a mut WriterState,

@@ -15,8 +15,8 @@ use crate::pipeline::ingest::admit::{Admission, Ahead, Group};
 use crate::pipeline::ingest::judge::Verdicts;
 use crate::pipeline::ingest::submission::{Calibration, Submission};
 use crate::pipeline::{Accepted, Actor, CalibratedGyro, Judged, Refused, Reply, WriteError};
-use crate::store::{Changes, StoreError};
-use crate::{store, telemetry};
+use crate::store::{self, Changes, StoreError};
+use crate::telemetry;
 
 /// A group that is made ready.
 pub(super) struct Preparation<'a> {

@@ -12,9 +12,8 @@ use crate::pipeline::ingest::judge::Judge;
 use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
 use crate::pipeline::queries::heads::{checksum, row_of, stations_of, stored_outlooks, stored_rows};
 use crate::pipeline::queries::standing::{Alerted, Facts};
-use crate::store;
 use crate::store::{
-    Cells, Changes, HeadChanges, HeadRow, HeadsMade, HistoryRow, RecordVerdicts, Store, StoreError, Writer,
+    self, Cells, Changes, HeadChanges, HeadRow, HeadsMade, HistoryRow, RecordVerdicts, Store, StoreError, Writer,
 };
 
 /// Rows of one transaction where all are made.

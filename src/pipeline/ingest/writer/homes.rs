@@ -4,8 +4,7 @@ use super::state::Item;
 use crate::core::id::Id;
 use crate::pipeline::hooks::Found;
 use crate::pipeline::ingest::submission::{Calibration, Corrected, Submission};
-use crate::store;
-use crate::store::{Cells, PackedText, Store, StoreError};
+use crate::store::{self, Cells, PackedText, Store, StoreError};
 
 pub(super) struct Homes<'a> {
     pub store: &'a Store,

@@ -30,11 +30,11 @@ use crate::pipeline::diagnoses::{DiagnosisHandler, DiagnosisOrder, HypothesisHan
 use crate::pipeline::error::StorageError;
 use crate::pipeline::hooks::{Found, HookCache, HookHandler, Order, heard_by};
 use crate::pipeline::ingest::judge::Judge;
-use crate::pipeline::write_queue::Job;
-use crate::pipeline::{Accepted, OrderError, Reply, WriteError, write_queue};
-use crate::store::{Cells, Changes, Store, StoreError, Writer};
+use crate::pipeline::write_queue::{self, Job};
+use crate::pipeline::{Accepted, OrderError, Reply, WriteError};
+use crate::store::{self, Cells, Changes, Store, StoreError, Writer};
 use crate::system::Clock;
-use crate::{store, telemetry};
+use crate::telemetry;
 use clock::ClockTick;
 use forecasts::ForecastAlerts;
 use group::{Preparation, answer, settle};

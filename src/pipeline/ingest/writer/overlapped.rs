@@ -12,8 +12,8 @@ use super::state::{Item, Prepared, StoreJob, Task, UnderWay, items_of};
 use crate::core::history_note::FAR_DAYS;
 use crate::pipeline::ingest::submission::Submission;
 use crate::pipeline::write_queue::Job;
-use crate::store::{Committer, Tables, Written};
-use crate::{store, telemetry};
+use crate::store::{self, Committer, Tables, Written};
+use crate::telemetry;
 
 /// Items from which on a group is written beside.
 const MANY: usize = 128;

@@ -16,8 +16,7 @@ use crate::pipeline::ingest::admit::rows_as_stated;
 use crate::pipeline::ingest::campaign::Restated;
 use crate::pipeline::ingest::submission::Calibration;
 use crate::pipeline::{Accepted, OrderError, StorageError, WriteError};
-use crate::store;
-use crate::store::{Changes, StoreError};
+use crate::store::{self, Changes, StoreError};
 
 pub(super) struct Restating<'a> {
     pub state: &'a mut WriterState,

@@ -16,8 +16,7 @@ use crate::core::judge::{
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::alerts::{AlertCache, Naming, Origin, SharedVerdict};
 use crate::pipeline::ingest::judge::{Judged, Newest};
-use crate::store;
-use crate::store::{AlertOf, AlertRow, Changes, ExcessRow, Store, StoreError};
+use crate::store::{self, AlertOf, AlertRow, Changes, ExcessRow, Store, StoreError};
 
 /// Those that gyros may share, by column.
 const COEFFICIENTS: [Coefficient; 2] = [Coefficient::DI, Coefficient::DS];

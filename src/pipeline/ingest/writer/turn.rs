@@ -9,8 +9,7 @@ use super::state::{Item, WriterState};
 use crate::pipeline::error::Unwritten;
 use crate::pipeline::ingest::reader::Reader;
 use crate::pipeline::ingest::submission::Submission;
-use crate::store;
-use crate::store::{Cells, Changes, Missed, Moves, News, StoreError};
+use crate::store::{self, Cells, Changes, Missed, Moves, News, StoreError};
 
 const MOST_TRIES: u32 = 4;
 const FIRST_PAUSE: Duration = Duration::from_millis(30);

@@ -5,28 +5,13 @@ use std::collections::BTreeSet;
 use crate::core::correction::CorrectionItem;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
-use crate::store::name_tables::{NamesOf, NewName};
-use crate::store::packed::history_row::HistoryRow;
-use crate::store::packed::verdicts::StoredVerdict;
-use crate::store::postgres::cell_rows::News;
-use crate::store::tables::access::AccessChanges;
-use crate::store::tables::alerts::{AlertRow, StepRow};
-use crate::store::tables::bench::BenchRow;
 use crate::store::tables::correction::Withdrawn;
-use crate::store::tables::delivery::OutboxChanges;
-use crate::store::tables::diagnosis::NewDiagnosis;
-use crate::store::tables::diagnosis_job::JobChanges;
-use crate::store::tables::event::EventRow;
-use crate::store::tables::gyro_attribute::GyroAttributeRow;
-use crate::store::tables::head::HeadChanges;
-use crate::store::tables::hook::HookRow;
-use crate::store::tables::hypothesis::HypothesisRow;
-use crate::store::tables::keys::KeyRow;
-use crate::store::tables::model::ModelRow;
-use crate::store::tables::record::{PackedText, RecordRow, RejudgedSheet};
-use crate::store::tables::set_aside::{ConfirmationRow, SetAside};
-use crate::store::tables::silence::SilenceRow;
-use crate::store::tables::suspect_window::WindowMarkRow;
+use crate::store::tables::set_aside::SetAside;
+use crate::store::{
+    AccessChanges, AlertRow, BenchRow, ConfirmationRow, EventRow, GyroAttributeRow, HeadChanges, HistoryRow, HookRow,
+    HypothesisRow, JobChanges, KeyRow, ModelRow, NamesOf, NewDiagnosis, NewName, News, OutboxChanges, PackedText,
+    RecordRow, RejudgedSheet, SilenceRow, StepRow, StoredVerdict, WindowMarkRow,
+};
 
 /// Everything that one transaction writes. Rows may refer to names of the same group.
 #[derive(Debug, Default)]

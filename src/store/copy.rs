@@ -5,12 +5,11 @@ use futures::TryStreamExt;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteRow};
 use sqlx::{AssertSqlSafe, ConnectOptions, Connection, PgConnection, Row, SqliteConnection};
 
-use super::error::StoreError;
-use super::handle::Options;
 use super::postgres;
 use crate::store::packed::history_row::PACKED_LEN;
 use crate::store::sqlite::lock::{self, Lock};
 use crate::store::sqlite::write_behind::history_log::PendingHistory;
+use crate::store::{Options, StoreError};
 use crate::system::sha256;
 
 /// Rows of a block, and about how many bytes of them.

@@ -4,13 +4,12 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::db::{Readers, on, read};
-use super::error::StoreError;
 use super::name_tables::Names;
+use super::postgres::Neighbours;
 use super::postgres::hosts::without_password;
-use super::postgres::{Duty, Moves, Neighbours};
-use super::secrets::Secrets;
 use super::sqlite::lock;
 use super::sqlite::write_behind::WriteBehind;
+use crate::store::{Duty, Moves, Secrets, StoreError};
 
 /// Where the database is, and how it is held open.
 #[derive(Debug, Clone)]

@@ -7,15 +7,10 @@ use rusqlite::OpenFlags;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions};
 use sqlx::{AssertSqlSafe, ConnectOptions, Connection, SqliteConnection};
 
-use super::cells::Cells;
-use super::changes::Changes;
 use super::db::{Readers, migrator};
-use super::error::StoreError;
-use super::handle::{Options, Place, Store};
-use super::id::IdSource;
-use super::name_tables::{Names, Table, Tables};
+use super::handle::Place;
+use super::name_tables::Names;
 use super::postgres;
-use super::writer::Writer;
 use crate::store::sqlite::checkpoint::Checkpoints;
 use crate::store::sqlite::checksum::{Summing, settle};
 use crate::store::sqlite::halt::Halt;
@@ -23,6 +18,7 @@ use crate::store::sqlite::write_behind::WriteBehind;
 use crate::store::sqlite::writer::{FileWriter, waiting_for_disk};
 use crate::store::sqlite::{lock, private};
 use crate::store::tables::hook;
+use crate::store::{Cells, Changes, IdSource, Options, Store, StoreError, Table, Tables, Writer};
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
 pub(super) const MIGRATIONS: [(i64, &str, &str); 30] = [

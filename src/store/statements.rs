@@ -1,13 +1,12 @@
 //! The statements of one transaction, in the order in which rows may refer to one another.
 
 use super::batch::{Batch, OnConflict};
-use super::changes::Changes;
-use super::name_tables::NewName;
 use super::rows::Rows;
 use super::tables::{
     access, alerts, correction, delivery, diagnosis, diagnosis_digest, diagnosis_job, gyro_attribute, head, model,
     record, set_aside,
 };
+use crate::store::{Changes, NewName};
 
 pub(super) fn batch_of(changes: &Changes) -> Batch {
     let mut batch = Batch::default();

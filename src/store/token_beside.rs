@@ -2,21 +2,17 @@
 
 use sqlx::{ConnectOptions, SqliteConnection};
 
-use super::cells::{ACCESS_CELL, Cells};
-use super::changes::Changes;
-use super::error::StoreError;
-use super::handle::{Options, Store};
-use super::id::IdSource;
+use super::cells::ACCESS_CELL;
 use super::open::{connect_options, last_id, migrate, open_to_write};
 use super::postgres;
 use super::sqlite::checksum::{Summing, settle};
 use super::sqlite::writer::waiting_for_disk;
 use super::sqlite::{lock, private};
 use super::statements::batch_of;
-use super::tables::access::{self, AccessChanges, TokenRow};
-use super::writer::Writer;
+use super::tables::access;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
+use crate::store::{AccessChanges, Cells, Changes, IdSource, Options, Store, StoreError, TokenRow, Writer};
 
 /// A database beside the service that may be serving it: for commands that read tokens or write one row.
 #[derive(Debug)]

@@ -6,14 +6,11 @@ use std::time::{Duration, Instant};
 use tokio::sync::Mutex;
 use tokio::task::JoinHandle;
 
-use super::cells::Cells;
-use super::changes::Changes;
-use super::error::StoreError;
-use super::id::IdSource;
-use super::postgres::{CellWriter, Missed};
+use super::postgres::CellWriter;
 use super::sqlite::writer::{FileWriter, waiting_for_disk};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
+use crate::store::{Cells, Changes, IdSource, Missed, StoreError};
 
 /// Who writes: of a file the only one, of a database server one of many.
 #[derive(Debug)]

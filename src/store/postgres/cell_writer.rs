@@ -10,18 +10,14 @@ use std::time::{Duration, Instant};
 use sqlx::{AssertSqlSafe, Connection, PgConnection};
 
 use super::bounded::{BREATH, COMES_UP, PgReaders, within};
-use super::cell_rows::{AllCells, COLUMNS, CellRow, Missed, News};
+use super::cell_rows::{AllCells, COLUMNS, CellRow};
 use super::hosts::Hosts;
 use super::names;
-use crate::store::cells::Cells;
-use crate::store::changes::Changes;
-use crate::store::error::StoreError;
-use crate::store::handle::Options;
-use crate::store::id::IdSource;
 use crate::store::name_tables::Names;
-use crate::store::packed::history_row::{self, HistoryRow};
+use crate::store::packed::history_row;
 use crate::store::statements::batch_of;
 use crate::store::tables::diagnosis;
+use crate::store::{Cells, Changes, HistoryRow, IdSource, Missed, News, Options, StoreError};
 
 /// How long it is kept which commits there were: longer than anybody waits to find out.
 const COMMITS_KEPT_S: i64 = 600;

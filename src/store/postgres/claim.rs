@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use crate::core::id::Id;
 use crate::store::db::{PgReaders, Readers};
-use crate::store::error::StoreError;
-use crate::store::handle::{Place, Store};
+use crate::store::handle::Place;
+use crate::store::{Store, StoreError};
 
 /// A claim is renewed this often in the time for which it holds.
 const RENEWALS: u32 = 3;

@@ -12,11 +12,10 @@ use super::hosts::Hosts;
 use super::other_servers::Neighbours;
 use super::{homes, names};
 use crate::store::db::{Readers, migrator};
-use crate::store::error::StoreError;
-use crate::store::handle::{Options, Place, Store};
-use crate::store::name_tables::{Names, Tables};
+use crate::store::handle::Place;
+use crate::store::name_tables::Names;
 use crate::store::sqlite::write_behind::WriteBehind;
-use crate::store::writer::Writer;
+use crate::store::{Options, Store, StoreError, Tables, Writer};
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
 const MIGRATIONS: [(i64, &str, &str); 23] = [

@@ -5,12 +5,12 @@ use std::time::Duration;
 use tokio::sync::watch;
 
 use super::bounded::PgReaders;
-use super::cell_rows::{AllCells, Missed, News};
+use super::cell_rows::AllCells;
 use super::hosts::Hosts;
-use super::lease::{self, Duty, Held};
+use super::lease::{self, Held};
 use super::names;
-use crate::store::error::StoreError;
 use crate::store::name_tables::Names;
+use crate::store::{Duty, Missed, News, StoreError};
 
 /// How soon what others have written is known here.
 const LOOK_EVERY: Duration = Duration::from_millis(250);

@@ -12,12 +12,12 @@ use super::{checksum, private};
 use crate::core::id::Id;
 use crate::core::time::Span;
 use crate::store::db::Readers;
-use crate::store::error::StoreError;
-use crate::store::handle::{Options, Place, Store};
+use crate::store::handle::Place;
 use crate::store::name_tables::Names;
 use crate::store::open::{MIGRATIONS, connect_options, finds_nothing, load_names, migrate};
 use crate::store::sqlite::write_behind::WriteBehind;
 use crate::store::{self, postgres};
+use crate::store::{Options, Store, StoreError};
 use crate::system::{fill_random, sha256};
 
 impl Options {

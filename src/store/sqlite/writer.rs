@@ -9,14 +9,12 @@ use super::checkpoint::{self, Checkpoints};
 use super::checksum::Summing;
 use super::halt::Halt;
 use super::lock::Lock;
-use crate::store::changes::Changes;
-use crate::store::error::StoreError;
 use crate::store::name_tables::Names;
 use crate::store::sqlite::write_behind::WriteBehind;
 use crate::store::sqlite::write_behind::record_index::{IndexChanges, NewRecord};
 use crate::store::statements::batch_of;
 use crate::store::tables::diagnosis;
-use crate::store::tables::record::RecordRow;
+use crate::store::{Changes, RecordRow, StoreError};
 
 #[derive(Debug)]
 pub(crate) struct FileWriter {

@@ -8,9 +8,8 @@ use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::columns::columns;
 use crate::store::db::{Whole, on, read};
-use crate::store::error::StoreError;
-use crate::store::handle::Store;
 use crate::store::rows::{Columns, Rows};
+use crate::store::{Store, StoreError};
 
 /// A token, without its secret.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -12,10 +12,9 @@ use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::columns::columns;
 use crate::store::db::{Sql, Whole, asked, at_most, counted, list_of, numbers, on, read};
-use crate::store::error::StoreError;
-use crate::store::handle::Store;
 use crate::store::rows::{AnyRow, Columns, Part, Row};
 use crate::store::tables::head::STAMPS;
+use crate::store::{Store, StoreError};
 
 /// Who said so, why and when.
 #[derive(Debug, Clone, PartialEq, Eq)]

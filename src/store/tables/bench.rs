@@ -4,15 +4,13 @@ use std::sync::Arc;
 
 use sqlx::AssertSqlSafe;
 
-use super::record::RecordAt;
 use crate::core::bench::BenchMethod;
 use crate::core::id::Id;
 use crate::core::time::{Span, UtcMicros};
 use crate::store::columns::columns;
 use crate::store::db::{Whole, numbers, read};
-use crate::store::error::StoreError;
-use crate::store::handle::Store;
 use crate::store::rows::Columns;
+use crate::store::{RecordAt, Store, StoreError};
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct BenchRow {

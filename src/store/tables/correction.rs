@@ -7,10 +7,9 @@ use crate::core::id::Id;
 use crate::store::batch::Batch;
 use crate::store::columns::columns;
 use crate::store::db::{Whole, on, read};
-use crate::store::error::StoreError;
-use crate::store::handle::Store;
-use crate::store::packed::history_row::{self, HistoryRow};
+use crate::store::packed::history_row;
 use crate::store::rows::{AnyRow, Columns, Rows};
+use crate::store::{HistoryRow, Store, StoreError};
 
 /// What a transaction takes out of what counts.
 #[derive(Debug, Default)]

@@ -1,15 +1,12 @@
 //! Diagnoses of stored campaigns, and which are still to be made.
 
-use super::model::ModelRow;
-use super::record::RecordRow;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::db::{Whole, read};
-use crate::store::error::StoreError;
-use crate::store::handle::Store;
 use crate::store::packed::text;
 use crate::store::rows::Rows;
+use crate::store::{ModelRow, RecordRow, Store, StoreError};
 
 /// A diagnosis that was made.
 #[derive(Debug, Clone, PartialEq, Eq)]

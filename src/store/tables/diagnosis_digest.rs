@@ -3,16 +3,13 @@
 use futures::TryStreamExt;
 use sqlx::AssertSqlSafe;
 
-use super::diagnosis::NewDiagnosis;
-use super::diagnosis_job::CampaignFilter;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::Batch;
 use crate::store::columns::columns;
 use crate::store::db::{Whole, at_most, counted, on, read};
-use crate::store::error::StoreError;
-use crate::store::handle::Store;
 use crate::store::rows::{AnyRow, Columns, Rows};
+use crate::store::{CampaignFilter, NewDiagnosis, Store, StoreError};
 
 /// The gist of one campaign's diagnosis.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -10,9 +10,8 @@ use crate::core::time::{Span, UtcMicros};
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::columns::columns;
 use crate::store::db::{Whole, read};
-use crate::store::error::StoreError;
-use crate::store::handle::Store;
 use crate::store::rows::{Columns, Rows};
+use crate::store::{Store, StoreError};
 
 /// An order as it stands.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -7,9 +7,8 @@ use crate::core::judge::{Event, FixedLevels};
 use crate::core::time::UtcMicros;
 use crate::store::columns::columns;
 use crate::store::db::{Whole, read};
-use crate::store::error::StoreError;
-use crate::store::handle::Store;
 use crate::store::rows::Columns;
+use crate::store::{Store, StoreError};
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct EventRow {

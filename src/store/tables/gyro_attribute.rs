@@ -7,9 +7,8 @@ use sqlx::AssertSqlSafe;
 use crate::core::gyro_attributes::GyroAttributes;
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::db::{Whole, read};
-use crate::store::error::StoreError;
-use crate::store::handle::Store;
 use crate::store::rows::Rows;
+use crate::store::{Store, StoreError};
 
 /// A gyro, and what is said of it from now on.
 #[derive(Debug, Clone, PartialEq)]

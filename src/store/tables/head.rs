@@ -13,9 +13,8 @@ use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::columns::columns;
 use crate::store::db::{Sql, Whole, asked, at_most, counted, numbers, on, read};
-use crate::store::error::StoreError;
-use crate::store::handle::Store;
 use crate::store::rows::{AnyRow, Columns, Part, Row, Rows};
+use crate::store::{Store, StoreError};
 
 /// How a gyro stands, whatever the time is.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,9 +7,8 @@ use sqlx::AssertSqlSafe;
 use crate::core::figures::Figures;
 use crate::core::time::{Span, UtcMicros};
 use crate::store::db::{Readers, at_most, read};
-use crate::store::error::StoreError;
-use crate::store::handle::Store;
 use crate::store::packed::history_row::PACKED_LEN;
+use crate::store::{Store, StoreError};
 
 /// Gyros of one query, so that what it hands over stays within a few megabytes.
 const AT_ONCE: usize = 256;

@@ -8,10 +8,8 @@ use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::columns::columns;
 use crate::store::db::{list_of, on, read};
-use crate::store::error::StoreError;
-use crate::store::handle::Store;
 use crate::store::rows::{AnyRow, Columns, Part, Row};
-use crate::store::secrets::Secrets;
+use crate::store::{Secrets, Store, StoreError};
 
 /// A hook. Its secrets are for signing and sending only; what shows hooks leaves them out, and so does `Debug`.
 #[derive(Clone, PartialEq, Eq)]

@@ -4,9 +4,8 @@ use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::columns::columns;
 use crate::store::db::read;
-use crate::store::error::StoreError;
-use crate::store::handle::Store;
 use crate::store::rows::Columns;
+use crate::store::{Store, StoreError};
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HypothesisRow {

@@ -3,8 +3,7 @@
 use crate::core::id::Id;
 use crate::store::columns::columns;
 use crate::store::db::{Sql, read};
-use crate::store::error::StoreError;
-use crate::store::handle::Store;
+use crate::store::{Store, StoreError};
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyRow {

@@ -2,14 +2,12 @@
 
 use sqlx::AssertSqlSafe;
 
-use super::delivery::{AttemptRow, DeliveryRow, DeliverySubject, DueDelivery};
 use crate::core::delivery::{DeliveryState, QueueState};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::db::{Sql, Whole, list_of, numbers, on, read};
-use crate::store::error::StoreError;
-use crate::store::handle::Store;
 use crate::store::rows::{AnyRow, Columns};
+use crate::store::{AttemptRow, DeliveryRow, DeliverySubject, DueDelivery, Store, StoreError};
 
 fn subject(row: &impl AnyRow) -> Result<DeliverySubject, StoreError> {
     let (of, action): ([Option<Id>; 2], Option<String>) = (row.part(&["step", "alert"])?, row.part(&["action"])?);

@@ -11,12 +11,10 @@ use crate::core::time::{Span, UtcMicros};
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::columns::columns;
 use crate::store::db::{Readers, Sql, Whole, counted, list_of, on, read};
-use crate::store::error::StoreError;
-use crate::store::handle::Store;
 use crate::store::packed::text;
-use crate::store::packed::verdicts::RecordVerdicts;
 use crate::store::rows::{AnyRow, CellKind, Column, Columns, Row, Rows};
 use crate::store::tables::names::look_up_numbers;
+use crate::store::{RecordVerdicts, Store, StoreError};
 
 fn code(kind: Kind) -> i64 {
     match kind {

@@ -5,10 +5,9 @@ use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::columns::columns;
 use crate::store::db::{Whole, read};
-use crate::store::error::StoreError;
-use crate::store::handle::Store;
-use crate::store::packed::history_row::{self, HistoryRow};
+use crate::store::packed::history_row;
 use crate::store::rows::{Columns, Rows};
+use crate::store::{HistoryRow, Store, StoreError};
 
 /// What a transaction sets aside.
 #[derive(Debug, Default)]

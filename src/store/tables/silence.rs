@@ -1,14 +1,12 @@
 //! Silences of every alert that matches.
 
-use super::alerts::Remark;
 use crate::core::alert_filter::Matchers;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::columns::columns;
 use crate::store::db::{Whole, read};
-use crate::store::error::StoreError;
-use crate::store::handle::Store;
 use crate::store::rows::{AnyRow, Columns, Part, Row};
+use crate::store::{Remark, Store, StoreError};
 
 /// Nobody is told of the alerts that match, before a time or until somebody ends it.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -5,9 +5,8 @@ use crate::core::suspect_window::{Mark, SuspectWindow};
 use crate::core::time::Span;
 use crate::store::columns::columns;
 use crate::store::db::read;
-use crate::store::error::StoreError;
-use crate::store::handle::Store;
 use crate::store::rows::{AnyRow, Columns, Part, Row};
+use crate::store::{Store, StoreError};
 
 /// How somebody marked a window of a station.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -13,10 +13,10 @@ use sqlx::SqliteConnection;
 use crate::core::figures::Figures;
 use crate::core::time::Span;
 use crate::store::batch::{Batch, OnConflict};
-use crate::store::error::StoreError;
-use crate::store::packed::history_row::{self, HistoryRow, PACKED_LEN};
+use crate::store::packed::history_row::{self, PACKED_LEN};
 use crate::store::rows::Rows;
 use crate::store::sqlite::write_behind::queues::Waiting;
+use crate::store::{HistoryRow, StoreError};
 
 const GYRO_LEN: usize = 4;
 

@@ -2,14 +2,8 @@
 
 use sqlx::SqliteConnection;
 
+use super::{Batch, Columns, Id, OnConflict, Rows, Store, StoreError, UtcMicros, Whole, columns, on, read};
 use crate::core::access::{AuditEntry, AuditFilter, Role};
-use crate::core::id::Id;
-use crate::core::time::UtcMicros;
-use crate::store::batch::{Batch, OnConflict};
-use crate::store::columns::columns;
-use crate::store::db::{Whole, on, read};
-use crate::store::rows::{Columns, Rows};
-use crate::store::{Store, StoreError};
 
 /// A token, without its secret.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -2,19 +2,14 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use sqlx::AssertSqlSafe;
-
+use super::{
+    AnyRow, AssertSqlSafe, Batch, Columns, Id, OnConflict, Part, Row, Sql, Store, StoreError, UtcMicros, Whole, asked,
+    at_most, columns, counted, list_of, numbers, on, read,
+};
 use crate::core::alert_decision::{Alert, Hushed, LastNotification, Standing};
 use crate::core::alert_filter::AlertFilter;
-use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule, Severity};
-use crate::core::time::UtcMicros;
-use crate::store::batch::{Batch, OnConflict};
-use crate::store::columns::columns;
-use crate::store::db::{Sql, Whole, asked, at_most, counted, list_of, numbers, on, read};
-use crate::store::rows::{AnyRow, Columns, Part, Row};
 use crate::store::tables::head::STAMPS;
-use crate::store::{Store, StoreError};
 
 /// Who said so, why and when.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -2,15 +2,9 @@
 
 use std::sync::Arc;
 
-use sqlx::AssertSqlSafe;
-
+use super::{AssertSqlSafe, Columns, Id, Span, Store, StoreError, UtcMicros, Whole, columns, numbers, read};
 use crate::core::bench::BenchMethod;
-use crate::core::id::Id;
-use crate::core::time::{Span, UtcMicros};
-use crate::store::columns::columns;
-use crate::store::db::{Whole, numbers, read};
-use crate::store::rows::Columns;
-use crate::store::{RecordAt, Store, StoreError};
+use crate::store::RecordAt;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct BenchRow {

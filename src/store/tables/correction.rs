@@ -1,15 +1,9 @@
 //! Records and bench results that do not count any more: who said so, when, why, and what stands in their place.
 
-use sqlx::AssertSqlSafe;
-
+use super::{AnyRow, AssertSqlSafe, Batch, Columns, Id, Rows, Store, StoreError, Whole, columns, on, read};
 use crate::core::correction::{CorrectedResult, CorrectionItem};
-use crate::core::id::Id;
-use crate::store::batch::Batch;
-use crate::store::columns::columns;
-use crate::store::db::{Whole, on, read};
+use crate::store::HistoryRow;
 use crate::store::packed::history_row;
-use crate::store::rows::{AnyRow, Columns, Rows};
-use crate::store::{HistoryRow, Store, StoreError};
 
 /// What a transaction takes out of what counts.
 #[derive(Debug, Default)]

@@ -7,13 +7,9 @@
 use std::collections::BTreeMap;
 
 use super::delivery_line::{fall_back, instants, move_up};
+use super::{Batch, Id, OnConflict, Rows, UtcMicros, columns};
 use crate::core::delivery::DeliveryState;
-use crate::core::id::Id;
 use crate::core::judge::Severity;
-use crate::core::time::UtcMicros;
-use crate::store::batch::{Batch, OnConflict};
-use crate::store::columns::columns;
-use crate::store::rows::Rows;
 
 /// What a delivery tells of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,10 +1,7 @@
 //! The lines of the outbox: deliveries of one hook and alert, the oldest first. One that tells of many alerts stands
 //! in the line of each.
 
-use crate::core::id::Id;
-use crate::core::time::UtcMicros;
-use crate::store::batch::Batch;
-use crate::store::rows::Rows;
+use super::{Batch, Id, Rows, UtcMicros};
 
 /// The lines (hook and alert) that a delivery stands in.
 fn lines_of(delivery: &str) -> String {

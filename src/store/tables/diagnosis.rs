@@ -1,12 +1,9 @@
 //! Diagnoses of stored campaigns, and which are still to be made.
 
-use crate::core::id::Id;
+use super::{Batch, Id, OnConflict, Rows, Store, StoreError, Whole, read};
 use crate::core::kind::Kind;
-use crate::store::batch::{Batch, OnConflict};
-use crate::store::db::{Whole, read};
 use crate::store::packed::text;
-use crate::store::rows::Rows;
-use crate::store::{ModelRow, RecordRow, Store, StoreError};
+use crate::store::{ModelRow, RecordRow};
 
 /// A diagnosis that was made.
 #[derive(Debug, Clone, PartialEq, Eq)]

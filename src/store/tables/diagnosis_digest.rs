@@ -1,15 +1,11 @@
 //! What a summary of many diagnoses says of each: a few hundred bytes beside the tens of thousands of the whole.
 
+use super::{
+    AnyRow, AssertSqlSafe, Batch, Columns, Id, Rows, Store, StoreError, UtcMicros, Whole, at_most, columns, counted,
+    on, read,
+};
+use crate::store::{CampaignFilter, NewDiagnosis};
 use futures::TryStreamExt;
-use sqlx::AssertSqlSafe;
-
-use crate::core::id::Id;
-use crate::core::time::UtcMicros;
-use crate::store::batch::Batch;
-use crate::store::columns::columns;
-use crate::store::db::{Whole, at_most, counted, on, read};
-use crate::store::rows::{AnyRow, Columns, Rows};
-use crate::store::{CampaignFilter, NewDiagnosis, Store, StoreError};
 
 /// The gist of one campaign's diagnosis.
 #[derive(Debug, Clone, PartialEq, Eq)]

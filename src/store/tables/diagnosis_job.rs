@@ -5,13 +5,7 @@
 //! transaction that keeps it.
 
 use super::delivery_line::instants;
-use crate::core::id::Id;
-use crate::core::time::{Span, UtcMicros};
-use crate::store::batch::{Batch, OnConflict};
-use crate::store::columns::columns;
-use crate::store::db::{Whole, read};
-use crate::store::rows::{Columns, Rows};
-use crate::store::{Store, StoreError};
+use super::{Batch, Columns, Id, OnConflict, Rows, Span, Store, StoreError, UtcMicros, Whole, columns, read};
 
 /// An order as it stands.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -2,13 +2,8 @@
 
 use std::collections::HashMap;
 
-use crate::core::id::Id;
+use super::{Columns, Id, Store, StoreError, UtcMicros, Whole, columns, read};
 use crate::core::judge::{Event, FixedLevels};
-use crate::core::time::UtcMicros;
-use crate::store::columns::columns;
-use crate::store::db::{Whole, read};
-use crate::store::rows::Columns;
-use crate::store::{Store, StoreError};
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct EventRow {

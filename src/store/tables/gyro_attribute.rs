@@ -2,13 +2,8 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use sqlx::AssertSqlSafe;
-
+use super::{AssertSqlSafe, Batch, OnConflict, Rows, Store, StoreError, Whole, read};
 use crate::core::gyro_attributes::GyroAttributes;
-use crate::store::batch::{Batch, OnConflict};
-use crate::store::db::{Whole, read};
-use crate::store::rows::Rows;
-use crate::store::{Store, StoreError};
 
 /// A gyro, and what is said of it from now on.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,18 +3,13 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
-use sqlx::AssertSqlSafe;
-
+use super::{
+    AnyRow, AssertSqlSafe, Batch, Columns, Id, OnConflict, Part, Row, Rows, Sql, Store, StoreError, UtcMicros, Whole,
+    asked, at_most, columns, counted, numbers, on, read,
+};
 use crate::core::fleet_order::FleetOrder;
-use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Event, Measured, Outlook, Reach, Rule, Severity, State, Status};
 use crate::core::mounting::Slot;
-use crate::core::time::UtcMicros;
-use crate::store::batch::{Batch, OnConflict};
-use crate::store::columns::columns;
-use crate::store::db::{Sql, Whole, asked, at_most, counted, numbers, on, read};
-use crate::store::rows::{AnyRow, Columns, Part, Row, Rows};
-use crate::store::{Store, StoreError};
 
 /// How a gyro stands, whatever the time is.
 #[derive(Debug, Clone, PartialEq)]

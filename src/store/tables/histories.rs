@@ -2,13 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use sqlx::AssertSqlSafe;
-
+use super::{AssertSqlSafe, Readers, Span, Store, StoreError, UtcMicros, at_most, read};
 use crate::core::figures::Figures;
-use crate::core::time::{Span, UtcMicros};
-use crate::store::db::{Readers, at_most, read};
 use crate::store::packed::history_row::PACKED_LEN;
-use crate::store::{Store, StoreError};
 
 /// Gyros of one query, so that what it hands over stays within a few megabytes.
 const AT_ONCE: usize = 256;

@@ -3,11 +3,8 @@
 use std::collections::HashMap;
 
 use super::histories::{counting, unpack};
+use super::{Id, Span, Sql, Store, StoreError, Whole, list_of, read};
 use crate::core::figures::Figures;
-use crate::core::id::Id;
-use crate::core::time::Span;
-use crate::store::db::{Sql, Whole, list_of, read};
-use crate::store::{Store, StoreError};
 
 /// The oldest `limit` rows of a gyro within `span` that count, oldest first.
 pub async fn oldest(store: &Store, gyro: u32, span: Span, limit: usize) -> Result<Vec<Figures>, StoreError> {

@@ -2,14 +2,8 @@
 
 use std::collections::HashSet;
 
-use sqlx::AssertSqlSafe;
-
-use crate::core::id::Id;
-use crate::core::time::UtcMicros;
-use crate::store::columns::columns;
-use crate::store::db::{list_of, on, read};
-use crate::store::rows::{AnyRow, Columns, Part, Row};
-use crate::store::{Secrets, Store, StoreError};
+use super::{AnyRow, AssertSqlSafe, Columns, Id, Part, Row, Store, StoreError, UtcMicros, columns, list_of, on, read};
+use crate::store::Secrets;
 
 /// A hook. Its secrets are for signing and sending only; what shows hooks leaves them out, and so does `Debug`.
 #[derive(Clone, PartialEq, Eq)]

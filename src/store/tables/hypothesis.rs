@@ -1,11 +1,6 @@
 //! Hypotheses of one's own that compete in every diagnosis.
 
-use crate::core::id::Id;
-use crate::core::time::UtcMicros;
-use crate::store::columns::columns;
-use crate::store::db::read;
-use crate::store::rows::Columns;
-use crate::store::{Store, StoreError};
+use super::{Columns, Id, Store, StoreError, UtcMicros, columns, read};
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HypothesisRow {

@@ -1,9 +1,6 @@
 //! `Idempotency-Key` headers and what came of the requests that bore them.
 
-use crate::core::id::Id;
-use crate::store::columns::columns;
-use crate::store::db::{Sql, read};
-use crate::store::{Store, StoreError};
+use super::{Id, Sql, Store, StoreError, columns, read};
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyRow {

@@ -1,5 +1,16 @@
 //! One file a table: its rows, what reads them and what writes them.
 
+// What the tables' files are written with.
+use sqlx::AssertSqlSafe;
+
+use crate::core::id::Id;
+use crate::core::time::{Span, UtcMicros};
+use crate::store::batch::{Batch, OnConflict};
+use crate::store::columns::columns;
+use crate::store::db::{Readers, Sql, Whole, asked, at_most, counted, list_of, numbers, on, read};
+use crate::store::rows::{AnyRow, CellKind, Column, Columns, Part, Row, Rows};
+use crate::store::{Store, StoreError};
+
 pub mod access;
 pub mod alerts;
 pub mod bench;

@@ -1,12 +1,6 @@
 //! Error models that were adopted for an IMU, and which campaigns were fitted with them.
 
-use crate::core::id::Id;
-use crate::core::time::UtcMicros;
-use crate::store::batch::{Batch, OnConflict};
-use crate::store::columns::columns;
-use crate::store::db::{Whole, read};
-use crate::store::rows::{Columns, Rows};
-use crate::store::{Store, StoreError};
+use super::{Batch, Columns, Id, OnConflict, Rows, Store, StoreError, UtcMicros, Whole, columns, read};
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ModelRow {

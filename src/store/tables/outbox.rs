@@ -1,13 +1,8 @@
 //! Reading the outbox: what is due, how a hook's queue stands, what became of each delivery.
 
-use sqlx::AssertSqlSafe;
-
+use super::{AnyRow, AssertSqlSafe, Columns, Id, Sql, Store, StoreError, UtcMicros, Whole, list_of, numbers, on, read};
 use crate::core::delivery::{DeliveryState, QueueState};
-use crate::core::id::Id;
-use crate::core::time::UtcMicros;
-use crate::store::db::{Sql, Whole, list_of, numbers, on, read};
-use crate::store::rows::{AnyRow, Columns};
-use crate::store::{AttemptRow, DeliveryRow, DeliverySubject, DueDelivery, Store, StoreError};
+use crate::store::{AttemptRow, DeliveryRow, DeliverySubject, DueDelivery};
 
 fn subject(row: &impl AnyRow) -> Result<DeliverySubject, StoreError> {
     let (of, action): ([Option<Id>; 2], Option<String>) = (row.part(&["step", "alert"])?, row.part(&["action"])?);

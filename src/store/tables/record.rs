@@ -3,18 +3,14 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use sqlx::AssertSqlSafe;
-
-use crate::core::id::Id;
+use super::{
+    AnyRow, AssertSqlSafe, Batch, CellKind, Column, Columns, Id, OnConflict, Readers, Row, Rows, Span, Sql, Store,
+    StoreError, UtcMicros, Whole, columns, counted, list_of, on, read,
+};
 use crate::core::kind::Kind;
-use crate::core::time::{Span, UtcMicros};
-use crate::store::batch::{Batch, OnConflict};
-use crate::store::columns::columns;
-use crate::store::db::{Readers, Sql, Whole, counted, list_of, on, read};
+use crate::store::RecordVerdicts;
 use crate::store::packed::text;
-use crate::store::rows::{AnyRow, CellKind, Column, Columns, Row, Rows};
 use crate::store::tables::names::look_up_numbers;
-use crate::store::{RecordVerdicts, Store, StoreError};
 
 fn code(kind: Kind) -> i64 {
     match kind {

@@ -1,13 +1,8 @@
 //! Records whose time is in doubt: kept as those that were voided are, until somebody confirms it.
 
-use crate::core::id::Id;
-use crate::core::time::UtcMicros;
-use crate::store::batch::{Batch, OnConflict};
-use crate::store::columns::columns;
-use crate::store::db::{Whole, read};
+use super::{Batch, Columns, Id, OnConflict, Rows, Store, StoreError, UtcMicros, Whole, columns, read};
+use crate::store::HistoryRow;
 use crate::store::packed::history_row;
-use crate::store::rows::{Columns, Rows};
-use crate::store::{HistoryRow, Store, StoreError};
 
 /// What a transaction sets aside.
 #[derive(Debug, Default)]

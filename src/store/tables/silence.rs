@@ -1,12 +1,8 @@
 //! Silences of every alert that matches.
 
+use super::{AnyRow, Columns, Id, Part, Row, Store, StoreError, UtcMicros, Whole, columns, read};
 use crate::core::alert_filter::Matchers;
-use crate::core::id::Id;
-use crate::core::time::UtcMicros;
-use crate::store::columns::columns;
-use crate::store::db::{Whole, read};
-use crate::store::rows::{AnyRow, Columns, Part, Row};
-use crate::store::{Remark, Store, StoreError};
+use crate::store::Remark;
 
 /// Nobody is told of the alerts that match, before a time or until somebody ends it.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,12 +1,7 @@
 //! Windows of time in which what a station measured is suspect, mark by mark.
 
-use crate::core::id::Id;
+use super::{AnyRow, Columns, Id, Part, Row, Span, Store, StoreError, columns, read};
 use crate::core::suspect_window::{Mark, SuspectWindow};
-use crate::core::time::Span;
-use crate::store::columns::columns;
-use crate::store::db::read;
-use crate::store::rows::{AnyRow, Columns, Part, Row};
-use crate::store::{Store, StoreError};
 
 /// How somebody marked a window of a station.
 #[derive(Debug, Clone, PartialEq, Eq)]

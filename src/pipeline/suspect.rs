@@ -4,8 +4,8 @@ use crate::core::alert_decision::Late;
 use crate::core::id::Id;
 use crate::core::suspect_window::{Mark, SuspectWindow};
 use crate::core::time::Span;
-use crate::pipeline::error::WriteError;
-use crate::pipeline::{Accepted, Confirmation, Doubt, ListFilter, Pipeline, Refused, Submission, WindowMark};
+use crate::pipeline::Pipeline;
+use crate::pipeline::{Accepted, Confirmation, Doubt, ListFilter, Refused, Submission, WindowMark, WriteError};
 use crate::wire::note;
 
 /// Records that are asked for, and submitted, at a time.

@@ -6,12 +6,14 @@ use tokio::sync::{mpsc, oneshot};
 
 use crate::core::alert_decision::Late;
 use crate::core::id::Id;
-use crate::pipeline::access::{AccessOrder, Actor, Secret};
-use crate::pipeline::alerts::{AlertOrder, SilenceOrder};
-use crate::pipeline::diagnoses::{Adoption, DiagnosisOrder, HypothesisOrder, Made};
-use crate::pipeline::error::{OrderError, WriteError};
-use crate::pipeline::hooks::{Found, Order};
-use crate::pipeline::ingest::{Accepted, Reply, Restated, Submission};
+use crate::pipeline::access::Secret;
+use crate::pipeline::diagnoses::Made;
+use crate::pipeline::hooks::Found;
+use crate::pipeline::ingest::Restated;
+use crate::pipeline::{
+    Accepted, AccessOrder, Actor, Adoption, AlertOrder, DiagnosisOrder, HypothesisOrder, Order, OrderError, Reply,
+    SilenceOrder, Submission, WriteError,
+};
 use crate::store::{self, PackedText, Store};
 use crate::wire::alert::AlertBody;
 

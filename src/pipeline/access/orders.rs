@@ -2,13 +2,11 @@
 
 use serde::Serialize;
 
-use super::audit::Actor;
-use super::guard::Guard;
 use super::secret::Secret;
 use crate::core::access::{AuditEntry, Role};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::pipeline::error::OrderError;
+use crate::pipeline::{Actor, Guard, OrderError};
 use crate::store::{AccessChanges, Beside, Changes, SessionRow, TokenRow, Writer};
 use crate::wire::time;
 

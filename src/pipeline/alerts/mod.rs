@@ -15,8 +15,6 @@ mod sources;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::access::Actor;
-use super::error::{OrderError, StorageError};
 use super::write_queue::{Job, WriteQueue};
 use crate::core::alert_decision::Standing;
 use crate::core::alert_filter::AlertFilter;
@@ -27,6 +25,7 @@ use crate::core::message::Message;
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::kept::Kept;
+use crate::pipeline::{Actor, OrderError, StorageError};
 use crate::store::{self, AlertRow, StepRow, Store, StoreError};
 use crate::system::Clock;
 use crate::wire::alert::AlertBody;

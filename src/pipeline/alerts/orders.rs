@@ -9,8 +9,7 @@ use crate::core::alert_decision;
 use crate::core::alert_filter::Matchers;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::pipeline::access::Actor;
-use crate::pipeline::error::OrderError;
+use crate::pipeline::{Actor, OrderError};
 use crate::store::{AlertOf, AlertRow, Changes, Remark, SilenceRow};
 
 /// Somebody says something of an alert.

@@ -6,13 +6,12 @@
 
 use serde::Deserialize;
 
-use super::Diagnoses;
 use super::forecaster::{Forecaster, stored};
 use super::models::InForce;
 use crate::core::id::Id;
 use crate::core::judge::{State, Verdict};
 use crate::core::kind::Kind;
-use crate::pipeline::error::StorageError;
+use crate::pipeline::{Diagnoses, StorageError};
 use crate::store::{self, RecordEntry, Store, StoreError};
 use crate::wire::forecast::{ForecastBody, ForecastPointBody, ForecastSeriesBody};
 use crate::words;

@@ -1,13 +1,11 @@
 //! Hypotheses of one's own, added and taken out by the one writer.
 
-use super::hypotheses::{StoredHypothesis, stored};
+use super::hypotheses::stored;
 use super::made::text;
 use super::models::ModelCache;
 use crate::core::effects::Effect;
 use crate::core::time::UtcMicros;
-use crate::pipeline::access::Actor;
-use crate::pipeline::error::OrderError;
-use crate::pipeline::ingest::Accepted;
+use crate::pipeline::{Accepted, Actor, OrderError, StoredHypothesis};
 use crate::store::{self, Changes, HypothesisRow, Store, StoreError, Writer};
 use crate::wire::hypothesis::HypothesisBody;
 

@@ -3,9 +3,7 @@
 use super::made::text;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::pipeline::access::Actor;
-use crate::pipeline::error::OrderError;
-use crate::pipeline::ingest::Accepted;
+use crate::pipeline::{Accepted, Actor, OrderError};
 use crate::store::{self, CampaignFilter, Changes, JobChanges, NewJob, Store, StoreError, Writer};
 use crate::wire::diagnoses::WhichBody;
 

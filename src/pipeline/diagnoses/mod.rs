@@ -25,9 +25,6 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::access::Actor;
-use super::error::{NotSplit, OrderError, StorageError};
-use super::ingest::{Accepted, Reader};
 use super::write_queue::{Job, WriteQueue};
 use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;
@@ -45,6 +42,7 @@ use crate::pipeline::diagnoses::forecaster::stored;
 use crate::pipeline::diagnoses::models::read;
 use crate::pipeline::ingest::fitted::damaged;
 use crate::pipeline::ingest::submission::anything;
+use crate::pipeline::{Accepted, Actor, NotSplit, OrderError, Reader, StorageError};
 use crate::store::{self, CampaignFilter, FailedTask, JobRow, ModelRow, Store, StoreError, TaskCounts};
 use crate::wire::cursor::{self, List};
 use crate::wire::diagnoses::{CountsBody, FailureBody, JobBody, JobDetailBody, SummaryBody, WhichBody};

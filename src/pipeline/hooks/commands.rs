@@ -13,9 +13,8 @@ use crate::core::id::Id;
 use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::pipeline::access::Actor;
-use crate::pipeline::error::{OrderError, WriteError};
 use crate::pipeline::hooks::registry::{CurrentAlert, OutboxContext, Subscription, introduce};
+use crate::pipeline::{Actor, OrderError, WriteError};
 use crate::store::{
     self, AttemptRow, Changes, DeliverySubject, HookRow, NewDelivery, OutboxChanges, Progress, Store, StoreError,
     Writer,

@@ -20,14 +20,13 @@ use std::sync::Arc;
 
 use tokio::sync::watch;
 
-use super::access::Actor;
-use super::error::{OrderError, StorageError, WriteError};
 use super::write_queue::{Job, WriteQueue};
 use crate::alert::sign::Secret;
 use crate::config::Config;
 use crate::core::delivery::{DeliveryState, QueueState};
 use crate::core::fault::Faults;
 use crate::core::id::Id;
+use crate::pipeline::{Actor, OrderError, StorageError, WriteError};
 use crate::store::{self, Store};
 use crate::system::Clock;
 use crate::wire::hook::{DeliveryBody, HookBody};

@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::reader::Reader;
 use crate::config::Stations;
 use crate::core::augmented::AugmentedModel;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
@@ -12,9 +11,10 @@ use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::pipeline::diagnoses::models::{self, InForce};
-use crate::pipeline::ingest::fitted::{CampaignFit, Fitted, ReadCampaign};
-use crate::pipeline::ingest::submission::{
-    BenchTest, CalibratedGyro, Calibration, Confirmation, Correction, Submission, anything, check_names, kept,
+use crate::pipeline::ingest::fitted::CampaignFit;
+use crate::pipeline::ingest::submission::{BenchTest, anything, check_names, kept};
+use crate::pipeline::{
+    CalibratedGyro, Calibration, Confirmation, Correction, Fitted, ReadCampaign, Reader, Submission,
 };
 use crate::store::{self, RecordRow, StoreError};
 use crate::wire::bench::BenchBody;

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use crate::core::kind::Kind;
-use crate::pipeline::ingest::same_content::{Sent, benches_agree, says_the_same};
-use crate::pipeline::ingest::submission::Submission;
+use crate::pipeline::ingest::same_content::{benches_agree, says_the_same};
+use crate::pipeline::{Sent, Submission};
 use crate::wire::document::DocumentKind;
 
 /// A document that can be stored, and how it would be compared with one that is there.

@@ -20,13 +20,12 @@ use std::sync::Arc;
 
 use tokio::sync::oneshot;
 
-use super::access::Actor;
 use super::diagnoses::background::IdleDetector;
-use super::error::WriteError;
 use super::write_queue::{Job, WriteQueue};
 use crate::config::Config;
 use crate::core::alert_decision::Late;
 use crate::core::id::Id;
+use crate::pipeline::{Actor, WriteError};
 use crate::store::Store;
 use crate::system::Clock;
 

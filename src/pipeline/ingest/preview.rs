@@ -4,13 +4,9 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::admit::{Admission, Ahead, Group, Memory};
-use super::document::ReadDocument;
-use super::outcome::Accepted;
-use super::refused::Refused;
 use crate::core::id::Id;
 use crate::core::note::Note;
-use crate::pipeline::access::Actor;
-use crate::pipeline::ingest::Ingest;
+use crate::pipeline::{Accepted, Actor, Ingest, ReadDocument, Refused};
 use crate::store::IdSource;
 
 /// Beyond every identifier of this century.

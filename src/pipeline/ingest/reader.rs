@@ -15,11 +15,8 @@ use crate::core::separate::{CovarianceEg, Unseparable, separate, stated_covarian
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::diagnoses::models::{InForce, ModelCache};
-use crate::pipeline::ingest::document::{Origin, ReadDocument};
-use crate::pipeline::ingest::fitted::{Fitted, ReadCampaign};
-use crate::pipeline::ingest::submission::{
-    BenchTest, CalibratedGyro, Calibration, Submission, anything, check_names, kept,
-};
+use crate::pipeline::ingest::submission::{BenchTest, anything, check_names, kept};
+use crate::pipeline::{CalibratedGyro, Calibration, Fitted, Origin, ReadCampaign, ReadDocument, Submission};
 use crate::store::Store;
 use crate::system::Clock;
 use crate::wire::answer::SeparationBody;

@@ -6,12 +6,11 @@ use std::sync::Arc;
 
 use super::admit::rows_as_stated;
 use super::campaign::Restated;
-use super::reader::Reader;
 use crate::core::time::Span;
 use crate::pipeline::diagnoses::background::{Awaited, IdleDetector, beside_others};
 use crate::pipeline::diagnoses::models::InForce;
-use crate::pipeline::error::WriteError;
 use crate::pipeline::write_queue::{Job, WeakWriteQueue};
+use crate::pipeline::{Reader, WriteError};
 use crate::store::{self, RecordRow, RestatedRow, StoreError};
 
 /// Looks for calibrations that are not stated by the model in force of their IMU, and has them stated so.

@@ -17,8 +17,7 @@ use crate::core::separate::Separation;
 use crate::core::suspect_window::Mark;
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::pipeline::access::{Actor, Caller};
-use crate::pipeline::ingest::refused::Refused;
+use crate::pipeline::{Actor, Caller, Refused};
 use crate::system::sha256;
 use crate::wire::json::without_mark;
 

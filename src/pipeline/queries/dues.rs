@@ -9,10 +9,9 @@ use tokio::time::Instant;
 
 use super::found_until::found_until;
 use super::gyro_history::Histories;
-use super::standing::Standing;
 use crate::core::judge::{Coefficient, Reach, Status};
 use crate::core::time::UtcMicros;
-use crate::pipeline::error::StorageError;
+use crate::pipeline::{Standing, StorageError};
 
 /// Gyros whose dates are kept; more of them, and all are found anew.
 const MOST_KEPT: usize = 1000;

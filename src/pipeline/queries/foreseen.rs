@@ -1,15 +1,14 @@
 //! What a calibration that is not stored would be judged to be, beside the last that is.
 
-use super::standing::{Violation, violations};
-use super::{Queries, status};
+use super::standing::violations;
+use super::status;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::judge::{Measured, Need, Older, Outlook, Status, Verdict};
 use crate::core::time::{Span, UtcMicros};
-use crate::pipeline::error::StorageError;
-use crate::pipeline::ingest::Calibration;
 use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, sample_of};
+use crate::pipeline::{Calibration, Queries, StorageError, Violation};
 use crate::store::{self, StoredVerdict};
 
 /// A number that nothing stored has.

@@ -2,10 +2,8 @@
 
 use std::sync::Arc;
 
-use super::agreement::{Comparison, compare_methods};
+use super::agreement::compare_methods;
 use super::fleet::{level, stated};
-use super::items::{BenchItem, EventItem, Names};
-use super::status::Statuses;
 use crate::config::{Config, JudgedMethod};
 use crate::core::correction::CorrectedResult;
 use crate::core::figures::Figures;
@@ -13,8 +11,9 @@ use crate::core::id::Id;
 use crate::core::judge::history::{baseline_of, seat_baseline_of};
 use crate::core::judge::{BASELINE_RECORDS, Coefficient, Event, Limits, Mark, Rule, Sample};
 use crate::core::time::{Span, UtcMicros};
-use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, load_marks, mark_of, sample_of};
+use crate::pipeline::queries::items::Names;
+use crate::pipeline::{BenchItem, Comparison, EventItem, Statuses, StorageError};
 use crate::store::{self, BenchRow, Store, StoreError, StoredVerdict};
 use crate::system::Clock;
 

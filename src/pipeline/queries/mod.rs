@@ -20,10 +20,9 @@ mod verify;
 
 use std::sync::Arc;
 
-use super::error::StorageError;
-use super::ingest::Reader;
 use crate::config::Config;
 use crate::core::suspect_window::{SuspectWindow, in_force};
+use crate::pipeline::{Reader, StorageError};
 use crate::store::{self, Store};
 use crate::system::Clock;
 

@@ -2,13 +2,12 @@
 
 use std::sync::Arc;
 
-use super::common_shift::{CommonShift, shifts_of};
+use super::common_shift::shifts_of;
 use super::fleet::Fleet;
-use super::standing::Standing;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::diagnoses::outside_forecasts;
-use crate::pipeline::error::StorageError;
+use crate::pipeline::{CommonShift, Standing, StorageError};
 use crate::store::head::{CalibratedRow, DueImus};
 use crate::store::{self, Store, StoreError};
 use crate::wire::diagnoses::OutsideForecastBody;

@@ -9,12 +9,11 @@ use crate::core::judge::history::Need;
 use crate::core::judge::{Older, Rule};
 use crate::core::name::normal_form;
 use crate::core::time::Span;
-use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
 use crate::pipeline::queries::heads::{checksum, stored_rows};
 use crate::pipeline::queries::record::{Records, Reread};
-use crate::pipeline::{CalibratedGyro, Calibration};
+use crate::pipeline::{CalibratedGyro, Calibration, StorageError};
 use crate::store::{self, StoreError, StoredVerdict, Table};
 use crate::wire::bench::parse_bench_result;
 

@@ -14,8 +14,7 @@ use crate::core::id::Id;
 use crate::core::note::Note;
 use crate::core::suspect_window::{Mark, SuspectWindow, in_force};
 use crate::core::time::Span;
-use crate::pipeline::ingest::submission::{Calibration, Confirmation, Corrected, Correction, Doubt, WindowMark};
-use crate::pipeline::{Accepted, Refused};
+use crate::pipeline::{Accepted, Calibration, Confirmation, Corrected, Correction, Doubt, Refused, WindowMark};
 use crate::store::{
     self, ConfirmationRow, HistoryRow, NamesOf, RecordRow, RestatedRow, StoreError, StoredAside, WindowMarkRow,
 };

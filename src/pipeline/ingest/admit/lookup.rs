@@ -11,8 +11,7 @@ use crate::core::name::{distance, look_keys};
 use crate::core::suspect_window::{Mark, SuspectWindow, in_force};
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::ingest::same_content::says_the_same;
-use crate::pipeline::ingest::submission::Calibration;
-use crate::pipeline::{Accepted, Refused};
+use crate::pipeline::{Accepted, Calibration, Refused};
 use crate::store::{self, NamesOf, Store, StoreError};
 
 /// A serial is near to another that differs by so many slips of the pen.

@@ -20,12 +20,9 @@ use crate::core::name::look_keys;
 use crate::core::note::Note;
 use crate::core::separate::{Branch, Separation};
 use crate::core::time::UtcMicros;
-use crate::pipeline::access::Actor;
 use crate::pipeline::ingest::same_content::benches_agree;
-use crate::pipeline::ingest::submission::{
-    AttributesOrder, BenchTest, CalibratedGyro, Calibration, GyroEvent, Submission,
-};
-use crate::pipeline::{Accepted, Refused};
+use crate::pipeline::ingest::submission::BenchTest;
+use crate::pipeline::{Accepted, Actor, AttributesOrder, CalibratedGyro, Calibration, GyroEvent, Refused, Submission};
 use crate::store::{
     self, BenchRow, EventRow, GyroAttributeRow, HistoryRow, NamesOf, NewName, RecordRow, RecordVerdicts, RestatedRow,
     Store, StoreError, StoredVerdict,

@@ -8,15 +8,11 @@ use super::state::WriterState;
 use crate::core::alert_decision::Late;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::pipeline::access::Actor;
-use crate::pipeline::alerts::{
-    AlertCache, AlertContext, AlertOrder, Causes, Naming, SharedVerdict, SilenceOrder, follow_group,
-};
-use crate::pipeline::error::{OrderError, WriteError};
+use crate::pipeline::alerts::{AlertCache, AlertContext, Causes, Naming, SharedVerdict, follow_group};
 use crate::pipeline::hooks::{CurrentAlert, OutboxContext};
 use crate::pipeline::ingest::judge::Judged;
-use crate::pipeline::ingest::submission::Calibration;
 use crate::pipeline::queries::agreement::{Agreement, agreement_after};
+use crate::pipeline::{Actor, AlertOrder, Calibration, OrderError, SilenceOrder, WriteError};
 use crate::store::{self, AlertOf, AlertRow, Changes, StoreError};
 use crate::wire::alert::AlertBody;
 

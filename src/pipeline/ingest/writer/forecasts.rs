@@ -9,9 +9,9 @@ use crate::core::alert_decision::Late;
 use crate::core::judge::{Finding, Rule, Verdict};
 use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::{AlertCache, AlertContext, Origin};
-use crate::pipeline::diagnoses::{Adoption, Made, newest_verdict};
-use crate::pipeline::error::WriteError;
+use crate::pipeline::diagnoses::{Made, newest_verdict};
 use crate::pipeline::ingest::judge::Undone;
+use crate::pipeline::{Adoption, WriteError};
 use crate::store::{self, AlertOf, AlertRow, Changes, RecordEntry, StoreError};
 
 pub(super) struct ForecastAlerts<'a> {

@@ -13,8 +13,7 @@ use crate::core::kind::Kind;
 use crate::pipeline::alerts::Causes;
 use crate::pipeline::ingest::admit::{Admission, Ahead, Group};
 use crate::pipeline::ingest::judge::Verdicts;
-use crate::pipeline::ingest::submission::{Calibration, Submission};
-use crate::pipeline::{Accepted, Actor, CalibratedGyro, Judged, Refused, Reply, WriteError};
+use crate::pipeline::{Accepted, Actor, CalibratedGyro, Calibration, Judged, Refused, Reply, Submission, WriteError};
 use crate::store::{self, Changes, StoreError};
 use crate::telemetry;
 

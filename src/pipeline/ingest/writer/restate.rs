@@ -8,14 +8,11 @@ use super::forecasts::ForecastAlerts;
 use super::state::WriterState;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::pipeline::access::Actor;
 use crate::pipeline::alerts::Causes;
-use crate::pipeline::diagnoses::Adoption;
 use crate::pipeline::diagnoses::models::adopted;
 use crate::pipeline::ingest::admit::rows_as_stated;
 use crate::pipeline::ingest::campaign::Restated;
-use crate::pipeline::ingest::submission::Calibration;
-use crate::pipeline::{Accepted, OrderError, StorageError, WriteError};
+use crate::pipeline::{Accepted, Actor, Adoption, Calibration, OrderError, StorageError, WriteError};
 use crate::store::{self, Changes, StoreError};
 
 pub(super) struct Restating<'a> {

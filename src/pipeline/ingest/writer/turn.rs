@@ -7,8 +7,7 @@ use std::time::Duration;
 use super::homes::Homes;
 use super::state::{Item, WriterState};
 use crate::pipeline::error::Unwritten;
-use crate::pipeline::ingest::reader::Reader;
-use crate::pipeline::ingest::submission::Submission;
+use crate::pipeline::{Reader, Submission};
 use crate::store::{self, Cells, Changes, Missed, Moves, News, StoreError};
 
 const MOST_TRIES: u32 = 4;

@@ -32,9 +32,6 @@ impl<T> Default for Kept<T> {
 impl<T> Kept<T> {
     /// What `find` finds at an instant; with it comes the last instant at which it would find the same where the
     /// version is the same. Who asks while it is sought waits for it.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn at<E>(
         &self,
         version: impl Future<Output = Result<[i64; 2], StoreError>>,

@@ -170,17 +170,11 @@ impl Pipeline {
     }
 
     /// Whether the database can be read.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn ping(&self) -> Result<(), StorageError> {
         Ok(self.store.ping().await?)
     }
 
     /// Of the database and of its log, in bytes.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn sizes(&self) -> Result<(u64, u64), StorageError> {
         Ok(self.store.sizes().await?)
     }

@@ -26,9 +26,6 @@ enum Aside {
 
 impl Beside {
     /// Opens the database; where no service holds it, creates it and brings its schema up to date first.
-    ///
-    /// # Errors
-    /// [`StoreError`].
     pub async fn open(options: &Options) -> Result<Self, StoreError> {
         if options.is_server() {
             let (store, mut writer) = postgres::open::open_beside(options).await?;

@@ -62,9 +62,6 @@ impl Writer {
     /// From here to [`Writer::commit`] or [`Writer::give_back`] nobody else writes what is at home in `cells`: what is
     /// read of it is what holds when this is committed. Says what others have written since these cells were held
     /// last; names that are at home in them are known.
-    ///
-    /// # Errors
-    /// [`StoreError`].
     pub async fn lock_cells(&mut self, cells: &Cells) -> Result<Missed, StoreError> {
         match &mut self.engine {
             Engine::File(_) => Ok(Missed::default()),

@@ -98,9 +98,6 @@ impl Access {
     }
 
     /// Ends the session of this task's caller, if it is one.
-    ///
-    /// # Errors
-    /// [`OrderError`].
     pub async fn sign_out(&self) -> Result<(), OrderError> {
         if let Some(Caller { by: By::Session { session, .. }, .. }) = Caller::current() {
             self.order(AccessOrder::SignOut { session }).await?;
@@ -109,17 +106,11 @@ impl Access {
     }
 
     /// Every token there ever was, oldest first.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn tokens(&self) -> Result<Vec<Token>, StorageError> {
         Ok(store::access::tokens(&self.store).await?.into_iter().map(Token::from).collect())
     }
 
     /// The audit trail, newest first.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn audit(
         &self,
         filter: &AuditFilter,

@@ -75,9 +75,6 @@ pub struct Alerts {
 
 impl Alerts {
     /// Alerts that a filter lets through, newest first, each with its identifier.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn find(
         &self,
         filter: &AlertFilter,
@@ -100,9 +97,6 @@ impl Alerts {
 
     /// Gyros with their alerts that a filter lets through: those that stand worst first, of what is resolved those whose
     /// alert is the newest; from the gyro of place `skip` on, as many as `most`.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn by_gyro(
         &self,
         filter: &AlertFilter,
@@ -122,9 +116,6 @@ impl Alerts {
     }
 
     /// Alerts of stations, batches and IMUs that a filter lets through, the newest first.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn of_no_gyro(&self, filter: &AlertFilter) -> Result<Vec<AlertBody>, StorageError> {
         let (now, mut rows) = (self.clock.now(), store::alerts::of_no_gyro(&self.store).await?);
         rows.retain(|row| {
@@ -137,27 +128,18 @@ impl Alerts {
     }
 
     /// Alerts of gyros that the alert of a station, batch or IMU explains.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn inhibited_by(&self, station: Id) -> Result<Vec<AlertBody>, StorageError> {
         let (now, rows) = (self.clock.now(), store::alerts::inhibited_by(&self.store, station).await?);
         self.bodies(&rows, now)
     }
 
     /// Those of these alerts that there are.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn of(&self, ids: &[Id]) -> Result<Vec<AlertBody>, StorageError> {
         let (now, rows) = (self.clock.now(), store::alerts::of_ids(&self.store, ids).await?);
         self.bodies(&rows, now)
     }
 
     /// How many alerts stand how, among those that a filter lets through.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn standings(&self, filter: &AlertFilter) -> Result<HashMap<Standing, usize>, StorageError> {
         let (store, now) = (&self.store, self.clock.now());
         let count = store::alerts::standings(store, filter, now);
@@ -169,9 +151,6 @@ impl Alerts {
     }
 
     /// How many alerts fire, acknowledged and silenced ones among them, of each severity.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn firing(&self) -> Result<[u64; Severity::ALL.len()], StorageError> {
         let counts = store::alerts::firing_by_severity(&self.store).await?;
         Ok(Severity::ALL.map(|severity| {
@@ -181,9 +160,6 @@ impl Alerts {
     }
 
     /// One alert and its newest steps.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn get(&self, id: Id) -> Result<Option<AlertRecord>, StorageError> {
         let Some(row) = store::alerts::get(&self.store, id).await? else { return Ok(None) };
         let steps = store::alerts::steps(&self.store, id, MOST_STEPS).await?;
@@ -204,34 +180,23 @@ impl Alerts {
     }
 
     /// Acknowledges an alert or takes that back, or silences it; returns it once that is on disk.
-    ///
-    /// # Errors
-    /// [`OrderError`].
     pub async fn change(&self, order: AlertOrder) -> Result<AlertBody, OrderError> {
         let by = Actor::by_caller();
         self.queue.ask(|reply| Job::Alert { order, by, reply }).await
     }
 
     /// Silences of many alerts, the newest first: those in force, or the newest of all.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn silences(&self, all: bool) -> Result<Vec<MatchingSilenceBody>, StorageError> {
         let now = self.clock.now();
         let rows = store::silence::list(&self.store, (!all).then_some(now), MOST_SILENCES).await?;
         Ok(rows.iter().map(|row| silences::body(row, now)).collect())
     }
 
-    /// # Errors
-    /// [`StorageError`].
     pub async fn silence(&self, id: Id) -> Result<Option<MatchingSilenceBody>, StorageError> {
         Ok(store::silence::get(&self.store, id).await?.map(|row| silences::body(&row, self.clock.now())))
     }
 
     /// Begins or ends a silence of many alerts; returns its identifier once that is on disk.
-    ///
-    /// # Errors
-    /// [`OrderError`].
     pub async fn order_silence(&self, order: SilenceOrder) -> Result<Id, OrderError> {
         let by = Actor::by_caller();
         self.queue.ask(|reply| Job::Silence { order, by, reply }).await

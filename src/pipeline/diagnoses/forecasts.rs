@@ -28,9 +28,6 @@ struct WithForecast {
 impl Diagnoses {
     /// The forecasts of the newest `limit` campaigns of an IMU, oldest first, the newest dwell by dwell; none where no
     /// such IMU is known. Computing, some milliseconds for the newest and each that has not been made.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn forecasts(&self, imu: &str, limit: u32) -> Result<Option<ForecastSeriesBody>, StorageError> {
         let Some(number) = self.store.names().read().imus.number(imu) else { return Ok(None) };
         let (mut points, mut latest) = (Vec::new(), None);
@@ -61,9 +58,6 @@ impl Diagnoses {
     }
 
     /// As [`Diagnoses::forecasts`], without dwells: those that are kept, and those of campaigns whose diagnosis is due.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn forecasts_of_imu(&self, imu: u32, limit: u32) -> Result<Vec<ForecastPointBody>, StorageError> {
         let mut points = Vec::new();
         for id in self.campaigns_of(imu, limit).await? {

@@ -164,9 +164,6 @@ impl Diagnoses {
     }
 
     /// The models of an IMU, newest first; none where no such IMU is known.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn models(&self, imu: &str) -> Result<Option<Vec<AdoptedModel>>, StorageError> {
         let Some(imu) = self.store.names().read().imus.number(imu) else { return Ok(None) };
         let rows = store::model::of_imu(&self.store, imu).await?;
@@ -252,9 +249,6 @@ impl Diagnoses {
     }
 
     /// Orders with their progress, newest first, those before `before`.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn jobs(&self, before: Option<Id>, limit: u32) -> Result<Vec<JobBody>, StorageError> {
         let mut bodies = Vec::new();
         for row in store::diagnosis_job::list(&self.store, before, limit).await? {
@@ -265,9 +259,6 @@ impl Diagnoses {
     }
 
     /// One order, and what failed of it after `after`.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn job(&self, id: Id, after: Option<Id>, limit: u32) -> Result<Option<JobDetailBody>, StorageError> {
         let Some(row) = store::diagnosis_job::get(&self.store, id).await? else { return Ok(None) };
         let job = shown(row, store::diagnosis_job::task_counts(&self.store, id).await?)?;
@@ -286,9 +277,6 @@ impl Diagnoses {
     }
 
     /// Campaigns that wait for their first diagnosis, and those that orders wait for.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn waiting(&self) -> Result<(u64, u64), StorageError> {
         Ok(store::diagnosis_job::diagnoses_waiting(&self.store).await?)
     }
@@ -313,17 +301,11 @@ impl Diagnoses {
     }
 
     /// What the diagnoses of stored campaigns say together. Campaigns that count no more are left out.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn summary(&self, filter: &SummaryFilter) -> Result<SummaryBody, StorageError> {
         Ok(filter.summary(&self.store, &self.diagnoser.models.competing().program).await?)
     }
 
     /// What was concluded of each campaign of an IMU that is diagnosed and counts.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn conclusions(&self, imu: u32) -> Result<HashMap<Id, Conclusion>, StorageError> {
         let of_imu = CampaignFilter { imu: Some(imu), station: None, measured: Span::EVER };
         let mut all = HashMap::new();

@@ -39,9 +39,6 @@ pub struct ExplainedHistory {
 
 impl Histories {
     /// Diagnoses the history of a gyro. Computes for some milliseconds, on a thread for that.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn explain(&self, gyro: u32, serial: &str) -> Result<ExplainedHistory, StorageError> {
         let all = store::history::oldest(&self.store, gyro, Span::EVER, usize::MAX).await?;
         let marks = load_marks(&self.store, gyro).await?;

@@ -54,9 +54,6 @@ impl Dues {
     /// Of those of these gyros that drift, what reaches its budget first from `now` on by its history, by gyro number;
     /// and how many of them could not be diagnosed within `patience`: a gyro's own page has its date then. A gyro is
     /// diagnosed again once it stands otherwise.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn of(
         &self,
         gyros: &[Standing],

@@ -264,9 +264,6 @@ impl Fleet {
     }
 
     /// The gyros of some ranks, the worst first, as many as `most`.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn worst_of(&self, statuses: &[Status], most: usize) -> Result<Vec<Standing>, StorageError> {
         let (everything, now, mut gyros) = (Narrowed::default(), self.clock.now(), Vec::new());
         for ranks in in_order().into_iter().filter(|ranks| is_wanted(ranks, Some(statuses))) {
@@ -314,9 +311,6 @@ impl Fleet {
     }
 
     /// How many gyros have each status, and are overdue, and when each station calibrated last; no gyro by itself.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn totals(&self) -> Result<FleetPage, StorageError> {
         let counted = self.counted(self.clock.now()).await?;
         Ok(self.counts(&counted.0, &counted))
@@ -376,17 +370,11 @@ impl Fleet {
     }
 
     /// How these gyros stand, in their order.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn standings_of(&self, gyros: &[u32]) -> Result<Vec<Standing>, StorageError> {
         self.standings(store::histories::last(&self.store, gyros).await?).await
     }
 
     /// Gyros that each station calibrated last and that are overdue.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn overdue_of_stations(&self) -> Result<BTreeMap<String, usize>, StorageError> {
         let of_station = self.totals().await?.of_station.into_iter();
         Ok(of_station.map(|(station, gyros)| (station, gyros.overdue)).collect())
@@ -394,9 +382,6 @@ impl Fleet {
 
     /// What every station does to the gyros that it measured lately; none without records. Computes for a second of
     /// many gyros, on a thread for that: once, until something is written of a gyro.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn station_figures(&self) -> Result<Option<Arc<FleetStations>>, StorageError> {
         let version = store::head::version(&self.store);
         let found = self.known.stations.at(version, Span::EVER.from, self.find_stations()).await?;
@@ -419,9 +404,6 @@ impl Fleet {
 
     /// The same; where that takes longer than `patience`, as they were found last: none before they first were. Who
     /// would wait in vain, as the last one did, does not wait.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn station_figures_within(&self, patience: Duration) -> Result<Option<Arc<FleetStations>>, StorageError> {
         if !self.known.stations.is_sought() {
             let (fleet, took) = (self.clone(), self.last_stations().1);
@@ -465,9 +447,6 @@ impl Fleet {
     }
 
     /// IMUs by name with their gyros, after IMU number `after` (0: all), and whether there are more than `most`.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn imus(&self, after: u32, most: u32) -> Result<(Vec<ListedImu>, bool), StorageError> {
         let mut found = store::head::imus_after(&self.store, after, most.saturating_add(1)).await?;
         let more = found.len() > most as usize;

@@ -47,9 +47,6 @@ pub struct Forecast {
 
 impl Queries {
     /// What would be said of a calibration if it were stored now, by what is stored before it.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn foresee(&self, calibration: &Calibration) -> Result<Forecast, StorageError> {
         let (imu, station, has_stations) = {
             let tables = self.store.names().read();

@@ -137,9 +137,6 @@ impl Histories {
     }
 
     /// The baselines of one of D_I, D_S and D_O by `method`, and the budget that its newest record is judged by.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn levels(
         &self,
         gyro: u32,
@@ -163,73 +160,46 @@ impl Histories {
     }
 
     /// The results of a gyro by every method, within `span`; without one, those that were made to be compared.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn compare_methods(&self, gyro: u32, span: Option<Span>) -> Result<Comparison, StorageError> {
         Ok(compare_methods(&self.store, &self.config.judging, gyro, span).await?)
     }
 
     /// Calibrations that count, oldest first.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn oldest(&self, gyro: u32, span: Span, most: usize) -> Result<Vec<Figures>, StorageError> {
         Ok(store::history::oldest(&self.store, gyro, span, most).await?)
     }
 
     /// The newest calibrations that count, oldest first.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn newest(&self, gyro: u32, span: Span, most: usize) -> Result<Vec<Figures>, StorageError> {
         Ok(store::history::newest(&self.store, gyro, span, most).await?)
     }
 
     /// Calibrations that count no more, oldest first.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn voided(&self, gyro: u32, span: Span) -> Result<Vec<Figures>, StorageError> {
         Ok(store::history::voided(&self.store, gyro, span).await?)
     }
 
     /// Records that do not count until somebody confirms their times.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn set_aside(&self, gyro: u32) -> Result<Vec<(Id, UtcMicros)>, StorageError> {
         Ok(store::set_aside::of_gyro(&self.store, gyro).await?)
     }
 
     /// How many calibrations of a gyro there are.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn count(&self, gyro: u32) -> Result<usize, StorageError> {
         Ok(store::history::count(&self.store, gyro).await?)
     }
 
     /// What was done to a gyro, oldest first.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn events(&self, gyro: u32) -> Result<Vec<EventItem>, StorageError> {
         Ok(store::event::of_gyro(&self.store, gyro).await?.into_iter().map(EventItem::from).collect())
     }
 
     /// Bench results that count, oldest first.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn benches(&self, gyro: u32, span: Span) -> Result<Vec<BenchItem>, StorageError> {
         Ok(self.bench_items(store::bench::of_gyro(&self.store, gyro, span).await?))
     }
 
     /// Bench results, those included that count no more.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn all_benches(&self, gyro: u32, span: Span) -> Result<Vec<BenchItem>, StorageError> {
         Ok(self.bench_items(store::bench::all_of_gyro(&self.store, gyro, span).await?))
     }
@@ -240,9 +210,6 @@ impl Histories {
     }
 
     /// What the rules say of these calibrations of one gyro, for these columns of D_I, D_S and D_O.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn statuses(
         &self,
         gyro: u32,

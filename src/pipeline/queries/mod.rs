@@ -63,17 +63,11 @@ impl Queries {
     }
 
     /// Whether a station of that name has measured anything.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn is_station(&self, name: &str) -> Result<bool, StorageError> {
         Ok(self.station_number(name).await?.is_some())
     }
 
     /// The windows of a station in which what it measures does not count, oldest first; none of an unknown station.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn suspect_windows(&self, name: &str) -> Result<Option<Vec<SuspectWindow>>, StorageError> {
         let Some(station) = self.station_number(name).await? else { return Ok(None) };
         let rows = store::suspect_window::of_stations(&self.store, &[station]).await?;

@@ -102,9 +102,6 @@ impl Records {
     }
 
     /// Who sent an item, by the line of the audit trail about it.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn sender(&self, line: Option<Id>) -> Result<Option<SenderBody>, StorageError> {
         let Some(line) = line else { return Ok(None) };
         let body = |line: AuditEntry| SenderBody {
@@ -150,18 +147,12 @@ impl Records {
     }
 
     /// A record or campaign as it was sent.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn sent(&self, id: Id) -> Result<Option<RecordItem>, StorageError> {
         Ok(store::record::get(&self.store, id).await?.map(|row| self.item(row)))
     }
 
     /// Records and campaigns, the last to arrive first, from the one before `before` on; and whether there are more
     /// than `most`.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn listed(
         &self,
         filter: &ListFilter<'_>,
@@ -187,17 +178,12 @@ impl Records {
     }
 
     /// Records and campaigns of an IMU, newest first.
-    ///
-    /// # Errors
-    /// [`StorageError`].
     pub async fn of_imu(&self, imu: u32, most: u32) -> Result<Vec<ListedRecord>, StorageError> {
         let entries = store::record::of_imu(&self.store, imu, most).await?;
         let names = Names(self.store.names().read());
         Ok(entries.iter().map(|entry| ListedRecord::of(entry, &names)).collect())
     }
 
-    /// # Errors
-    /// [`StorageError`].
     pub async fn bench(&self, id: Id) -> Result<Option<BenchItem>, StorageError> {
         let row = store::bench::get(&self.store, id).await?;
         Ok(row.map(|row| BenchItem::of(row, &Names(self.store.names().read()))))

@@ -64,9 +64,6 @@ pub struct MovedImu {
 
 /// What has become worse since an instant, what soon will, what is due, and where several gyros moved at once; of
 /// each as many as [`LINES`].
-///
-/// # Errors
-/// [`StorageError`].
 pub async fn today(fleet: &Fleet, since: UtcMicros) -> Result<Today, StorageError> {
     let (store, now) = (&fleet.store, fleet.clock.now());
     let worse = store::head::changed(store, since, LINES).await?;

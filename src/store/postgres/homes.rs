@@ -22,9 +22,6 @@ const WITHOUT: [(&str, &str); 3] = [
 ];
 
 /// Gives a cell to every name that has none. Broken off, it goes on where it stopped.
-///
-/// # Errors
-/// [`StoreError`].
 pub(super) async fn give(connection: &mut PgConnection) -> Result<(), StoreError> {
     for (table, without) in WITHOUT {
         let set = format!(

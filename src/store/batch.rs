@@ -97,9 +97,7 @@ impl Batch {
 
     /// As [`Batch::insert`], where the type of a row says which columns it has.
     pub fn enter<'a, T: Columns + 'a>(&mut self, all: impl IntoIterator<Item = &'a T>, on_conflict: OnConflict) {
-        let mut rows = Rows::default();
-        all.into_iter().for_each(|one| one.put_all(&mut rows.row()));
-        self.insert(T::TABLE, T::COLUMNS, on_conflict, rows);
+        self.insert(T::TABLE, T::COLUMNS, on_conflict, Rows::each(all, T::put_all));
     }
 
     /// Roughly how many pages of SQLite's log it takes.

@@ -76,6 +76,26 @@ impl<P: Part, const N: usize> Part for [P; N] {
     }
 }
 
+macro_rules! tuple {
+    ($($part:ident $place:tt),+) => {
+        /// One column each.
+        impl<$($part: Part),+> Part for ($($part,)+) {
+            fn put(&self, row: &mut Row<'_>) {
+                $(self.$place.put(row);)+
+            }
+
+            fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+                Ok(($(row.part(&columns[$place..=$place])?,)+))
+            }
+        }
+    };
+}
+
+tuple!(A 0, B 1);
+tuple!(A 0, B 1, C 2);
+tuple!(A 0, B 1, C 2, D 3);
+tuple!(A 0, B 1, C 2, D 3, E 4);
+
 macro_rules! column {
     ($of:ty as $stored:ty, $kind:ident: $put:expr, $get:expr) => {
         impl Column for $of {

@@ -114,12 +114,15 @@ impl Cell {
 }
 
 impl Rows {
-    /// A row of one whole number each.
-    pub fn of(numbers: impl IntoIterator<Item = i64>) -> Self {
+    /// A row of each of these.
+    pub fn of<P: Part>(parts: impl IntoIterator<Item = P>) -> Self {
+        Self::each(parts, |part, row| part.put(row))
+    }
+
+    /// A row of each of these, as `put` writes it.
+    pub fn each<T>(all: impl IntoIterator<Item = T>, put: impl Fn(T, &mut Row<'_>)) -> Self {
         let mut rows = Self::default();
-        for number in numbers {
-            rows.row().integer(number);
-        }
+        all.into_iter().for_each(|one| put(one, &mut rows.row()));
         rows
     }
 

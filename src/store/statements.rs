@@ -13,10 +13,9 @@ pub(super) fn batch_of(changes: &Changes) -> Batch {
     for (table, column, names) in
         [("imu", "name", &changes.imus), ("station", "name", &changes.stations), ("gyro", "serial", &changes.gyros)]
     {
-        let mut rows = Rows::default();
-        for NewName { number, cell, name } in names {
-            rows.row().put(number).integer(i64::from(*cell)).text(name);
-        }
+        let rows = Rows::each(names, |NewName { number, cell, name }, row| {
+            row.put(number).integer(i64::from(*cell)).text(name);
+        });
         // A file knows of no cells.
         let sqlite = format!("INSERT INTO {table} (id, {column}) VALUES ($C0, $C2)");
         let postgres = format!("INSERT INTO {table} (id, cell, {column}) SELECT $C0, $C1, $C2 FROM $ROWS");

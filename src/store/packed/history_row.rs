@@ -47,11 +47,9 @@ pub(crate) fn void<'a>(history: impl IntoIterator<Item = &'a HistoryRow>, batch:
 }
 
 fn rows<'a>(history: impl IntoIterator<Item = &'a HistoryRow>) -> Rows {
-    let mut rows = Rows::default();
-    for HistoryRow { gyro, figures } in history {
-        rows.row().put(gyro).put(&figures.at).put(&figures.record).written(|out| figures.pack(*gyro, out));
-    }
-    rows
+    Rows::each(history, |HistoryRow { gyro, figures }, row| {
+        row.put(gyro).put(&figures.at).put(&figures.record).written(|out| figures.pack(*gyro, out));
+    })
 }
 
 pub(crate) const PACKED_LEN: usize = 120;

@@ -64,7 +64,7 @@ columns! {
 pub(crate) fn apply(changes: &AccessChanges, batch: &mut Batch) {
     batch.enter(&changes.tokens, OnConflict::Set("id", &["revoked_at"]));
     batch.enter(&changes.sessions, OnConflict::Fail);
-    batch.change("DELETE FROM session", "id = $C0", Rows::of(changes.ended.iter().map(|id| id.0)));
+    batch.change("DELETE FROM session", "id = $C0", Rows::of(changes.ended.iter().copied()));
     batch.enter(&changes.audit, OnConflict::Fail);
 }
 

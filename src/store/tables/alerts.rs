@@ -25,8 +25,8 @@ impl Part for Remark {
     }
 
     fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
-        let [by, reason] = row.part(&columns[..2])?;
-        Ok(Self { by, reason, at: row.part(&columns[2..])? })
+        let (by, reason, at) = row.part(columns)?;
+        Ok(Self { by, reason, at })
     }
 }
 

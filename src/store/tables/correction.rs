@@ -24,7 +24,7 @@ impl Withdrawn {
 
 /// Makes room for what the same transaction inserts.
 pub(crate) fn withdraw(withdrawn: &Withdrawn, batch: &mut Batch) {
-    let (records, benches) = (withdrawn.records.iter().map(|id| id.0), withdrawn.benches.iter().map(|(id, _)| id.0));
+    let (records, benches) = (withdrawn.records.iter().copied(), withdrawn.benches.iter().map(|(id, _)| *id));
     batch.change("UPDATE record SET voided = id", "id = $C0", Rows::of(records));
     batch.change("UPDATE bench_result SET voided = id", "id = $C0", Rows::of(benches));
     history_row::void(&withdrawn.history, batch);

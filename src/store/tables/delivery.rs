@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use super::delivery_line::{fall_back, instants, move_up};
+use super::delivery_line::{fall_back, move_up};
 use super::{Batch, Id, OnConflict, Rows, UtcMicros, columns};
 use crate::core::delivery::DeliveryState;
 use crate::core::judge::Severity;
@@ -146,7 +146,7 @@ pub(crate) fn apply(changes: &OutboxChanges, batch: &mut Batch) {
     batch.change(
         "UPDATE delivery SET state = 'dropped', finished_at = $C1",
         "hook = $C0 AND state IN ('behind', 'waiting')",
-        instants(&changes.dropped),
+        Rows::of(changes.dropped.iter().copied()),
     );
     hear(changes, batch);
     insert(&changes.queued, batch);
@@ -154,18 +154,18 @@ pub(crate) fn apply(changes: &OutboxChanges, batch: &mut Batch) {
     batch.change(
         "UPDATE delivery SET state = 'waiting', due_at = $C1, attempts = 0, first_attempt_at = NULL, finished_at = NULL",
         "id = $C0 AND state IN ('waiting', 'delivered', 'dead')",
-        instants(&changes.replayed),
+        Rows::of(changes.replayed.iter().copied()),
     );
     fall_back(&changes.replayed, batch);
     batch.change(
         "UPDATE delivery SET due_at = $C1",
         "hook = $C0 AND state = 'waiting' AND due_at > $C1",
-        instants(&changes.hastened),
+        Rows::of(changes.hastened.iter().copied()),
     );
 }
 
 fn hear(changes: &OutboxChanges, batch: &mut Batch) {
-    batch.change("DELETE FROM hook_heard", "hook = $C0", Rows::of(changes.forgotten.iter().map(|hook| hook.0)));
+    batch.change("DELETE FROM hook_heard", "hook = $C0", Rows::of(changes.forgotten.iter().copied()));
     let last: BTreeMap<(Id, Id), Option<Severity>> =
         changes.heard.iter().map(|(hook, alert, severity)| ((*hook, *alert), *severity)).collect();
     let (mut fires, mut is_well) = (Rows::default(), Rows::default());
@@ -204,14 +204,13 @@ fn insert(queued: &[NewDelivery], batch: &mut Batch) {
 }
 
 fn attempted(attempts: &[(AttemptRow, Progress)], batch: &mut Batch) {
-    let mut rows = Rows::default();
-    for (attempt, progress) in attempts {
+    let rows = Rows::each(attempts, |(attempt, progress), row| {
         let (state, due_at, finished_at) = match *progress {
             Progress::RetryAt(due) => (DeliveryState::Waiting, Some(due), None),
             Progress::Done(state) => (state, None, Some(attempt.at)),
         };
-        rows.row().put(&attempt.delivery).put(&state).put(&due_at).put(&finished_at).put(&attempt.at);
-    }
+        row.put(&attempt.delivery).put(&state).put(&due_at).put(&finished_at).put(&attempt.at);
+    });
     batch.enter(attempts.iter().map(|(attempt, _)| attempt), OnConflict::Fail);
     // A delivery that was dropped meanwhile stays dropped; one that fell back is done all the same.
     batch.change(

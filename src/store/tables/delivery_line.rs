@@ -46,7 +46,7 @@ pub(crate) fn move_up(lines: impl Iterator<Item = (Id, UtcMicros)>, batch: &mut 
                    GROUP BY first) AS head
              WHERE delivery.id = head.id AND delivery.state = 'behind' AND NOT {stands_behind}"
         ),
-        instants(&lines.collect::<Vec<_>>()),
+        Rows::of(lines),
     );
 }
 
@@ -63,15 +63,6 @@ pub(crate) fn fall_back(again: &[(Id, UtcMicros)], batch: &mut Batch) {
                  AND hook IN (SELECT again.hook FROM delivery AS again WHERE again.id IN (SELECT $C0 FROM $ROWS))
                  AND {stands_behind}"
         ),
-        Rows::of(again.iter().map(|(id, _)| id.0)),
+        Rows::of(again.iter().map(|(id, _)| *id)),
     );
-}
-
-/// Rows of an identifier and an instant.
-pub(crate) fn instants(pairs: &[(Id, UtcMicros)]) -> Rows {
-    let mut rows = Rows::default();
-    for (id, at) in pairs {
-        rows.row().put(id).put(at);
-    }
-    rows
 }

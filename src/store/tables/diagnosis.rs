@@ -29,13 +29,13 @@ pub struct NewDiagnosis {
 /// Every stored campaign is to be diagnosed.
 pub(crate) fn expect(records: &[RecordRow], batch: &mut Batch) {
     let campaigns = records.iter().filter(|record| record.kind == Kind::Campaign);
-    batch.insert("diagnosis", "record", OnConflict::Fail, Rows::of(campaigns.map(|record| record.id.0)));
+    batch.insert("diagnosis", "record", OnConflict::Fail, Rows::of(campaigns.map(|record| record.id)));
 }
 
 /// A newly adopted model makes the diagnoses of its IMU due again. In a file its records have all been entered into
 /// the calendar before.
 pub(crate) fn make_due(models: &[ModelRow], batch: &mut Batch) {
-    let imus = || Rows::of(models.iter().map(|model| i64::from(model.imu)));
+    let imus = || Rows::of(models.iter().map(|model| model.imu));
     batch.change("DELETE FROM diagnosis_gist", "imu = $C0", imus());
     let made_due = "UPDATE diagnosis SET body = NULL, packed = NULL, model = NULL, program = NULL, refused = NULL";
     batch.add(
@@ -46,13 +46,11 @@ pub(crate) fn make_due(models: &[ModelRow], batch: &mut Batch) {
 }
 
 pub(crate) fn update(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
-    let mut rows = Rows::default();
-    for NewDiagnosis { row, .. } in diagnoses {
-        let (body, packed) = text::pack(&row.body);
-        let mut cells = rows.row();
-        cells.put(&row.record).put(&row.model).put(&row.program).put(&row.refused);
-        cells.words(body).optional_bytes(packed.as_deref());
-    }
+    let rows = Rows::each(diagnoses, |NewDiagnosis { row: made, .. }, row| {
+        let (body, packed) = text::pack(&made.body);
+        row.put(&made.record).put(&made.model).put(&made.program).put(&made.refused);
+        row.words(body).optional_bytes(packed.as_deref());
+    });
     let kept = "UPDATE diagnosis SET model = $C1, program = $C2, refused = $C3, body = $C4, packed = $C6";
     batch.change(kept, "record = $C0", rows);
 }

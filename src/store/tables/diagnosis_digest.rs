@@ -25,10 +25,9 @@ columns! {
 }
 
 pub(crate) fn upsert(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
-    let mut rows = Rows::default();
-    for NewDiagnosis { row, gist } in diagnoses {
-        rows.row().put(&row.record).put(&row.program).words(gist);
-    }
+    let rows = Rows::each(diagnoses, |NewDiagnosis { row: made, gist }, row| {
+        row.put(&made.record).put(&made.program).words(gist);
+    });
     batch.change(
         "INSERT INTO diagnosis_gist (record, imu, station, measured_at, program, gist)
          SELECT id, imu, station, calibrated_at, $C1, $C2 FROM record",

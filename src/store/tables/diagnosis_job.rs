@@ -4,7 +4,6 @@
 //! is lost with whoever was at work on it. A diagnosis settles every task that waits for its campaign, in the
 //! transaction that keeps it.
 
-use super::delivery_line::instants;
 use super::{Batch, Columns, Id, OnConflict, Rows, Span, Store, StoreError, UtcMicros, Whole, columns, read};
 
 /// An order as it stands.
@@ -97,14 +96,14 @@ pub(crate) fn apply(changes: &JobChanges, batch: &mut Batch) {
 }
 
 fn start(jobs: &[NewJob], batch: &mut Batch) {
-    let (mut orders, mut tasks, mut ends) = (Rows::default(), Rows::default(), Rows::default());
-    for job in jobs {
-        orders.row().put(&job.id).put(&job.asked_at).put(&job.asked_by).put(&job.asked).put(&false);
-        let mut task = tasks.row();
-        task.put(&job.id).put(&job.which.imu).put(&job.which.station);
-        task.put(&job.which.measured.from).put(&job.which.measured.to).put(&job.again).put(&job.program);
-        ends.row().put(&job.id).put(&job.asked_at);
-    }
+    let orders = Rows::each(jobs, |job, row| {
+        row.put(&job.id).put(&job.asked_at).put(&job.asked_by).put(&job.asked).put(&false);
+    });
+    let tasks = Rows::each(jobs, |NewJob { id, which, again, program, .. }, row| {
+        row.put(id).put(&which.imu).put(&which.station).put(&which.measured.from).put(&which.measured.to);
+        row.put(again).put(program);
+    });
+    let ends = Rows::of(jobs.iter().map(|job| (job.id, job.asked_at)));
     batch.insert("diagnosis_job", "id, asked_at, asked_by, asked, canceled", OnConflict::Fail, orders);
     batch.change(
         "INSERT INTO diagnosis_task (job, record, state, reason)
@@ -127,11 +126,8 @@ fn start(jobs: &[NewJob], batch: &mut Batch) {
 const WAITS: &str = "EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND state = 'waiting')";
 
 fn settle(settled: &[SettledTask], batch: &mut Batch) {
-    let (mut tasks, mut orders) = (Rows::default(), Rows::default());
-    for task in settled {
-        tasks.row().put(&task.record).put(&task.failed);
-        orders.row().put(&task.record).put(&task.begun_at).put(&task.ended_at);
-    }
+    let tasks = Rows::each(settled, |task, row| _ = row.put(&task.record).put(&task.failed));
+    let orders = Rows::of(settled.iter().map(|task| (task.record, task.begun_at, task.ended_at)));
     batch.change(
         "UPDATE diagnosis_task SET state = CASE WHEN $C1 IS NULL THEN 'done' ELSE 'failed' END, reason = $C1",
         "record = $C0 AND state = 'waiting'",
@@ -149,8 +145,8 @@ fn settle(settled: &[SettledTask], batch: &mut Batch) {
 fn cancel(canceled: &[(Id, UtcMicros)], batch: &mut Batch) {
     let (canceled_task, canceled_job) =
         ("UPDATE diagnosis_task SET state = 'canceled'", "UPDATE diagnosis_job SET canceled = 1, ended_at = $C1");
-    batch.change(canceled_task, "job = $C0 AND state = 'waiting'", instants(canceled));
-    batch.change(canceled_job, "id = $C0 AND ended_at IS NULL", instants(canceled));
+    batch.change(canceled_task, "job = $C0 AND state = 'waiting'", Rows::of(canceled.iter().copied()));
+    batch.change(canceled_job, "id = $C0 AND ended_at IS NULL", Rows::of(canceled.iter().copied()));
 }
 
 columns! {

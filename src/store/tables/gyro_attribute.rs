@@ -15,10 +15,9 @@ pub struct GyroAttributeRow {
 /// The last row of a gyro holds.
 pub(crate) fn upsert(changed: &[GyroAttributeRow], batch: &mut Batch) {
     let last: HashMap<u32, &GyroAttributes> = changed.iter().map(|row| (row.gyro, &row.attributes)).collect();
-    let mut rows = Rows::default();
-    for (gyro, GyroAttributes { batch, r#type, unit }) in last {
-        rows.row().put(&gyro).put(batch).put(r#type).put(unit);
-    }
+    let rows = Rows::each(last, |(gyro, GyroAttributes { batch, r#type, unit }), row| {
+        row.put(&gyro).put(batch).put(r#type).put(unit);
+    });
     batch.insert("gyro_attribute", "gyro, batch, type, unit", OnConflict::SetAllBut("gyro", &[]), rows);
 }
 

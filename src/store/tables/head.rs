@@ -124,8 +124,7 @@ impl Part for Option<NewestRow> {
         let at: Option<UtcMicros> = row.part(columns)?;
         let figures: [Option<Measured>; 2] = row.part(&columns[5..])?;
         let (Some(at), [Some(d_i), Some(d_s)]) = (at, figures) else { return Ok(None) };
-        let [imu, station] = row.part(&columns[2..4])?;
-        let (record, slot) = (row.part(&columns[1..])?, row.part(&columns[4..])?);
+        let (record, imu, station, slot) = row.part(&columns[1..])?;
         Ok(Some(NewestRow { at, record, imu, station, slot, d: [d_i, d_s] }))
     }
 }
@@ -141,7 +140,7 @@ impl Part for Outlook {
 
     fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
         let (load, per_year) = (row.part(&columns[..6])?, row.part(&columns[6..10])?);
-        let (of, at): (Option<Coefficient>, Option<UtcMicros>) = (row.part(&columns[11..])?, row.part(&columns[12..])?);
+        let (of, at): (Option<Coefficient>, Option<UtcMicros>) = row.part(&columns[11..])?;
         let (between, provisional) = (row.part(&columns[13..15])?, row.part(&columns[15..])?);
         let reach = of.zip(at).map(|(coefficient, at)| Reach { coefficient, at, between, provisional });
         Ok(Self { load, per_year, reach })
@@ -150,16 +149,9 @@ impl Part for Outlook {
 
 pub(crate) fn upsert(heads: &HeadChanges, batch: &mut Batch) {
     batch.enter(&heads.rows, OnConflict::SetAllBut("gyro", &["serial"]));
-    let mut rows = Rows::default();
-    if let Some(HeadsMade { limits, through }) = &heads.made {
-        rows.row().integer(1).put(limits).put(through);
-    }
-    batch.insert("head_made", "id, limits, through", OnConflict::SetAllBut("id", &[]), rows);
-    let mut rows = Rows::default();
-    for [station, gyro] in &heads.seen {
-        rows.row().put(station).put(gyro);
-    }
-    batch.insert("gyro_station", "station, gyro", OnConflict::Keep, rows);
+    let made = Rows::each(&heads.made, |made, row| _ = row.integer(1).put(&made.limits).put(&made.through));
+    batch.insert("head_made", "id, limits, through", OnConflict::SetAllBut("id", &[]), made);
+    batch.insert("gyro_station", "station, gyro", OnConflict::Keep, Rows::of(heads.seen.iter().copied()));
 }
 
 /// How far the rows of all gyros have been made.

@@ -19,10 +19,7 @@ columns! {
 
 /// Which campaigns were fitted with an adopted model; the last holds.
 pub(crate) fn insert_uses(uses: &[(Id, Id)], batch: &mut Batch) {
-    let mut rows = Rows::default();
-    for (record, model) in uses {
-        rows.row().put(record).put(model);
-    }
+    let rows = Rows::of(uses.iter().copied());
     batch.insert("campaign_model", "record, model", OnConflict::Set("record", &["model"]), rows);
 }
 

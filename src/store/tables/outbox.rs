@@ -5,11 +5,11 @@ use crate::core::delivery::{DeliveryState, QueueState};
 use crate::store::{AttemptRow, DeliveryRow, DeliverySubject, DueDelivery};
 
 fn subject(row: &impl AnyRow) -> Result<DeliverySubject, StoreError> {
-    let (of, action): ([Option<Id>; 2], Option<String>) = (row.part(&["step", "alert"])?, row.part(&["action"])?);
-    Ok(match (of, action) {
-        ([Some(step), Some(alert)], _) => DeliverySubject::Step { step, alert },
-        (_, Some(_)) => DeliverySubject::Many,
-        (_, None) => DeliverySubject::Test,
+    let subject: (Option<Id>, Option<Id>, Option<String>) = row.part(&["step", "alert", "action"])?;
+    Ok(match subject {
+        (Some(step), Some(alert), _) => DeliverySubject::Step { step, alert },
+        (.., Some(_)) => DeliverySubject::Many,
+        (.., None) => DeliverySubject::Test,
     })
 }
 

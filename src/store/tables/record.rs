@@ -93,16 +93,14 @@ pub struct RecordAt {
 }
 
 pub(crate) fn insert(records: &[RecordRow], batch: &mut Batch) {
-    let mut rows = Rows::default();
-    for record in records {
+    let rows = Rows::each(records, |record, row| {
         let (body, packed) = text::pack(&record.body);
-        let mut row = rows.row();
         row.put(&record.id).put(&record.kind).put(&record.imu).put(&record.station).put(&record.calibrated_at);
         row.put(&record.received_at).words(body).put(&record.body_sha256);
         row.written(|out| record.verdicts.pack(record.id, out)).integer(if record.voided { record.id.0 } else { 0 });
         row.optional_words(record.notes.as_deref()).put(&record.sent_by).put(&record.temperature_c);
         row.optional_bytes(packed.as_deref());
-    }
+    });
     batch.insert("record", COLUMNS, OnConflict::Fail, rows);
 }
 
@@ -131,10 +129,7 @@ impl LongText {
 }
 
 pub(crate) fn pack(texts: &[PackedText], batch: &mut Batch) {
-    let mut rows = Rows::default();
-    for text in texts {
-        rows.row().put(&text.record).bytes(&text.packed);
-    }
+    let rows = Rows::each(texts, |text, row| _ = row.put(&text.record).bytes(&text.packed));
     batch.change("UPDATE record SET body = '', packed = $C1", "id = $C0 AND packed IS NULL", rows);
 }
 
@@ -174,10 +169,9 @@ pub struct RejudgedSheet {
 }
 
 pub(crate) fn update_verdicts(sheets: &[(Id, RejudgedSheet)], batch: &mut Batch) {
-    let mut rows = Rows::default();
-    for (id, RejudgedSheet { sheet, packed_before }) in sheets {
-        rows.row().put(id).written(|out| sheet.pack(*id, out)).bytes(packed_before);
-    }
+    let rows = Rows::each(sheets, |(id, RejudgedSheet { sheet, packed_before }), row| {
+        row.put(id).written(|out| sheet.pack(*id, out)).bytes(packed_before);
+    });
     batch.add_to_all(
         "UPDATE record SET verdicts = $C1 WHERE id = $C0",
         "UPDATE record SET verdicts = $C1 FROM $ROWS WHERE id = $C0 AND verdicts = $C3",

@@ -38,7 +38,7 @@ columns! {
 pub(crate) fn insert(set_aside: &SetAside, batch: &mut Batch) {
     history_row::void(&set_aside.history, batch);
     // It may have been confirmed before.
-    let stored = Rows::of(set_aside.stored.iter().map(|stored| stored.record.0));
+    let stored = Rows::of(set_aside.stored.iter().map(|stored| stored.record));
     batch.change("DELETE FROM confirmation", "record = $C0", stored);
 }
 
@@ -48,23 +48,17 @@ pub(crate) fn confirm<'a>(
     rows: impl Iterator<Item = &'a HistoryRow>,
     batch: &mut Batch,
 ) {
-    let records = Rows::of(confirmed.iter().map(|confirmed| confirmed.record.0));
+    let records = Rows::of(confirmed.iter().map(|confirmed| confirmed.record));
     batch.change("UPDATE record SET voided = 0", "id = $C0", records);
-    let mut keys = Rows::default();
     let is_confirmed = |row: &&HistoryRow| confirmed.iter().any(|it| it.record == row.figures.record);
-    for HistoryRow { gyro, figures } in rows.filter(is_confirmed) {
-        keys.row().put(gyro).put(&figures.at).put(&figures.record);
-    }
-    batch.change("DELETE FROM voided_history", "gyro = $C0 AND calibrated_at = $C1 AND record = $C2", keys);
+    let keys = rows.filter(is_confirmed).map(|row| (row.gyro, row.figures.at, row.figures.record));
+    batch.change("DELETE FROM voided_history", "gyro = $C0 AND calibrated_at = $C1 AND record = $C2", Rows::of(keys));
     batch.enter(confirmed, OnConflict::Fail);
 }
 
 /// Enters what is noted about stored records in the place of what was noted before.
 pub(crate) fn note(noted: &[(Id, String)], batch: &mut Batch) {
-    let mut rows = Rows::default();
-    for (record, notes) in noted {
-        rows.row().put(record).words(notes);
-    }
+    let rows = Rows::each(noted, |(record, notes), row| _ = row.put(record).words(notes));
     batch.change("UPDATE record SET notes = $C1", "id = $C0", rows);
 }
 

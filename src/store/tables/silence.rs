@@ -27,8 +27,8 @@ impl Part for Matchers {
     }
 
     fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
-        let [serial, imu, station] = row.part(&columns[..3])?;
-        Ok(Self { serial, imu, station, rule: row.part(&columns[3..])? })
+        let (serial, imu, station, rule) = row.part(columns)?;
+        Ok(Self { serial, imu, station, rule })
     }
 }
 

@@ -22,12 +22,8 @@ impl Part for Mark {
     }
 
     fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
-        let [from, to] = row.part(&columns[..2])?;
-        let [author, reason] = row.part(&columns[2..4])?;
-        Ok(Self {
-            window: SuspectWindow { span: Span { from, to }, author, reason },
-            trusted: row.part(&columns[4..])?,
-        })
+        let (from, to, author, reason, trusted) = row.part(columns)?;
+        Ok(Self { window: SuspectWindow { span: Span { from, to }, author, reason }, trusted })
     }
 }
 

@@ -147,11 +147,8 @@ impl PendingIndex {
             entering.imus.iter().flat_map(|imu| self.waiting.of(*imu).iter().map(move |entry| (*imu, *entry, 0)));
         enter(waiting, batch);
         // Makes room for what takes its place.
-        batch.change(
-            "UPDATE calendar SET voided = record",
-            &of_record("0"),
-            Rows::of(changes.withdrawn.iter().map(|record| record.0)),
-        );
+        let withdrawn = Rows::of(changes.withdrawn.iter().copied());
+        batch.change("UPDATE calendar SET voided = record", &of_record("0"), withdrawn);
         let (at_once, later): (Vec<_>, Vec<_>) =
             changes.records.iter().partition(|record| entering.at_once.contains(&record.imu));
         let entry = |record: &&NewRecord| {
@@ -160,19 +157,19 @@ impl PendingIndex {
         };
         enter(at_once.iter().map(entry), batch);
         // What was set aside takes its place.
-        batch.change(
-            "UPDATE calendar SET voided = 0",
-            &of_record("id"),
-            Rows::of(changes.confirmed.iter().map(|record| record.0)),
-        );
+        let confirmed = Rows::of(changes.confirmed.iter().copied());
+        batch.change("UPDATE calendar SET voided = 0", &of_record("id"), confirmed);
         let first = self.waiting.first_without(&entering.imus);
         let first = first.or_else(|| later.first().map(|record| record.record.0));
         // Where nothing waits any more.
         let first = first.or_else(|| at_once.last().map(|record| record.record.0 + 1));
         if let (Some(first), false) = (first, entering.imus.is_empty()) {
-            let mut begun = Rows::default();
-            begun.row().integer(1).integer(first);
-            batch.insert("calendar_begun", "id, record", OnConflict::Set("id", &["record"]), begun);
+            batch.insert(
+                "calendar_begun",
+                "id, record",
+                OnConflict::Set("id", &["record"]),
+                Rows::of([(1_i64, first)]),
+            );
         }
     }
 
@@ -203,9 +200,6 @@ fn of_record(voided: &str) -> String {
 }
 
 fn enter(entries: impl Iterator<Item = (u32, Entry, i64)>, batch: &mut Batch) {
-    let mut rows = Rows::default();
-    for (imu, entry, voided) in entries {
-        rows.row().put(&imu).put(&entry.at).integer(voided).put(&entry.record);
-    }
-    batch.insert("calendar", "imu, calibrated_at, voided, record", OnConflict::Fail, rows);
+    let rows = entries.map(|(imu, Entry { at, record }, voided)| (imu, at, voided, record));
+    batch.insert("calendar", "imu, calibrated_at, voided, record", OnConflict::Fail, Rows::of(rows));
 }

@@ -6,7 +6,7 @@
 
 use sqlx::{AssertSqlSafe, PgConnection};
 
-use super::error::StoreError;
+use super::error::{Result, StoreError};
 use super::rows::{Columns, Rows};
 use crate::store::sqlite::checksum::Summing;
 
@@ -106,7 +106,7 @@ impl Batch {
     }
 
     /// Runs everything and commits; after an error nothing of it remains. Waits for the disk.
-    pub fn commit(&self, connection: &Summing) -> Result<(), StoreError> {
+    pub fn commit(&self, connection: &Summing) -> Result<()> {
         let committed = self.run_and_commit(connection);
         if committed.is_err() {
             // Some errors have rolled back by themselves; then this one has nothing to do and says so.
@@ -127,7 +127,7 @@ impl Batch {
     }
 
     /// Runs everything within the transaction that is open.
-    pub async fn run(self, connection: &mut PgConnection) -> Result<(), StoreError> {
+    pub async fn run(self, connection: &mut PgConnection) -> Result<()> {
         for Statement { postgres, rows, finds_all, .. } in self.0 {
             let wanted = rows.ends.len() as u64;
             let has_bytes = postgres.contains("$2");

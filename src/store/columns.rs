@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::error::StoreError;
+use super::error::{Result, StoreError};
 use super::rows::{AnyRow, CellKind, Column, Part, Row};
 use crate::core::id::Id;
 use crate::core::judge::Measured;
@@ -22,7 +22,7 @@ macro_rules! columns {
                 $(row.put(&self.$member);)+
             }
 
-            fn get_all(row: &impl $crate::store::rows::AnyRow) -> Result<Self, $crate::store::error::StoreError> {
+            fn get_all(row: &impl $crate::store::rows::AnyRow) -> $crate::store::error::Result<Self> {
                 Ok(Self { $($member: row.part(&columns!(@names $member $($($column)+)?)).map_err(|error| error.of($table))?),+ })
             }
         }
@@ -44,7 +44,7 @@ impl<C: Column> Part for C {
         self.put_one(row);
     }
 
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
         Self::of(row.cell(columns[0])?).ok_or_else(|| damaged(columns[0]))
     }
 }
@@ -57,7 +57,7 @@ impl<C: Column> Part for Option<C> {
         }
     }
 
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
         let stored: Option<C::Stored> = row.cell(columns[0])?;
         stored.map(|stored| C::of(stored).ok_or_else(|| damaged(columns[0]))).transpose()
     }
@@ -69,7 +69,7 @@ impl<P: Part, const N: usize> Part for [P; N] {
         self.iter().for_each(|part| part.put(row));
     }
 
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
         let each = columns.len() / N;
         let parts: Vec<P> = columns.chunks(each).map(|columns| P::get(row, columns)).collect::<Result<_, _>>()?;
         parts.try_into().map_err(|_| damaged(columns[0]))
@@ -84,7 +84,7 @@ macro_rules! tuple {
                 $(self.$place.put(row);)+
             }
 
-            fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+            fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
                 Ok(($(row.part(&columns[$place..=$place])?,)+))
             }
         }
@@ -145,7 +145,7 @@ impl Part for [u8; 32] {
         row.bytes(self);
     }
 
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
         let bytes: Vec<u8> = row.cell(columns[0])?;
         bytes.try_into().map_err(|_| damaged(columns[0]))
     }
@@ -157,7 +157,7 @@ impl Part for Option<Measured> {
         row.put(&self.map(|measured| measured.value)).put(&self.and_then(|measured| measured.sd));
     }
 
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
         let [value, sd]: [Option<f64>; 2] = row.part(columns)?;
         Ok(value.map(|value| Measured { value, sd }))
     }

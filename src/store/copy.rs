@@ -9,7 +9,7 @@ use super::postgres;
 use crate::store::packed::history_row::PACKED_LEN;
 use crate::store::sqlite::lock::{self, Lock};
 use crate::store::sqlite::write_behind::history_log::PendingHistory;
-use crate::store::{Options, StoreError};
+use crate::store::{Options, Result, StoreError};
 use crate::system::sha256;
 
 /// Rows of a block, and about how many bytes of them.
@@ -26,7 +26,7 @@ enum ColumnType {
 
 impl ColumnType {
     /// Of a column of a STRICT table.
-    fn of(declared: &str) -> Result<Self, StoreError> {
+    fn of(declared: &str) -> Result<Self> {
         match declared {
             "INTEGER" => Ok(Self::Whole),
             "REAL" => Ok(Self::Real),
@@ -80,7 +80,7 @@ const TABLES: [&str; 31] = [
 ];
 
 impl CopiedTable {
-    async fn of(name: &'static str, source: &mut SqliteConnection) -> Result<Self, StoreError> {
+    async fn of(name: &'static str, source: &mut SqliteConnection) -> Result<Self> {
         let sql = "SELECT name, type, pk FROM pragma_table_info($1) ORDER BY cid";
         let found: Vec<(String, String, i64)> = sqlx::query_as(sql).bind(name).fetch_all(source).await?;
         let mut key: Vec<(i64, &str)> = found.iter().map(|(column, _, pk)| (*pk, column.as_str())).collect();
@@ -89,7 +89,7 @@ impl CopiedTable {
         let key: Vec<&str> = key.into_iter().map(|(_, column)| column).collect();
         let order = if key.is_empty() { "rowid".to_owned() } else { quoted(&key) };
         let kinds = found.iter().map(|(column, declared, _)| Ok((column.clone(), ColumnType::of(declared)?)));
-        Ok(Self { name, columns: kinds.collect::<Result<_, StoreError>>()?, order })
+        Ok(Self { name, columns: kinds.collect::<Result<_>>()?, order })
     }
 
     /// Every column, in quotation marks: some are words of SQL.
@@ -143,11 +143,7 @@ impl Copied {
 /// # Errors
 /// [`StoreError`]: a file that is served, a server that holds other data. What was copied before stays, and the next
 /// call goes on.
-pub async fn copy(
-    from: &Options,
-    to: &Options,
-    mut each: impl FnMut(&'static str, u64),
-) -> Result<Vec<Copied>, StoreError> {
+pub async fn copy(from: &Options, to: &Options, mut each: impl FnMut(&'static str, u64)) -> Result<Vec<Copied>> {
     if from.is_server() || !to.is_server() {
         return Err(StoreError::File("a copy goes from sqlite:// to postgres://".to_owned()));
     }
@@ -175,7 +171,7 @@ pub async fn copy(
 }
 
 /// The file, which nobody serves meanwhile, with what waits before its history at hand.
-async fn open_source(from: &Options) -> Result<(SqliteConnection, Lock), StoreError> {
+async fn open_source(from: &Options) -> Result<(SqliteConnection, Lock)> {
     let file = from.file()?;
     let lock = lock::take(&file)?;
     let connect = SqliteConnectOptions::new().filename(&file).read_only(true).disable_statement_logging();
@@ -206,7 +202,7 @@ const HISTORY: &str = "(SELECT * FROM history WHERE NOT EXISTS (SELECT 1 FROM wa
       UNION ALL SELECT * FROM waiting)";
 
 /// Takes an empty database, or one into which the same file was being copied.
-async fn claim(target: &mut PgConnection, source: &str) -> Result<(), StoreError> {
+async fn claim(target: &mut PgConnection, source: &str) -> Result<()> {
     sqlx::query(
         "CREATE TABLE IF NOT EXISTS copying (name TEXT PRIMARY KEY, rows BIGINT NOT NULL, source TEXT NOT NULL)",
     )
@@ -233,13 +229,13 @@ async fn claim(target: &mut PgConnection, source: &str) -> Result<(), StoreError
     Ok(())
 }
 
-async fn release_mark(target: &mut PgConnection) -> Result<(), StoreError> {
+async fn release_mark(target: &mut PgConnection) -> Result<()> {
     sqlx::query("DROP TABLE copying").execute(target).await?;
     Ok(())
 }
 
 /// Opens the copy to servers: identifiers go on after the greatest.
-async fn release(tables: &[CopiedTable], target: &mut PgConnection) -> Result<(), StoreError> {
+async fn release(tables: &[CopiedTable], target: &mut PgConnection) -> Result<()> {
     let newest = tables.iter().filter(|table| table.columns[0].0 == "id" && !NAMES.contains(&table.name));
     let newest: Vec<String> =
         newest.map(|table| format!("coalesce((SELECT max(id) FROM {}), 0)", table.name)).collect();
@@ -263,7 +259,7 @@ async fn copy_table(
     source: &mut SqliteConnection,
     target: &mut PgConnection,
     each: &mut impl FnMut(&'static str, u64),
-) -> Result<(), StoreError> {
+) -> Result<()> {
     let done: Option<i64> = sqlx::query_scalar("SELECT rows FROM copying WHERE name = $1")
         .bind(table.name)
         .fetch_optional(&mut *target)
@@ -305,7 +301,7 @@ fn size(table: &CopiedTable, row: &SqliteRow) -> Result<usize, sqlx::Error> {
 }
 
 /// One transaction: the rows, and how many there are now.
-async fn put(table: &CopiedTable, rows: &[SqliteRow], done: i64, target: &mut PgConnection) -> Result<(), StoreError> {
+async fn put(table: &CopiedTable, rows: &[SqliteRow], done: i64, target: &mut PgConnection) -> Result<()> {
     let mut insert = sqlx::query(AssertSqlSafe(table.insert()));
     for (place, (_, kind)) in table.columns.iter().enumerate() {
         insert = match kind {
@@ -333,7 +329,7 @@ where
 async fn sum<R: Row>(
     table: &CopiedTable,
     mut rows: impl futures::Stream<Item = Result<R, sqlx::Error>> + Unpin,
-) -> Result<(u64, u128), StoreError>
+) -> Result<(u64, u128)>
 where
     usize: sqlx::ColumnIndex<R>,
     Option<i64>: for<'r> sqlx::Decode<'r, R::Database> + sqlx::Type<R::Database>,

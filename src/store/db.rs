@@ -13,7 +13,7 @@ use sqlx::postgres::PgArgumentBuffer;
 use sqlx::sqlite::SqliteArgumentsBuffer;
 use sqlx::{Database, Decode, Encode, Postgres, SqlSafeStr, Sqlite, SqlitePool, Type};
 
-use super::error::StoreError;
+use super::error::Result;
 pub(super) use super::postgres::PgReaders;
 use crate::core::id::Id;
 
@@ -50,7 +50,7 @@ impl Readers {
     }
 
     /// Of several questions on one connection: they end together within the limit of one.
-    pub async fn within_limit<T>(&self, work: impl Future<Output = Result<T, StoreError>>) -> Result<T, StoreError> {
+    pub async fn within_limit<T>(&self, work: impl Future<Output = Result<T>>) -> Result<T> {
         match self {
             Self::Sqlite(_) => work.await,
             Self::Postgres(readers) => readers.within_limit(work).await,
@@ -68,8 +68,8 @@ impl Readers {
 /// What `read` makes of each row as it comes. Rows in wait take many times the memory of what is made of them.
 pub(crate) async fn each<R, T>(
     rows: impl Stream<Item = Result<R, sqlx::Error>>,
-    read: impl Fn(&R) -> Result<T, StoreError>,
-) -> Result<Vec<T>, StoreError> {
+    read: impl Fn(&R) -> Result<T>,
+) -> Result<Vec<T>> {
     rows.err_into().and_then(|row| ready(read(&row))).try_collect().await
 }
 

@@ -4,6 +4,9 @@ use std::io::ErrorKind;
 
 use sqlx::postgres::PgDatabaseError;
 
+/// What the store hands back, unless it says otherwise.
+pub type Result<T, E = StoreError> = std::result::Result<T, E>;
+
 /// A failure of the store. `Display` is for the log; clients are told only what concerns them.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {

@@ -9,7 +9,7 @@ use super::postgres::Neighbours;
 use super::postgres::hosts::without_password;
 use super::sqlite::lock;
 use super::sqlite::write_behind::WriteBehind;
-use crate::store::{Duty, Moves, Secrets, StoreError};
+use crate::store::{Duty, Moves, Result, Secrets};
 
 /// Where the database is, and how it is held open.
 #[derive(Debug, Clone)]
@@ -69,7 +69,7 @@ impl Store {
     }
 
     /// Whether the database answers.
-    pub async fn ping(&self) -> Result<(), StoreError> {
+    pub async fn ping(&self) -> Result<()> {
         let _one: i32 = read!(self, query_scalar.fetch_one, "SELECT 1");
         Ok(())
     }
@@ -77,8 +77,8 @@ impl Store {
     /// Bytes on disk: the database, and the write-ahead log beside it where that is a file of its own.
     ///
     /// # Errors
-    /// [`StoreError`], where a database server does not say.
-    pub async fn sizes(&self) -> Result<(u64, u64), StoreError> {
+    /// Where a database server does not say.
+    pub async fn sizes(&self) -> Result<(u64, u64)> {
         match (&self.place, &self.readers) {
             (Place::File(file), _) => {
                 let size = |path: &Path| std::fs::metadata(path).map_or(0, |found| found.len());

@@ -59,7 +59,7 @@ pub use crate::store::tables::suspect_window::WindowMarkRow;
 pub use cells::Cells;
 pub use changes::{Changes, RestatedRow};
 pub use copy::{Copied, copy};
-pub use error::StoreError;
+pub use error::{Result, StoreError};
 pub use handle::{Options, Store};
 pub use id::IdSource;
 pub use open::{hide_stored_secrets, open};

@@ -18,7 +18,7 @@ use crate::store::sqlite::write_behind::WriteBehind;
 use crate::store::sqlite::writer::{FileWriter, waiting_for_disk};
 use crate::store::sqlite::{lock, private};
 use crate::store::tables::hook;
-use crate::store::{Cells, Changes, IdSource, Options, Store, StoreError, Table, Tables, Writer};
+use crate::store::{Cells, Changes, IdSource, Options, Result, Store, StoreError, Table, Tables, Writer};
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
 pub(super) const MIGRATIONS: [(i64, &str, &str); 30] = [
@@ -59,7 +59,7 @@ pub(super) const MIGRATIONS: [(i64, &str, &str); 30] = [
 /// # Errors
 /// [`StoreError`] where the file cannot be opened, is served by another process, is no database, or holds a schema
 /// newer than this program.
-pub async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
+pub async fn open(options: &Options) -> Result<(Store, Writer)> {
     if options.is_server() { postgres::open::open(options).await } else { open_file(options).await }
 }
 
@@ -67,14 +67,14 @@ pub async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
 ///
 /// # Errors
 /// [`StoreError::Key`] where something is encrypted, and not with this key.
-pub async fn hide_stored_secrets(store: &Store, writer: &mut Writer) -> Result<usize, StoreError> {
+pub async fn hide_stored_secrets(store: &Store, writer: &mut Writer) -> Result<usize> {
     writer.lock_cells(&Cells::all()).await?;
     let hidden = hide_in_turn(store, writer).await;
     writer.give_back().await;
     hidden
 }
 
-async fn hide_in_turn(store: &Store, writer: &mut Writer) -> Result<usize, StoreError> {
+async fn hide_in_turn(store: &Store, writer: &mut Writer) -> Result<usize> {
     let mut hooks = Vec::new();
     for mut hook in hook::stored(store).await? {
         hook.clone().show(&store.secrets)?;
@@ -89,7 +89,7 @@ async fn hide_in_turn(store: &Store, writer: &mut Writer) -> Result<usize, Store
     Ok(count)
 }
 
-async fn open_file(options: &Options) -> Result<(Store, Writer), StoreError> {
+async fn open_file(options: &Options) -> Result<(Store, Writer)> {
     let connect = connect_options(options)?;
     let file = connect.get_filename().to_owned();
     let lock = lock::take(&file)?;
@@ -131,7 +131,7 @@ const LOOKED_THROUGH: i64 = 256 << 20;
 
 /// A row out of the order of its key is not found, and neither may be those beside it: no checksum tells, for they are
 /// not read.
-async fn check_structure(connection: &mut SqliteConnection) -> Result<(), StoreError> {
+async fn check_structure(connection: &mut SqliteConnection) -> Result<()> {
     let size = "SELECT page_count * page_size FROM pragma_page_count, pragma_page_size";
     if sqlx::query_scalar::<_, i64>(size).fetch_one(&mut *connection).await? > LOOKED_THROUGH {
         return Ok(());
@@ -140,14 +140,14 @@ async fn check_structure(connection: &mut SqliteConnection) -> Result<(), StoreE
 }
 
 /// What a check of SQLite's own finds wrong with the file is said as it says it.
-pub(super) async fn finds_nothing(connection: &mut SqliteConnection, check: &'static str) -> Result<(), StoreError> {
+pub(super) async fn finds_nothing(connection: &mut SqliteConnection, check: &'static str) -> Result<()> {
     let found: Vec<String> = sqlx::query_scalar(check).fetch_all(connection).await?;
     if found == ["ok"] { Ok(()) } else { Err(StoreError::Damaged(found.join("; "))) }
 }
 
 /// WAL with `synchronous = FULL`: the log is on disk before a commit returns. Checkpoints are made by
 /// [`Writer`]'s second connection, off the committing path, so the automatic ones are switched off.
-pub(super) fn connect_options(options: &Options) -> Result<SqliteConnectOptions, StoreError> {
+pub(super) fn connect_options(options: &Options) -> Result<SqliteConnectOptions> {
     refuse_parameters(&options.url)?;
     let connect = SqliteConnectOptions::from_str(&options.url)?
         .create_if_missing(true)
@@ -174,7 +174,7 @@ fn pragmas(options: &Options) -> [(&'static str, String); 5] {
 }
 
 /// Those who write open the file by its name: a parameter that only those who read would heed is refused.
-fn refuse_parameters(url: &str) -> Result<(), StoreError> {
+fn refuse_parameters(url: &str) -> Result<()> {
     let (_, parameters) = url.split_once('?').unwrap_or_default();
     let other = parameters.split('&').find(|parameter| !matches!(*parameter, "" | "mode=rw" | "mode=rwc"));
     other.map_or(Ok(()), |other| {
@@ -185,7 +185,7 @@ fn refuse_parameters(url: &str) -> Result<(), StoreError> {
 }
 
 /// As [`connect_options`], of a connection that the calling thread itself works on.
-pub(super) fn open_to_write(file: &Path, options: &Options) -> Result<rusqlite::Connection, StoreError> {
+pub(super) fn open_to_write(file: &Path, options: &Options) -> Result<rusqlite::Connection> {
     let mut flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX | OpenFlags::SQLITE_OPEN_URI;
     if private::is_in_memory(file) {
         flags |= OpenFlags::SQLITE_OPEN_MEMORY | OpenFlags::SQLITE_OPEN_SHARED_CACHE;
@@ -200,14 +200,14 @@ pub(super) fn open_to_write(file: &Path, options: &Options) -> Result<rusqlite::
 }
 
 /// Brings the schema up to date.
-pub(super) async fn migrate(connection: &mut SqliteConnection) -> Result<(), StoreError> {
+pub(super) async fn migrate(connection: &mut SqliteConnection) -> Result<()> {
     migrator(&MIGRATIONS).run(connection).await.map_err(|error| match error {
         sqlx::migrate::MigrateError::Execute(error) => error.into(),
         other => StoreError::Other(other.into()),
     })
 }
 
-pub(super) async fn load_names(connection: &mut SqliteConnection) -> Result<Tables, StoreError> {
+pub(super) async fn load_names(connection: &mut SqliteConnection) -> Result<Tables> {
     Ok(Tables {
         imus: load_table(connection, "imu", "name").await?,
         stations: load_table(connection, "station", "name").await?,
@@ -217,7 +217,7 @@ pub(super) async fn load_names(connection: &mut SqliteConnection) -> Result<Tabl
 }
 
 /// Thousands in one row: of 10^5 names a row each would take most of a start.
-async fn load_table(connection: &mut SqliteConnection, from: &str, column: &str) -> Result<Table, StoreError> {
+async fn load_table(connection: &mut SqliteConnection, from: &str, column: &str) -> Result<Table> {
     let sql = format!(
         "SELECT json_group_array(json_array(id, {column}))
          FROM (SELECT id, {column} FROM {from} WHERE id > $1 ORDER BY id LIMIT 10000)"
@@ -238,7 +238,7 @@ async fn load_table(connection: &mut SqliteConnection, from: &str, column: &str)
     }
 }
 
-pub(super) async fn last_id(connection: &mut SqliteConnection) -> Result<i64, StoreError> {
+pub(super) async fn last_id(connection: &mut SqliteConnection) -> Result<i64> {
     let tables = "record bench_result event alert alert_step hook delivery imu_model token session audit diagnosis_job";
     let newest = tables.split(' ').map(|table| format!("coalesce((SELECT max(id) FROM {table}), 0)"));
     let sql = AssertSqlSafe(format!("SELECT max({})", newest.collect::<Vec<_>>().join(", ")));

@@ -10,7 +10,7 @@ use sqlx::postgres::PgRow;
 use sqlx::sqlite::SqliteRow;
 use sqlx::{AssertSqlSafe, Decode, Postgres, Row as _, Sqlite, Type};
 
-use super::error::StoreError;
+use super::error::Result;
 
 /// A row of a table, made by [`columns`](super::columns).
 pub(crate) trait Columns: Sized {
@@ -20,7 +20,7 @@ pub(crate) trait Columns: Sized {
 
     fn put_all(&self, row: &mut Row<'_>);
 
-    fn get_all(row: &impl AnyRow) -> Result<Self, StoreError>;
+    fn get_all(row: &impl AnyRow) -> Result<Self>;
 
     /// All columns, of which rows and in what order `then` says.
     fn select(then: &str) -> AssertSqlSafe<String> {
@@ -44,7 +44,7 @@ pub(crate) trait Column: Sized {
 pub(crate) trait Part: Sized {
     fn put(&self, row: &mut Row<'_>);
 
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError>;
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self>;
 }
 
 /// The rows of one statement.
@@ -314,7 +314,7 @@ pub(crate) trait AnyRow: Sized {
     fn cell<T: Stored>(&self, column: &str) -> Result<T, sqlx::Error>;
 
     /// What some columns hold.
-    fn part<P: Part>(&self, columns: &[&'static str]) -> Result<P, StoreError> {
+    fn part<P: Part>(&self, columns: &[&'static str]) -> Result<P> {
         P::get(self, columns)
     }
 }

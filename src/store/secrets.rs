@@ -8,7 +8,7 @@ use base64::Engine;
 use base64::engine::general_purpose::{STANDARD, STANDARD_NO_PAD, URL_SAFE, URL_SAFE_NO_PAD};
 use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, NONCE_LEN, Nonce, UnboundKey};
 
-use super::error::StoreError;
+use super::error::{Result, StoreError};
 use crate::system::fill_random;
 
 /// Before an encrypted text, and with a character that no text of a hook may have. The number is that of the way it
@@ -40,7 +40,7 @@ impl Secrets {
 
     /// Encrypts what is not encrypted yet of texts, each with where it stands: what strays to another place cannot be
     /// decrypted there. Says whether there was any.
-    pub fn hide<'a>(&self, texts: impl Iterator<Item = (String, &'a mut String)>) -> Result<bool, StoreError> {
+    pub fn hide<'a>(&self, texts: impl Iterator<Item = (String, &'a mut String)>) -> Result<bool> {
         let Some(key) = &self.0 else { return Ok(false) };
         let mut any = false;
         for (place, text) in texts.filter(|(_, text)| !text.starts_with(MARK)) {
@@ -59,11 +59,7 @@ impl Secrets {
     ///
     /// # Errors
     /// [`StoreError::Key`] where something is encrypted, and not with this key.
-    pub fn show<'a>(
-        &self,
-        named: &str,
-        texts: impl Iterator<Item = (String, &'a mut String)>,
-    ) -> Result<(), StoreError> {
+    pub fn show<'a>(&self, named: &str, texts: impl Iterator<Item = (String, &'a mut String)>) -> Result<()> {
         for (place, text) in texts {
             let Some(hidden) = text.strip_prefix(MARK) else { continue };
             let Some(key) = &self.0 else {

@@ -12,7 +12,7 @@ use super::statements::batch_of;
 use super::tables::access;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::store::{AccessChanges, Cells, Changes, IdSource, Options, Store, StoreError, TokenRow, Writer};
+use crate::store::{AccessChanges, Cells, Changes, IdSource, Options, Result, Store, StoreError, TokenRow, Writer};
 
 /// A database beside the service that may be serving it: for commands that read tokens or write one row.
 #[derive(Debug)]
@@ -26,7 +26,7 @@ enum Aside {
 
 impl Beside {
     /// Opens the database; where no service holds it, creates it and brings its schema up to date first.
-    pub async fn open(options: &Options) -> Result<Self, StoreError> {
+    pub async fn open(options: &Options) -> Result<Self> {
         if options.is_server() {
             let (store, mut writer) = postgres::open::open_beside(options).await?;
             writer.lock_cells(&Cells::one(ACCESS_CELL)).await?;
@@ -52,7 +52,7 @@ impl Beside {
         Ok(Self(Aside::File { reading: Box::new(reading), writing: Box::new(writing), ids }))
     }
 
-    pub async fn tokens(&mut self) -> Result<Vec<TokenRow>, StoreError> {
+    pub async fn tokens(&mut self) -> Result<Vec<TokenRow>> {
         match &mut self.0 {
             Aside::File { reading, .. } => access::tokens_of(reading).await,
             Aside::Server { store, .. } => access::tokens(store).await,
@@ -70,7 +70,7 @@ impl Beside {
     ///
     /// # Errors
     /// [`StoreError`]; then nothing is written, but see [`crate::store::Writer::commit`].
-    pub async fn commit(&mut self, access: AccessChanges) -> Result<(), StoreError> {
+    pub async fn commit(&mut self, access: AccessChanges) -> Result<()> {
         let changes = Changes { access, ..Changes::default() };
         match &mut self.0 {
             Aside::File { writing, .. } => waiting_for_disk(|| batch_of(&changes).commit(writing)),

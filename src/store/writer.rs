@@ -10,7 +10,7 @@ use super::postgres::CellWriter;
 use super::sqlite::writer::{FileWriter, waiting_for_disk};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::store::{Cells, Changes, IdSource, Missed, StoreError};
+use crate::store::{Cells, Changes, IdSource, Missed, Result};
 
 /// Who writes: of a file the only one, of a database server one of many.
 #[derive(Debug)]
@@ -62,7 +62,7 @@ impl Writer {
     /// From here to [`Writer::commit`] or [`Writer::give_back`] nobody else writes what is at home in `cells`: what is
     /// read of it is what holds when this is committed. Says what others have written since these cells were held
     /// last; names that are at home in them are known.
-    pub async fn lock_cells(&mut self, cells: &Cells) -> Result<Missed, StoreError> {
+    pub async fn lock_cells(&mut self, cells: &Cells) -> Result<Missed> {
         match &mut self.engine {
             Engine::File(_) => Ok(Missed::default()),
             Engine::Server(writer) => {
@@ -81,11 +81,11 @@ impl Writer {
     }
 
     /// Writes all changes in one transaction, and ends the turn; they are on disk when this returns. After an error
-    /// nothing is stored; only after [`StoreError::Unanswered`] that is not known.
+    /// nothing is stored; only after [`crate::store::StoreError::Unanswered`] that is not known.
     ///
     /// # Errors
-    /// [`StoreError`]; after [`StoreError::NotDurable`] every later commit fails alike.
-    pub async fn commit(&mut self, changes: &Changes) -> Result<(), StoreError> {
+    /// After [`crate::store::StoreError::NotDurable`] every later commit fails alike.
+    pub async fn commit(&mut self, changes: &Changes) -> Result<()> {
         match &mut self.engine {
             Engine::File(writer) => {
                 let mut writer = writer.lock().await;
@@ -108,7 +108,7 @@ impl Writer {
     ///
     /// # Errors
     /// As [`Writer::commit`].
-    pub async fn probe(&mut self) -> Result<(), StoreError> {
+    pub async fn probe(&mut self) -> Result<()> {
         match &mut self.engine {
             Engine::File(writer) => {
                 let mut writer = writer.lock().await;
@@ -121,8 +121,8 @@ impl Writer {
     /// Ends writing in order; nothing is being written beside any more.
     ///
     /// # Errors
-    /// [`StoreError`], where the end is not in order; what was committed is stored all the same.
-    pub async fn close(self) -> Result<(), StoreError> {
+    /// Where the end is not in order; what was committed is stored all the same.
+    pub async fn close(self) -> Result<()> {
         match self.engine {
             Engine::File(writer) => {
                 let writer = Arc::into_inner(writer).expect("commits beside have been waited for");
@@ -142,7 +142,7 @@ pub struct Committer(Arc<Mutex<FileWriter>>);
 pub struct Written {
     pub changes: Changes,
     /// As of [`Writer::commit`].
-    pub outcome: Result<(), StoreError>,
+    pub outcome: Result<()>,
     pub took: Duration,
 }
 

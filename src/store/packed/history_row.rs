@@ -23,7 +23,7 @@ use crate::core::judge::State;
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, OnConflict};
-use crate::store::error::StoreError;
+use crate::store::error::{Result, StoreError};
 use crate::store::packed::Fields;
 use crate::store::rows::Rows;
 
@@ -105,7 +105,7 @@ impl Figures {
 
     /// # Errors
     /// [`StoreError::Damaged`] where the bytes are not what was packed for this gyro.
-    pub(crate) fn unpack(gyro: u32, bytes: &[u8; PACKED_LEN]) -> Result<Self, StoreError> {
+    pub(crate) fn unpack(gyro: u32, bytes: &[u8; PACKED_LEN]) -> Result<Self> {
         Self::read(gyro, bytes)
             .ok_or_else(|| StoreError::Damaged(format!("a history row of gyro number {gyro} fails its checksum")))
     }

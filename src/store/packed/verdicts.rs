@@ -8,7 +8,7 @@
 
 use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Finding, LimitKey, Rule, State, Status, Verdict};
-use crate::store::error::StoreError;
+use crate::store::error::{Result, StoreError};
 use crate::store::packed::Fields;
 
 const VERSION: u8 = 2;
@@ -110,7 +110,7 @@ impl RecordVerdicts {
 
     /// # Errors
     /// [`StoreError::Damaged`] where the bytes are not what was packed for this record.
-    pub(crate) fn unpack(record: Id, bytes: &[u8]) -> Result<Self, StoreError> {
+    pub(crate) fn unpack(record: Id, bytes: &[u8]) -> Result<Self> {
         Self::read(record, bytes)
             .ok_or_else(|| StoreError::Damaged(format!("the verdicts of record {record} fail their checksum")))
     }

@@ -6,7 +6,7 @@ use sqlx::postgres::PgRow;
 use super::PgReaders;
 use crate::core::named::named;
 use crate::store::cells::CELLS;
-use crate::store::error::StoreError;
+use crate::store::error::{Result, StoreError};
 
 named! {
 /// What a commit may bring that others want to hear of, each with a column of its own.
@@ -36,7 +36,7 @@ pub(super) const COLUMNS: &str =
     "SELECT cell, stamp, last_id, names, settings, outbox, models, diagnoses, access FROM cell";
 
 impl CellRow {
-    pub fn of(row: &PgRow) -> Result<Self, StoreError> {
+    pub fn of(row: &PgRow) -> Result<Self> {
         let cell: i64 = row.try_get(0)?;
         let mut news = [0; News::ALL.len()];
         for (stamp, place) in news.iter_mut().zip(3..) {
@@ -63,7 +63,7 @@ impl Default for AllCells {
 
 impl AllCells {
     /// Without locking any.
-    pub async fn look(readers: &PgReaders) -> Result<Self, StoreError> {
+    pub async fn look(readers: &PgReaders) -> Result<Self> {
         let mut all = Self::default();
         for row in sqlx::query(COLUMNS).fetch_all(readers).await? {
             let row = CellRow::of(&row)?;

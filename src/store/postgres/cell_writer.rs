@@ -17,7 +17,7 @@ use crate::store::name_tables::Names;
 use crate::store::packed::history_row;
 use crate::store::statements::batch_of;
 use crate::store::tables::diagnosis;
-use crate::store::{Cells, Changes, HistoryRow, IdSource, Missed, News, Options, StoreError};
+use crate::store::{Cells, Changes, HistoryRow, IdSource, Missed, News, Options, Result, StoreError};
 
 /// How long it is kept which commits there were: longer than anybody waits to find out.
 const COMMITS_KEPT_S: i64 = 600;
@@ -39,7 +39,7 @@ pub(crate) struct CellWriter {
 }
 
 impl CellWriter {
-    pub async fn new(hosts: Hosts, options: &Options, readers: PgReaders, names: Names) -> Result<Self, StoreError> {
+    pub async fn new(hosts: Hosts, options: &Options, readers: PgReaders, names: Names) -> Result<Self> {
         let (patience, lease) = (options.busy_timeout, options.lease);
         let seen = AllCells::look(&readers).await?;
         let opened = Instant::now();
@@ -62,7 +62,7 @@ impl CellWriter {
     }
 
     /// See [`crate::store::Writer::lock_cells`]. Also where identifiers come from meanwhile.
-    pub async fn lock_cells(&mut self, cells: &Cells) -> Result<(Missed, IdSource), StoreError> {
+    pub async fn lock_cells(&mut self, cells: &Cells) -> Result<(Missed, IdSource)> {
         debug_assert!(self.held.is_empty(), "what was held before has been given back");
         self.held = self.begin(cells).await?;
         let learned = names::learn_cells(&self.readers, &self.names, &self.held).await;
@@ -76,7 +76,7 @@ impl CellWriter {
     }
 
     /// A connection that has lain idle may have broken unnoticed: then a fresh one is tried.
-    async fn begin(&mut self, cells: &Cells) -> Result<Vec<CellRow>, StoreError> {
+    async fn begin(&mut self, cells: &Cells) -> Result<Vec<CellRow>> {
         let idle = self.connection.take().filter(|_| self.hosts.silence.is_before(self.opened.elapsed()));
         if let Some(mut connection) = idle {
             match lock(&mut connection, cells, self.lease).await {
@@ -107,7 +107,7 @@ impl CellWriter {
     }
 
     /// See [`crate::store::Writer::commit`]. `last_id`: the greatest identifier that was given out.
-    pub async fn commit(&mut self, changes: &Changes, last_id: i64) -> Result<(), StoreError> {
+    pub async fn commit(&mut self, changes: &Changes, last_id: i64) -> Result<()> {
         if self.held.is_empty() {
             return Err(StoreError::Unreachable("the cells to write were lost".to_owned()));
         }
@@ -160,7 +160,7 @@ impl CellWriter {
     }
 
     /// The connection broke in the middle of a commit: whether it came about, the database knows.
-    async fn find_out(&mut self, commit: &CellRow, error: StoreError) -> Result<(), StoreError> {
+    async fn find_out(&mut self, commit: &CellRow, error: StoreError) -> Result<()> {
         tracing::warn!(%error, "a commit was not answered; finding out what became of it");
         let end = Instant::now() + COMES_UP.max(self.lease);
         loop {
@@ -174,7 +174,7 @@ impl CellWriter {
     }
 
     /// Whether the database has a commit of this writer's, once whatever it had under way has come to its end.
-    async fn has(&self, commit: &CellRow) -> Result<bool, StoreError> {
+    async fn has(&self, commit: &CellRow) -> Result<bool> {
         let mut connection = self.hosts.reach(self.patience).await?;
         // Until then it holds the cell.
         lock(&mut connection, &Cells::one(commit.cell), self.lease).await?;
@@ -186,7 +186,7 @@ impl CellWriter {
     }
 
     /// Whether a cell can be had and the database takes a write.
-    pub async fn probe(&mut self) -> Result<(), StoreError> {
+    pub async fn probe(&mut self) -> Result<()> {
         if !self.held.is_empty() {
             return Ok(());
         }
@@ -203,7 +203,7 @@ impl CellWriter {
         Ok(())
     }
 
-    pub async fn close(mut self) -> Result<(), StoreError> {
+    pub async fn close(mut self) -> Result<()> {
         self.give_back().await;
         if let Some(connection) = self.connection.take() {
             within(self.patience, connection.close()).await?;
@@ -214,7 +214,7 @@ impl CellWriter {
 
 /// Begins a transaction and waits for its cells. A server that vanishes within its own loses them after its lease:
 /// nobody has to wait for longer, and a server that has not heard by then never will.
-async fn lock(connection: &mut PgConnection, cells: &Cells, lease: Duration) -> Result<Vec<CellRow>, StoreError> {
+async fn lock(connection: &mut PgConnection, cells: &Cells, lease: Duration) -> Result<Vec<CellRow>> {
     let ms = lease.as_millis();
     let mut take = format!(
         "BEGIN; SET LOCAL idle_in_transaction_session_timeout = {ms}; SET LOCAL statement_timeout = {}",
@@ -233,12 +233,7 @@ async fn lock(connection: &mut PgConnection, cells: &Cells, lease: Duration) -> 
 }
 
 /// Everything that a transaction comes to, within a lease.
-async fn write(
-    connection: &mut PgConnection,
-    changes: &Changes,
-    next: &[CellRow],
-    lease: Duration,
-) -> Result<(), StoreError> {
+async fn write(connection: &mut PgConnection, changes: &Changes, next: &[CellRow], lease: Duration) -> Result<()> {
     let mut batch = batch_of(changes);
     diagnosis::make_due(&changes.models, &mut batch);
     history_row::upsert(last_of_each(changes), &mut batch);

@@ -7,7 +7,7 @@ use std::time::Duration;
 use crate::core::id::Id;
 use crate::store::db::{PgReaders, Readers};
 use crate::store::handle::Place;
-use crate::store::{Store, StoreError};
+use crate::store::{Result, Store};
 
 /// A claim is renewed this often in the time for which it holds.
 const RENEWALS: u32 = 3;
@@ -16,8 +16,8 @@ const RENEWALS: u32 = 3;
 /// Alone on a file, everything is.
 ///
 /// # Errors
-/// [`StoreError`] where the database does not answer.
-pub async fn claim(store: &Store, wanted: &[Id], most: usize) -> Result<Vec<Id>, StoreError> {
+/// Where the database does not answer.
+pub async fn claim(store: &Store, wanted: &[Id], most: usize) -> Result<Vec<Id>> {
     match &store.place {
         Place::File(_) => Ok(wanted.iter().copied().take(most).collect()),
         Place::Server(_) => match claimant(store) {

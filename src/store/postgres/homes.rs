@@ -3,7 +3,7 @@
 use sqlx::{AssertSqlSafe, PgConnection};
 
 use crate::store::cells::cell_of;
-use crate::store::error::StoreError;
+use crate::store::error::Result;
 
 /// Names of one transaction.
 const AT_ONCE: i64 = 10_000;
@@ -22,7 +22,7 @@ const WITHOUT: [(&str, &str); 3] = [
 ];
 
 /// Gives a cell to every name that has none. Broken off, it goes on where it stopped.
-pub(super) async fn give(connection: &mut PgConnection) -> Result<(), StoreError> {
+pub(super) async fn give(connection: &mut PgConnection) -> Result<()> {
     for (table, without) in WITHOUT {
         let set = format!(
             "UPDATE {table} SET cell = given.cell

@@ -10,7 +10,7 @@ use sqlx::postgres::PgConnectOptions;
 use sqlx::{ConnectOptions, PgConnection, Row as _};
 
 use super::bounded::{LastSilence, within};
-use crate::store::error::StoreError;
+use crate::store::error::{Result, StoreError};
 
 /// The hosts of one database, and the one that answered last.
 #[derive(Debug, Clone)]
@@ -28,7 +28,7 @@ const FOR_EACH: Duration = Duration::from_secs(2);
 impl Hosts {
     /// # Errors
     /// [`StoreError::Other`] where the address cannot be read.
-    pub fn of(url: &str) -> Result<Self, StoreError> {
+    pub fn of(url: &str) -> Result<Self> {
         let wrong = |why: String| StoreError::Other(why.into());
         let (scheme, rest) = url.split_once("://").ok_or_else(|| wrong("no address of a database".to_owned()))?;
         let (authority, path) = rest.split_at(rest.find(['/', '?']).unwrap_or(rest.len()));
@@ -73,7 +73,7 @@ impl Hosts {
     ///
     /// # Errors
     /// [`StoreError`] of the last that was tried.
-    pub async fn reach(&self, patience: Duration) -> Result<PgConnection, StoreError> {
+    pub async fn reach(&self, patience: Duration) -> Result<PgConnection> {
         let (end, first) = (Instant::now() + patience, self.last.load(Ordering::Relaxed));
         let for_each = if self.are_several() { FOR_EACH.min(patience) } else { patience };
         let mut refused = None;

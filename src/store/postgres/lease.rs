@@ -10,7 +10,7 @@ use tokio::sync::watch;
 
 use crate::core::named::named;
 use crate::store::db::PgReaders;
-use crate::store::error::StoreError;
+use crate::store::error::Result;
 
 named! {
     /// What one server does for all.
@@ -54,7 +54,7 @@ pub(super) async fn keep(readers: PgReaders, number: i64, lease: Duration, held:
 }
 
 /// At the end of a server: its duties, and the diagnoses that it has claimed.
-pub(super) async fn give_back(readers: &PgReaders, number: i64) -> Result<(), StoreError> {
+pub(super) async fn give_back(readers: &PgReaders, number: i64) -> Result<()> {
     let release = "UPDATE lease SET until = now() WHERE holder = $1";
     sqlx::query(release).bind(number).execute(readers).await?;
     sqlx::query("DELETE FROM diagnosis_claim WHERE holder = $1").bind(number).execute(readers).await?;
@@ -70,7 +70,7 @@ fn tell(held: &watch::Sender<Held>, place: usize, until: Option<Instant>) {
     });
 }
 
-async fn take(readers: &PgReaders, duty: Duty, number: i64, lease: Duration) -> Result<bool, StoreError> {
+async fn take(readers: &PgReaders, duty: Duty, number: i64, lease: Duration) -> Result<bool> {
     let sql = "UPDATE lease SET holder = $2, until = now() + $3 * INTERVAL '1 second'
                WHERE name = $1 AND (holder = $2 OR until < now())";
     let query = sqlx::query(sql).bind(duty.name()).bind(number).bind(lease.as_secs_f64());

@@ -15,7 +15,7 @@ use crate::store::db::{Readers, migrator};
 use crate::store::handle::Place;
 use crate::store::name_tables::Names;
 use crate::store::sqlite::write_behind::WriteBehind;
-use crate::store::{Options, Store, StoreError, Tables, Writer};
+use crate::store::{Options, Result, Store, StoreError, Tables, Writer};
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
 const MIGRATIONS: [(i64, &str, &str); 23] = [
@@ -51,7 +51,7 @@ const TO_READ_ALL: Duration = Duration::from_secs(600);
 ///
 /// # Errors
 /// [`StoreError`] where it cannot be reached within seconds, or holds a schema newer than this program.
-pub(in crate::store) async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
+pub(in crate::store) async fn open(options: &Options) -> Result<(Store, Writer)> {
     let (readers, names, writer) = ready(options).await?;
     let (hosts, number) = (Hosts::of(&options.url)?, rand::random_range(1..i64::MAX));
     let neighbours = Neighbours::watch(readers.clone(), hosts, names.clone(), number, options.lease);
@@ -59,7 +59,7 @@ pub(in crate::store) async fn open(options: &Options) -> Result<(Store, Writer),
 }
 
 /// As [`open`], to write a row beside the servers: nothing in the background becomes this process's.
-pub(in crate::store) async fn open_beside(options: &Options) -> Result<(Store, Writer), StoreError> {
+pub(in crate::store) async fn open_beside(options: &Options) -> Result<(Store, Writer)> {
     let (readers, names, writer) = ready(options).await?;
     Ok((store_of(readers, names, Neighbours::none()), Writer::of_server(writer)))
 }
@@ -68,7 +68,7 @@ fn store_of(readers: PgReaders, names: Names, neighbours: Neighbours) -> Store {
     Store::new(Readers::Postgres(readers), names, WriteBehind::default(), Place::Server(neighbours))
 }
 
-async fn ready(options: &Options) -> Result<(PgReaders, Names, CellWriter), StoreError> {
+async fn ready(options: &Options) -> Result<(PgReaders, Names, CellWriter)> {
     let hosts = Hosts::of(&options.url)?;
     patiently(async || {
         let mut connection = hosts.reach(options.busy_timeout).await?;
@@ -86,9 +86,9 @@ async fn ready(options: &Options) -> Result<(PgReaders, Names, CellWriter), Stor
 }
 
 /// A pooler between that hands its connections out by the transaction mixes up what is prepared on them.
-async fn refuse_shared(one: &mut PgConnection, hosts: &Hosts, patience: Duration) -> Result<(), StoreError> {
+async fn refuse_shared(one: &mut PgConnection, hosts: &Hosts, patience: Duration) -> Result<()> {
     // Not prepared: a pooler that mixes up what is would answer that.
-    let process = async |connection: &mut PgConnection| -> Result<i32, StoreError> {
+    let process = async |connection: &mut PgConnection| -> Result<i32> {
         let row = sqlx::raw_sql("SELECT pg_backend_pid()").fetch_one(connection).await?;
         Ok(row.try_get(0)?)
     };
@@ -111,7 +111,7 @@ async fn refuse_shared(one: &mut PgConnection, hosts: &Hosts, patience: Duration
 ///
 /// # Errors
 /// [`StoreError::File`] where its schema is not of this version of the program.
-pub(in crate::store) async fn open_to_read(options: &Options) -> Result<Store, StoreError> {
+pub(in crate::store) async fn open_to_read(options: &Options) -> Result<Store> {
     let readers = pool(&Hosts::of(&options.url)?, options, 1, TO_READ_ALL).await?;
     let names = Names::new(Tables::default());
     {
@@ -125,14 +125,14 @@ pub(in crate::store) async fn open_to_read(options: &Options) -> Result<Store, S
 }
 
 /// Opens the database to be copied into: its schema as of this program, no service made ready on it.
-pub(in crate::store) async fn open_to_copy(options: &Options) -> Result<PgConnection, StoreError> {
+pub(in crate::store) async fn open_to_copy(options: &Options) -> Result<PgConnection> {
     let mut connection = Hosts::of(&options.url)?.reach(options.busy_timeout).await?;
     migrate(&mut connection).await?;
     Ok(connection)
 }
 
 /// A database that is being copied into is nobody's yet.
-async fn check_copied(readers: &PgReaders) -> Result<(), StoreError> {
+async fn check_copied(readers: &PgReaders) -> Result<()> {
     let sql = "SELECT count(*) FROM information_schema.tables
                WHERE table_schema = current_schema() AND table_name = 'copying'";
     if sqlx::query_scalar::<_, i64>(sql).fetch_one(readers).await? > 0 {
@@ -143,7 +143,7 @@ async fn check_copied(readers: &PgReaders) -> Result<(), StoreError> {
     Ok(())
 }
 
-async fn check_schema(connection: &mut PgConnection, options: &Options) -> Result<(), StoreError> {
+async fn check_schema(connection: &mut PgConnection, options: &Options) -> Result<()> {
     let wrong = |why: &str| Err(StoreError::File(format!("{}: {why}", options.shown())));
     let ours = "SELECT count(*) FROM information_schema.tables WHERE table_schema = current_schema()
                 AND table_name IN ('_sqlx_migrations', 'record', 'cell')";
@@ -160,7 +160,7 @@ async fn check_schema(connection: &mut PgConnection, options: &Options) -> Resul
     }
 }
 
-async fn pool(hosts: &Hosts, options: &Options, connections: u32, limit: Duration) -> Result<PgReaders, StoreError> {
+async fn pool(hosts: &Hosts, options: &Options, connections: u32, limit: Duration) -> Result<PgReaders> {
     let pool = PgPoolOptions::new()
         .max_connections(connections.max(1))
         .acquire_timeout(options.busy_timeout)
@@ -172,7 +172,7 @@ async fn pool(hosts: &Hosts, options: &Options, connections: u32, limit: Duratio
 }
 
 /// Tries again while the database is coming up, or another server is at the same.
-async fn patiently<T>(work: impl AsyncFn() -> Result<T, StoreError>) -> Result<T, StoreError> {
+async fn patiently<T>(work: impl AsyncFn() -> Result<T>) -> Result<T> {
     let end = Instant::now() + COMES_UP;
     loop {
         match work().await {
@@ -186,7 +186,7 @@ async fn patiently<T>(work: impl AsyncFn() -> Result<T, StoreError>) -> Result<T
 }
 
 /// Brings the schema up to date. Two servers at it at once hinder each other, and the second tries again.
-async fn migrate(connection: &mut PgConnection) -> Result<(), StoreError> {
+async fn migrate(connection: &mut PgConnection) -> Result<()> {
     let mut migrator = migrator(&MIGRATIONS);
     // A lock of PostgreSQL's own, which others that speak as it does have not.
     migrator.set_locking(false);

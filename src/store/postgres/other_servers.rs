@@ -10,7 +10,7 @@ use super::hosts::Hosts;
 use super::lease::{self, Held};
 use super::names;
 use crate::store::name_tables::Names;
-use crate::store::{Duty, Missed, News, StoreError};
+use crate::store::{Duty, Missed, News, Result};
 
 /// How soon what others have written is known here.
 const LOOK_EVERY: Duration = Duration::from_millis(250);
@@ -77,7 +77,7 @@ async fn look_around(readers: PgReaders, hosts: Hosts, names: Names, told: watch
     }
 }
 
-async fn look(readers: &PgReaders, names: &Names, told: &watch::Sender<AllCells>) -> Result<(), StoreError> {
+async fn look(readers: &PgReaders, names: &Names, told: &watch::Sender<AllCells>) -> Result<()> {
     let found = AllCells::look(readers).await?;
     if *told.borrow() != found {
         names::learn_cells(readers, names, &found.0).await?;

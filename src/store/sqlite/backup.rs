@@ -17,7 +17,7 @@ use crate::store::name_tables::Names;
 use crate::store::open::{MIGRATIONS, connect_options, finds_nothing, load_names, migrate};
 use crate::store::sqlite::write_behind::WriteBehind;
 use crate::store::{self, postgres};
-use crate::store::{Options, Store, StoreError};
+use crate::store::{Options, Result, Store, StoreError};
 use crate::system::{fill_random, sha256};
 
 impl Options {
@@ -25,7 +25,7 @@ impl Options {
     ///
     /// # Errors
     /// [`StoreError`] where it names none.
-    pub fn file(&self) -> Result<PathBuf, StoreError> {
+    pub fn file(&self) -> Result<PathBuf> {
         if self.is_server() {
             let why =
                 "is no file: a server's database is copied and put back with its own tools, pg_dump and pg_restore";
@@ -50,7 +50,7 @@ pub struct Holdings {
 /// # Errors
 /// [`StoreError`] where `target` exists, a file cannot be read or written, or the copy does not pass [`check`]; then
 /// there is no `target`.
-pub async fn backup(options: &Options, target: &Path) -> Result<Holdings, StoreError> {
+pub async fn backup(options: &Options, target: &Path) -> Result<Holdings> {
     let source = options.file()?;
     let mut source = reading(&source).busy_timeout(options.busy_timeout).connect().await?;
     placed(target, async |part: &Path| {
@@ -65,7 +65,7 @@ pub async fn backup(options: &Options, target: &Path) -> Result<Holdings, StoreE
 ///
 /// # Errors
 /// As [`backup`]: a database that is there is never overwritten.
-pub async fn restore(file: &Path, options: &Options) -> Result<Holdings, StoreError> {
+pub async fn restore(file: &Path, options: &Options) -> Result<Holdings> {
     let target = options.file()?;
     placed(&target, async |part: &Path| copy(file, part).map_err(|error| failed(file, &error))).await
 }
@@ -77,10 +77,7 @@ fn copy(file: &Path, to: &Path) -> io::Result<()> {
 }
 
 /// Lets `write` fill an empty file beside `target`, checks it, and gives it its name once it is on disk.
-async fn placed(
-    target: &Path,
-    write: impl AsyncFnOnce(&Path) -> Result<(), StoreError>,
-) -> Result<Holdings, StoreError> {
+async fn placed(target: &Path, write: impl AsyncFnOnce(&Path) -> Result<()>) -> Result<Holdings> {
     // Takes the name, so that nothing that comes up meanwhile is overwritten.
     private::create(target).map_err(|error| failed(target, &error))?;
     let part = beside(target, ".part");
@@ -109,7 +106,7 @@ async fn placed(
 /// # Errors
 /// [`StoreError::Damaged`] naming the first thing that is not as it was written; [`StoreError::File`] where it is no
 /// database of this program.
-pub async fn check(file: &Path) -> Result<Holdings, StoreError> {
+pub async fn check(file: &Path) -> Result<Holdings> {
     let holdings = read_through(file, true).await?;
     match checksum::check(file)? {
         faults if faults.is_empty() => Ok(holdings),
@@ -121,7 +118,7 @@ pub async fn check(file: &Path) -> Result<Holdings, StoreError> {
 ///
 /// # Errors
 /// [`StoreError`] where something cannot be read at all.
-pub fn check_checksums(options: &Options) -> Result<Vec<String>, StoreError> {
+pub fn check_checksums(options: &Options) -> Result<Vec<String>> {
     if options.is_server() { Ok(Vec::new()) } else { checksum::check(&options.file()?) }
 }
 
@@ -129,7 +126,7 @@ pub fn check_checksums(options: &Options) -> Result<Vec<String>, StoreError> {
 ///
 /// # Errors
 /// As [`check`].
-pub async fn check_all_but_records(options: &Options) -> Result<(), StoreError> {
+pub async fn check_all_but_records(options: &Options) -> Result<()> {
     if options.is_server() {
         let store = postgres::open::open_to_read(options).await?;
         contents(&store, false).await?;
@@ -139,7 +136,7 @@ pub async fn check_all_but_records(options: &Options) -> Result<(), StoreError> 
     read_through(&options.file()?, false).await.map(|_| ())
 }
 
-async fn read_through(file: &Path, records: bool) -> Result<Holdings, StoreError> {
+async fn read_through(file: &Path, records: bool) -> Result<Holdings> {
     // SQLite says of what is not there only that it cannot be opened.
     if !fs::exists(file).map_err(|error| failed(file, &error))? {
         return Err(StoreError::File("there is no such file".to_owned()));
@@ -171,7 +168,7 @@ async fn read_through(file: &Path, records: bool) -> Result<Holdings, StoreError
     checked
 }
 
-async fn read_tables(file: &Path, records: bool) -> Result<Holdings, StoreError> {
+async fn read_tables(file: &Path, records: bool) -> Result<Holdings> {
     let readers = SqlitePoolOptions::new().max_connections(1).connect_with(reading(file)).await?;
     check_calendar(&readers).await?;
     let store = store_of(readers, file).await?;
@@ -184,7 +181,7 @@ async fn read_tables(file: &Path, records: bool) -> Result<Holdings, StoreError>
 ///
 /// # Errors
 /// [`StoreError::File`] where its schema is not of this version of the program.
-pub async fn open_to_read(options: &Options) -> Result<Store, StoreError> {
+pub async fn open_to_read(options: &Options) -> Result<Store> {
     if options.is_server() {
         return postgres::open::open_to_read(options).await;
     }
@@ -202,7 +199,7 @@ pub async fn open_to_read(options: &Options) -> Result<Store, StoreError> {
 }
 
 /// What `readers`, of which there is one, see.
-async fn store_of(readers: SqlitePool, file: &Path) -> Result<Store, StoreError> {
+async fn store_of(readers: SqlitePool, file: &Path) -> Result<Store> {
     let mut connection = readers.acquire().await?;
     let names = Names::new(load_names(&mut connection).await?);
     let write_behind = WriteBehind::load(&mut connection).await?;
@@ -211,7 +208,7 @@ async fn store_of(readers: SqlitePool, file: &Path) -> Result<Store, StoreError>
 }
 
 /// Every record that is said to have been entered stands where its IMU has it, and nothing else does.
-async fn check_calendar(readers: &SqlitePool) -> Result<(), StoreError> {
+async fn check_calendar(readers: &SqlitePool) -> Result<()> {
     let sql = "SELECT (SELECT count(*) FROM calendar), count(*) FILTER (WHERE entered), min(id) FILTER (WHERE NOT entered AND due)
                FROM (SELECT id, id < coalesce((SELECT record FROM calendar_begun), 0) AS due, EXISTS (SELECT 1 FROM calendar
                    WHERE record = held.id AND (imu, calibrated_at, voided) = (held.imu, held.calibrated_at, held.voided)) AS entered
@@ -226,7 +223,7 @@ async fn check_calendar(readers: &SqlitePool) -> Result<(), StoreError> {
     Ok(())
 }
 
-async fn structure(connection: &mut SqliteConnection) -> Result<(), StoreError> {
+async fn structure(connection: &mut SqliteConnection) -> Result<()> {
     finds_nothing(connection, "PRAGMA integrity_check(3)").await?;
     let dangling: Option<String> =
         sqlx::query_scalar("SELECT \"table\" FROM pragma_foreign_key_check").fetch_optional(connection).await?;
@@ -240,7 +237,7 @@ async fn structure(connection: &mut SqliteConnection) -> Result<(), StoreError> 
 ///
 /// # Errors
 /// [`StoreError::File`].
-pub(crate) async fn check_schema(connection: &mut SqliteConnection, file: &Path) -> Result<(), StoreError> {
+pub(crate) async fn check_schema(connection: &mut SqliteConnection, file: &Path) -> Result<()> {
     if schema(connection, file).await? < newest_version() {
         return Err(failed(file, &"written by an older version of gyrowatch: start the service on it once"));
     }
@@ -248,7 +245,7 @@ pub(crate) async fn check_schema(connection: &mut SqliteConnection, file: &Path)
 }
 
 /// The newest migration that was made.
-async fn schema(connection: &mut SqliteConnection, file: &Path) -> Result<Option<i64>, StoreError> {
+async fn schema(connection: &mut SqliteConnection, file: &Path) -> Result<Option<i64>> {
     let ours = "SELECT count(*) FROM sqlite_schema WHERE name IN ('_sqlx_migrations', 'record', 'history')";
     if sqlx::query_scalar::<_, i64>(ours).fetch_one(&mut *connection).await? != 3 {
         return Err(failed(file, &"no database of gyrowatch"));
@@ -265,7 +262,7 @@ fn newest_version() -> Option<i64> {
     MIGRATIONS.iter().map(|(version, ..)| *version).max()
 }
 
-async fn contents(store: &Store, records: bool) -> Result<Holdings, StoreError> {
+async fn contents(store: &Store, records: bool) -> Result<Holdings> {
     let mut holdings = Holdings::default();
     let records = if records { store::record::ids(store).await? } else { Vec::new() };
     for id in records {
@@ -288,7 +285,7 @@ async fn contents(store: &Store, records: bool) -> Result<Holdings, StoreError> 
     Ok(holdings)
 }
 
-fn unchanged(what: &str, id: Id, body: &str, hash: [u8; 32]) -> Result<(), StoreError> {
+fn unchanged(what: &str, id: Id, body: &str, hash: [u8; 32]) -> Result<()> {
     if sha256(body.as_bytes()) == hash {
         return Ok(());
     }

@@ -12,7 +12,7 @@ use std::thread::{self, JoinHandle};
 use rusqlite::Connection;
 
 use super::halt::Halt;
-use crate::store::error::StoreError;
+use crate::store::error::{Result, StoreError};
 
 /// Pages that the committing connection may copy by itself: a few milliseconds.
 const FEW: i64 = 500;
@@ -36,7 +36,7 @@ impl Checkpoints {
     ///
     /// # Errors
     /// [`StoreError`] where no thread can be had.
-    pub fn start(connection: Connection, every: u32, halt: Halt) -> Result<Self, StoreError> {
+    pub fn start(connection: Connection, every: u32, halt: Halt) -> Result<Self> {
         let (wanted, requests) = mpsc::sync_channel(1);
         let nearly_done = Arc::new(AtomicBool::new(false));
         let beside = nearly_done.clone();
@@ -48,7 +48,7 @@ impl Checkpoints {
 
     /// Copies what an earlier run has left in the log, before anything is added to it: where that run ended with a
     /// failed flush, the log may stand in memory only, and what is appended to it would be lost with it.
-    pub fn begin(&mut self, connection: &Connection) -> Result<(), StoreError> {
+    pub fn begin(&mut self, connection: &Connection) -> Result<()> {
         if !self.begun {
             copy_all(connection)?;
             self.begun = true;
@@ -66,7 +66,7 @@ impl Checkpoints {
     }
 
     /// Copies the last pages, where the thread has left only few.
-    pub fn finish(&mut self, connection: &Connection) -> Result<(), StoreError> {
+    pub fn finish(&mut self, connection: &Connection) -> Result<()> {
         self.begin(connection)?;
         if self.nearly_done.swap(false, Ordering::Relaxed) {
             copy(connection)?;
@@ -97,7 +97,7 @@ fn serve(connection: Connection, requests: &mpsc::Receiver<()>, nearly_done: &At
 }
 
 /// Copies everything and empties the log, unless another process reads from it: then as much as may be.
-pub(crate) fn copy_all(connection: &Connection) -> Result<(), StoreError> {
+pub(crate) fn copy_all(connection: &Connection) -> Result<()> {
     let copied = connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", (), |_| Ok(()));
     match copied.map_err(StoreError::from) {
         Err(StoreError::Busy) | Ok(_) => Ok(()),
@@ -106,7 +106,7 @@ pub(crate) fn copy_all(connection: &Connection) -> Result<(), StoreError> {
 }
 
 /// Copies until only few pages have come in during a copy.
-fn catch_up(connection: &Connection) -> Result<(), StoreError> {
+fn catch_up(connection: &Connection) -> Result<()> {
     let mut copied = copy(connection)?;
     for _ in 1..PASSES {
         let now_copied = copy(connection)?;
@@ -119,7 +119,7 @@ fn catch_up(connection: &Connection) -> Result<(), StoreError> {
 }
 
 /// One passive checkpoint: how many pages of the log, as it stood at the beginning, are copied now.
-fn copy(connection: &Connection) -> Result<i64, StoreError> {
+fn copy(connection: &Connection) -> Result<i64> {
     // Whether it was hindered, pages in the log, pages copied.
     Ok(connection.query_row("PRAGMA wal_checkpoint(PASSIVE)", (), |row| row.get(2))?)
 }

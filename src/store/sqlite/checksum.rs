@@ -14,7 +14,7 @@ use rusqlite::functions::FunctionFlags;
 use rusqlite::types::{Null, ValueRef};
 use rusqlite::{Connection, OpenFlags, params};
 
-use crate::store::error::StoreError;
+use crate::store::error::Result;
 
 /// Sums stay below this: so do not overflow where SQLite adds two.
 const MODULUS: i64 = 1 << 62;
@@ -95,7 +95,7 @@ fn is_kept(connection: &Connection) -> rusqlite::Result<bool> {
 }
 
 /// Computes the checksums of a database that has none of its version: once after an upgrade, reading everything.
-pub(crate) fn settle(connection: &Connection) -> Result<(), StoreError> {
+pub(crate) fn settle(connection: &Connection) -> Result<()> {
     let version = newest_migration(connection)?;
     let known = "SELECT count(*) > 0 AND min(version) = $1 AND max(version) = $1 FROM checksum";
     if connection.query_row(known, [version], |row| row.get(0))? {
@@ -119,8 +119,8 @@ pub(crate) fn settle(connection: &Connection) -> Result<(), StoreError> {
 /// no checksums yet: a file of an earlier version.
 ///
 /// # Errors
-/// [`StoreError`] where something cannot be read at all.
-pub(crate) fn check(file: &Path) -> Result<Vec<String>, StoreError> {
+/// Where something cannot be read at all.
+pub(crate) fn check(file: &Path) -> Result<Vec<String>> {
     let connection = Connection::open_with_flags(file, OpenFlags::SQLITE_OPEN_READ_ONLY)?;
     // All as of one moment.
     connection.execute_batch("BEGIN")?;
@@ -186,7 +186,7 @@ impl Deref for Summing {
 
 impl Summing {
     /// Over a database whose checksums are settled, or one of an earlier version, which has none.
-    pub fn over(connection: Connection) -> Result<Self, StoreError> {
+    pub fn over(connection: Connection) -> Result<Self> {
         let names = if is_kept(&connection)? { tables(&connection)? } else { Vec::new() };
         let changed = Changed(Arc::new(Mutex::new(vec![Sum::default(); names.len()])));
         let told = changed.clone();

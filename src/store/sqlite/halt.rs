@@ -7,7 +7,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use crate::store::error::StoreError;
+use crate::store::error::{Result, StoreError};
 
 /// Whether a flush has failed, for whichever connection; never taken back.
 #[derive(Debug, Clone, Default)]
@@ -16,12 +16,12 @@ pub(crate) struct Halt(Arc<OnceLock<String>>);
 impl Halt {
     /// # Errors
     /// [`StoreError::NotDurable`] from the first failed flush on.
-    pub fn check(&self) -> Result<(), StoreError> {
+    pub fn check(&self) -> Result<()> {
         self.0.get().map_or(Ok(()), |why| Err(StoreError::NotDurable(why.clone())))
     }
 
     /// Hands an outcome on, and keeps in mind a flush that failed.
-    pub fn heed<T>(&self, outcome: Result<T, StoreError>) -> Result<T, StoreError> {
+    pub fn heed<T>(&self, outcome: Result<T>) -> Result<T> {
         if let Err(StoreError::NotDurable(why)) = &outcome
             && self.0.set(why.clone()).is_ok()
         {

@@ -8,7 +8,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::private;
-use crate::store::error::StoreError;
+use crate::store::error::{Result, StoreError};
 
 /// Held as long as it lives; none for a database in memory.
 pub(crate) type Lock = Option<File>;
@@ -17,7 +17,7 @@ pub(crate) type Lock = Option<File>;
 ///
 /// # Errors
 /// [`StoreError::InUse`] where another process holds it, [`StoreError::ReadOnly`] where it cannot be taken at all.
-pub(crate) fn take(file: &Path) -> Result<Lock, StoreError> {
+pub(crate) fn take(file: &Path) -> Result<Lock> {
     if private::is_in_memory(file) {
         return Ok(None);
     }

@@ -14,7 +14,7 @@ use crate::store::sqlite::write_behind::WriteBehind;
 use crate::store::sqlite::write_behind::record_index::{IndexChanges, NewRecord};
 use crate::store::statements::batch_of;
 use crate::store::tables::diagnosis;
-use crate::store::{Changes, RecordRow, StoreError};
+use crate::store::{Changes, RecordRow, Result, StoreError};
 
 #[derive(Debug)]
 pub(crate) struct FileWriter {
@@ -41,7 +41,7 @@ impl FileWriter {
     }
 
     /// See [`crate::store::Writer::commit`].
-    pub fn commit(&mut self, changes: &Changes) -> Result<(), StoreError> {
+    pub fn commit(&mut self, changes: &Changes) -> Result<()> {
         self.halt.check()?;
         let finished = self.checkpoints.finish(&self.connection);
         self.in_doubt |= finished.is_err();
@@ -77,7 +77,7 @@ impl FileWriter {
     ///
     /// # Errors
     /// As [`FileWriter::commit`].
-    pub fn probe(&mut self) -> Result<(), StoreError> {
+    pub fn probe(&mut self) -> Result<()> {
         self.halt.check()?;
         self.halt.heed(self.checkpoints.begin(&self.connection))?;
         // The number is of no use to anyone else; setting it writes the first page.
@@ -95,7 +95,7 @@ impl FileWriter {
     }
 
     /// Copies the whole log into the database and closes it.
-    pub fn close(self) -> Result<(), StoreError> {
+    pub fn close(self) -> Result<()> {
         self.checkpoints.stop();
         let copied = match self.halt.check() {
             Ok(()) => self.halt.heed(checkpoint::copy_all(&self.connection)),

@@ -2,7 +2,7 @@
 
 use sqlx::SqliteConnection;
 
-use super::{Batch, Columns, Id, OnConflict, Rows, Store, StoreError, UtcMicros, Whole, columns, on, read};
+use super::{Batch, Columns, Id, OnConflict, Result, Rows, Store, UtcMicros, Whole, columns, on, read};
 use crate::core::access::{AuditEntry, AuditFilter, Role};
 
 /// A token, without its secret.
@@ -69,31 +69,26 @@ pub(crate) fn apply(changes: &AccessChanges, batch: &mut Batch) {
 }
 
 /// Every token there ever was, oldest first.
-pub async fn tokens(store: &Store) -> Result<Vec<TokenRow>, StoreError> {
+pub async fn tokens(store: &Store) -> Result<Vec<TokenRow>> {
     read!(store, all, TokenRow::select("ORDER BY id"))
 }
 
 /// As [`tokens`], by a connection of one's own.
-pub(in crate::store) async fn tokens_of(reading: &mut SqliteConnection) -> Result<Vec<TokenRow>, StoreError> {
+pub(in crate::store) async fn tokens_of(reading: &mut SqliteConnection) -> Result<Vec<TokenRow>> {
     sqlx::query(TokenRow::select("ORDER BY id")).fetch_all(reading).await?.iter().map(Columns::get_all).collect()
 }
 
-pub async fn sessions(store: &Store) -> Result<Vec<SessionRow>, StoreError> {
+pub async fn sessions(store: &Store) -> Result<Vec<SessionRow>> {
     read!(store, all, SessionRow::select("ORDER BY id"))
 }
 
 /// One line of the audit trail.
-pub async fn audit_line(store: &Store, id: Id) -> Result<Option<AuditEntry>, StoreError> {
+pub async fn audit_line(store: &Store, id: Id) -> Result<Option<AuditEntry>> {
     read!(store, first, AuditEntry::select("WHERE id = $1"), id.0)
 }
 
 /// Lines of the audit trail, newest first, those before `before`.
-pub async fn audit(
-    store: &Store,
-    filter: &AuditFilter,
-    before: Option<Id>,
-    limit: u32,
-) -> Result<Vec<AuditEntry>, StoreError> {
+pub async fn audit(store: &Store, filter: &AuditFilter, before: Option<Id>, limit: u32) -> Result<Vec<AuditEntry>> {
     let sql = AuditEntry::select(
         "WHERE id < $1 AND at >= $2 AND at <= $3 AND ($4 IS NULL OR who = $4) AND ($5 IS NULL OR action = $5)
              AND ($6 IS NULL OR subject = $6)

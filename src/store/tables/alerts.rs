@@ -3,8 +3,8 @@
 use std::collections::{BTreeSet, HashMap};
 
 use super::{
-    AnyRow, AssertSqlSafe, Batch, Columns, Id, OnConflict, Part, Row, Sql, Store, StoreError, UtcMicros, Whole, asked,
-    at_most, columns, counted, list_of, numbers, on, read,
+    AnyRow, AssertSqlSafe, Batch, Columns, Id, OnConflict, Part, Result, Row, Sql, Store, StoreError, UtcMicros, Whole,
+    asked, at_most, columns, counted, list_of, numbers, on, read,
 };
 use crate::core::alert_decision::{Alert, Hushed, LastNotification, Standing};
 use crate::core::alert_filter::AlertFilter;
@@ -24,7 +24,7 @@ impl Part for Remark {
         row.put(&self.by).put(&self.reason).put(&self.at);
     }
 
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
         let (by, reason, at) = row.part(columns)?;
         Ok(Self { by, reason, at })
     }
@@ -37,7 +37,7 @@ impl Part for Option<Remark> {
         row.put(&said.map(|remark| remark.at));
     }
 
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
         let is_there = row.part::<Option<UtcMicros>>(&columns[2..])?.is_some();
         is_there.then(|| row.part(columns)).transpose()
     }
@@ -147,7 +147,7 @@ impl Columns for AlertRow {
         row.put(&muted.as_ref().map(|(silence, _)| *silence)).put(&alert.muted_until).put(inhibited_by);
     }
 
-    fn get_all(row: &impl AnyRow) -> Result<Self, StoreError> {
+    fn get_all(row: &impl AnyRow) -> Result<Self> {
         alert(row).map_err(|error| error.of(Self::TABLE))
     }
 }
@@ -167,7 +167,7 @@ const SELECT: &str = "SELECT alert.id, gyro, alert.station, alert.imu, inhibited
      muted_by, muted_until, silence.author AS muted_author, silence.reason AS muted_reason, silence.at AS muted_at \
      FROM alert LEFT JOIN silence ON silence.id = alert.muted_by";
 
-fn alert(row: &impl AnyRow) -> Result<AlertRow, StoreError> {
+fn alert(row: &impl AnyRow) -> Result<AlertRow> {
     let instant = |column: &'static str| row.part::<Option<UtcMicros>>(&[column]);
     let rule: Rule = row.part(&["rule"])?;
     let of: [Option<u32>; 3] = row.part(&["gyro", "station", "imu"])?;
@@ -275,7 +275,7 @@ pub async fn find(
     now: UtcMicros,
     before: Option<Id>,
     limit: u32,
-) -> Result<Vec<AlertRow>, StoreError> {
+) -> Result<Vec<AlertRow>> {
     let conditions = conditions(store, filter, Lookup::Other);
     let sql = AssertSqlSafe(format!("{SELECT} WHERE {conditions} AND alert.id < $8 ORDER BY alert.id DESC LIMIT $9"));
     on!(store.readers, db => bound!(sqlx::query(sql), filter, now)
@@ -293,7 +293,7 @@ pub async fn gyros_found(
     now: UtcMicros,
     newest: bool,
     [skip, limit]: [usize; 2],
-) -> Result<Vec<u32>, StoreError> {
+) -> Result<Vec<u32>> {
     let [conditions, of_gyro] = [Lookup::Status, Lookup::Other].map(|lookup| conditions(store, filter, lookup));
     let few = AssertSqlSafe(format!(
         "SELECT count(*) FROM (SELECT 1 FROM alert WHERE {conditions} AND {OF_ITSELF} LIMIT {FEW}) AS found"
@@ -327,12 +327,7 @@ pub async fn gyros_found(
 const FEW: i64 = if cfg!(test) { 60 } else { 4000 };
 
 /// Alerts of some gyros that a filter lets through, in the order in which they first fired.
-pub async fn found_of(
-    store: &Store,
-    filter: &AlertFilter,
-    now: UtcMicros,
-    gyros: &[u32],
-) -> Result<Vec<AlertRow>, StoreError> {
+pub async fn found_of(store: &Store, filter: &AlertFilter, now: UtcMicros, gyros: &[u32]) -> Result<Vec<AlertRow>> {
     let conditions = conditions(store, filter, Lookup::Other);
     let sql = select(&format!("{conditions} AND alert.gyro IN {}", store.readers.list("$8")));
     let gyros = serde_json::json!(gyros).to_string();
@@ -344,11 +339,7 @@ pub async fn found_of(
 
 /// How many alerts stand how, among those that a filter lets through. Most of those that fire are handled by nobody:
 /// they are what is left.
-pub async fn standings(
-    store: &Store,
-    filter: &AlertFilter,
-    now: UtcMicros,
-) -> Result<HashMap<Standing, usize>, StoreError> {
+pub async fn standings(store: &Store, filter: &AlertFilter, now: UtcMicros) -> Result<HashMap<Standing, usize>> {
     let conditions = conditions(store, filter, Lookup::Status);
     let by_status = AssertSqlSafe(format!("SELECT status, count(*) FROM alert WHERE {conditions} GROUP BY status"));
     let handled = AssertSqlSafe(format!(
@@ -371,14 +362,14 @@ pub async fn standings(
 }
 
 /// Another one after every change of an alert.
-pub async fn version(store: &Store) -> Result<[i64; 2], StoreError> {
+pub async fn version(store: &Store) -> Result<[i64; 2]> {
     let sqlite = "SELECT rows, sum FROM checksum WHERE name = 'alert'";
     let (of_rows, of_sums) = read!(store, query_as.fetch_one, store.readers.words(Sql { sqlite, postgres: STAMPS }));
     Ok([of_rows, of_sums])
 }
 
 /// Until when the clock alone changes how no alert stands.
-pub async fn same_until(store: &Store, now: UtcMicros) -> Result<UtcMicros, StoreError> {
+pub async fn same_until(store: &Store, now: UtcMicros) -> Result<UtcMicros> {
     let sql = "SELECT min(silenced_until) FROM alert
                WHERE (silenced_until IS NOT NULL OR muted_until IS NOT NULL) AND silenced_until > $1
                UNION ALL SELECT min(muted_until) FROM alert
@@ -389,7 +380,7 @@ pub async fn same_until(store: &Store, now: UtcMicros) -> Result<UtcMicros, Stor
 
 /// Alerts that may change at `now` with the clock alone: of which somebody is to be told, that are silenced, or that were
 /// told no later than `repeated`. Each part stands as its index has it.
-pub async fn due(store: &Store, now: UtcMicros, repeated: UtcMicros) -> Result<Vec<AlertRow>, StoreError> {
+pub async fn due(store: &Store, now: UtcMicros, repeated: UtcMicros) -> Result<Vec<AlertRow>> {
     let sql = format!(
         "SELECT id FROM alert {by_time} WHERE status = 'firing' AND acknowledged_at IS NULL AND told_at <= $2
          UNION ALL SELECT id FROM alert {by_time} WHERE status = 'firing' AND acknowledged_at IS NULL AND told_at > $1
@@ -409,19 +400,19 @@ pub async fn due(store: &Store, now: UtcMicros, repeated: UtcMicros) -> Result<V
 }
 
 /// Alerts that wait for the digest of an import.
-pub async fn for_digest(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
+pub async fn for_digest(store: &Store) -> Result<Vec<AlertRow>> {
     read!(store, all, select("digest <> 0"))
 }
 
 /// When the last of them began to wait.
-pub async fn digest_began(store: &Store) -> Result<Option<UtcMicros>, StoreError> {
+pub async fn digest_began(store: &Store) -> Result<Option<UtcMicros>> {
     let sql = "SELECT max(hushed_at) FROM alert WHERE digest <> 0";
     let at: Option<i64> = read!(store, query_scalar.fetch_one, sql);
     Ok(at.map(UtcMicros))
 }
 
 /// Alerts that fire, of gyros, by rules of which a station, a batch or an IMU can be the cause.
-pub async fn excesses(store: &Store) -> Result<Vec<ExcessRow>, StoreError> {
+pub async fn excesses(store: &Store) -> Result<Vec<ExcessRow>> {
     read!(
         store,
         all,
@@ -435,7 +426,7 @@ pub async fn excesses(store: &Store) -> Result<Vec<ExcessRow>, StoreError> {
 /// Those of them that another alert explains, and those of gyros that one of these subjects may be the cause of: gyros
 /// that they calibrated last, or hold, or that are among `gyros`, or whose newest calibration is not the one that their
 /// alert tells of.
-pub async fn explicable(store: &Store, by: &BTreeSet<AlertOf>, gyros: &[u32]) -> Result<Vec<AlertRow>, StoreError> {
+pub async fn explicable(store: &Store, by: &BTreeSet<AlertOf>, gyros: &[u32]) -> Result<Vec<AlertRow>> {
     let sql = select(&format!(
         "{} AND (inhibited_by IS NOT NULL OR alert.gyro IN {} OR alert.gyro IN (SELECT gyro FROM head WHERE station IN {})
                  OR alert.gyro IN (SELECT gyro FROM head WHERE imu IN {})
@@ -458,51 +449,51 @@ fn may_be_shared() -> String {
 }
 
 /// Every alert, in the order in which they first fired: as many as there are troubled gyros, not records.
-pub async fn all(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
+pub async fn all(store: &Store) -> Result<Vec<AlertRow>> {
     read!(store, all, select("true"))
 }
 
 /// Every alert of a station, a batch or an IMU that there has been: few.
-pub async fn of_no_gyro(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
+pub async fn of_no_gyro(store: &Store) -> Result<Vec<AlertRow>> {
     read!(store, all, select(OF_NO_GYRO))
 }
 
 /// Alerts of gyros that this one explains.
-pub async fn inhibited_by(store: &Store, by: Id) -> Result<Vec<AlertRow>, StoreError> {
+pub async fn inhibited_by(store: &Store, by: Id) -> Result<Vec<AlertRow>> {
     read!(store, all, select("alert.inhibited_by = $1"), by.0)
 }
 
 /// Every alert of several gyros, in the order in which they first fired.
-pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>, StoreError> {
+pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>> {
     let sql = select(&format!("alert.gyro IN {} AND {OF_ITSELF}", store.readers.list("$1")));
     read!(store, all, sql, serde_json::json!(gyros).to_string())
 }
 
 /// The alerts of several gyros that fire, acknowledged or silenced as they may be, in the order in which they first
 /// did.
-pub async fn firing(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>, StoreError> {
+pub async fn firing(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>> {
     let sql = select(&format!("alert.gyro IN {} AND {OF_ITSELF} AND status <> 'resolved'", store.readers.list("$1")));
     read!(store, all, sql, serde_json::json!(gyros).to_string())
 }
 
 /// How many alerts fire, by severity; of a severity without any there is no entry.
-pub async fn firing_by_severity(store: &Store) -> Result<Vec<(String, i64)>, StoreError> {
+pub async fn firing_by_severity(store: &Store) -> Result<Vec<(String, i64)>> {
     let sql = "SELECT severity, count(*) FROM alert WHERE status = 'firing' GROUP BY severity";
     Ok(read!(store, query_as.fetch_all, sql))
 }
 
-pub async fn get(store: &Store, id: Id) -> Result<Option<AlertRow>, StoreError> {
+pub async fn get(store: &Store, id: Id) -> Result<Option<AlertRow>> {
     read!(store, first, select("alert.id = $1"), id.0)
 }
 
 /// Those of these alerts that there are, in the order in which they first fired.
-pub async fn of_ids(store: &Store, ids: &[Id]) -> Result<Vec<AlertRow>, StoreError> {
+pub async fn of_ids(store: &Store, ids: &[Id]) -> Result<Vec<AlertRow>> {
     let sql = select(&format!("alert.id IN {}", store.readers.list("$1")));
     read!(store, all, sql, list_of(ids))
 }
 
 /// The newest `limit` steps of an alert, oldest first.
-pub async fn steps(store: &Store, alert: Id, limit: u32) -> Result<Vec<StepRow>, StoreError> {
+pub async fn steps(store: &Store, alert: Id, limit: u32) -> Result<Vec<StepRow>> {
     let sql = StepRow::select("WHERE alert = $1 ORDER BY id DESC LIMIT $2");
     on!(store.readers, db => {
         let rows = sqlx::query(sql).bind(alert.0).bind(Whole(limit)).fetch_all(db).await?;
@@ -511,7 +502,7 @@ pub async fn steps(store: &Store, alert: Id, limit: u32) -> Result<Vec<StepRow>,
 }
 
 /// The alerts that a hook has heard fire, as they were last told (JSON), each with the severity that it has heard.
-pub async fn heard_firing(store: &Store, hook: Id) -> Result<Vec<(String, String)>, StoreError> {
+pub async fn heard_firing(store: &Store, hook: Id) -> Result<Vec<(String, String)>> {
     let sql = "SELECT heard.severity, step.body FROM hook_heard AS heard JOIN alert_step AS step
                ON step.id = coalesce((SELECT max(id) FROM alert_step WHERE alert_step.alert = heard.alert AND told = 1),
                                      (SELECT max(id) FROM alert_step WHERE alert_step.alert = heard.alert))

@@ -1,6 +1,6 @@
 //! Records and bench results that do not count any more: who said so, when, why, and what stands in their place.
 
-use super::{AnyRow, AssertSqlSafe, Batch, Columns, Id, Rows, Store, StoreError, Whole, columns, on, read};
+use super::{AnyRow, AssertSqlSafe, Batch, Columns, Id, Result, Rows, Store, Whole, columns, on, read};
 use crate::core::correction::{CorrectedResult, CorrectionItem};
 use crate::store::HistoryRow;
 use crate::store::packed::history_row;
@@ -36,13 +36,13 @@ columns! {
 
 /// What was said of an item, oldest first: that it does not count, that another stands in its place, that it stands in
 /// another's place.
-pub async fn of_item(store: &Store, item: Id) -> Result<Vec<CorrectionItem>, StoreError> {
+pub async fn of_item(store: &Store, item: Id) -> Result<Vec<CorrectionItem>> {
     let sql = CorrectionItem::select("WHERE item = $1 OR replaced_by = $1 ORDER BY at, replaced_by NULLS FIRST");
     read!(store, all, sql, item.0)
 }
 
 /// What was said of a gyro's calibrations and bench results that do not count any more, oldest first.
-pub async fn of_gyro(store: &Store, gyro: u32) -> Result<Vec<CorrectedResult>, StoreError> {
+pub async fn of_gyro(store: &Store, gyro: u32) -> Result<Vec<CorrectedResult>> {
     let sql = AssertSqlSafe(format!(
         "SELECT {}, withdrawn.measured_at, withdrawn.bench
          FROM (SELECT record AS id, calibrated_at AS measured_at, CAST(0 AS BIGINT) AS bench FROM voided_history WHERE gyro = $1
@@ -54,7 +54,7 @@ pub async fn of_gyro(store: &Store, gyro: u32) -> Result<Vec<CorrectedResult>, S
     on!(store.readers, db => sqlx::query(sql).bind(Whole(gyro)).fetch_all(db).await?.iter().map(corrected).collect())
 }
 
-fn corrected(row: &impl AnyRow) -> Result<CorrectedResult, StoreError> {
+fn corrected(row: &impl AnyRow) -> Result<CorrectedResult> {
     let (measured_at, is_bench) = (row.part(&["measured_at"])?, row.part(&["bench"])?);
     Ok(CorrectedResult { correction: CorrectionItem::get_all(row)?, measured_at, is_bench })
 }

@@ -1,6 +1,6 @@
 //! Diagnoses of stored campaigns, and which are still to be made.
 
-use super::{Batch, Id, OnConflict, Rows, Store, StoreError, Whole, read};
+use super::{Batch, Id, OnConflict, Result, Rows, Store, Whole, read};
 use crate::core::kind::Kind;
 use crate::store::packed::text;
 use crate::store::{ModelRow, RecordRow};
@@ -56,7 +56,7 @@ pub(crate) fn update(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
 }
 
 /// The diagnosis of a campaign as it was made last; none where it is due.
-pub async fn get(store: &Store, record: Id) -> Result<Option<DiagnosisRow>, StoreError> {
+pub async fn get(store: &Store, record: Id) -> Result<Option<DiagnosisRow>> {
     let sql = "SELECT model, program, refused <> 0, body, packed FROM diagnosis WHERE record = $1 AND body IS NOT NULL";
     let found: Option<(Option<i64>, String, bool, String, Option<Vec<u8>>)> =
         read!(store, query_as.fetch_optional, sql, record.0);
@@ -68,7 +68,7 @@ pub async fn get(store: &Store, record: Id) -> Result<Option<DiagnosisRow>, Stor
 }
 
 /// Campaigns whose diagnosis is due, newest first, from before `before` on.
-pub async fn due(store: &Store, before: Id, limit: u32) -> Result<Vec<Id>, StoreError> {
+pub async fn due(store: &Store, before: Id, limit: u32) -> Result<Vec<Id>> {
     let sql = "SELECT record FROM diagnosis WHERE body IS NULL AND record < $1 ORDER BY record DESC LIMIT $2";
     let found: Vec<i64> = read!(store, query_scalar.fetch_all, sql, before.0, Whole(limit));
     Ok(found.into_iter().map(Id).collect())

@@ -1,8 +1,8 @@
 //! What a summary of many diagnoses says of each: a few hundred bytes beside the tens of thousands of the whole.
 
 use super::{
-    AnyRow, AssertSqlSafe, Batch, Columns, Id, Rows, Store, StoreError, UtcMicros, Whole, at_most, columns, counted,
-    on, read,
+    AnyRow, AssertSqlSafe, Batch, Columns, Id, Result, Rows, Store, UtcMicros, Whole, at_most, columns, counted, on,
+    read,
 };
 use crate::store::{CampaignFilter, NewDiagnosis};
 use futures::TryStreamExt;
@@ -37,11 +37,7 @@ pub(crate) fn upsert(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
 }
 
 /// Hands the gist of every campaign that counts to `each`, the earliest measured first.
-pub async fn each(
-    store: &Store,
-    of: &CampaignFilter,
-    mut each: impl FnMut(DigestRow) -> Result<(), StoreError>,
-) -> Result<(), StoreError> {
+pub async fn each(store: &Store, of: &CampaignFilter, mut each: impl FnMut(DigestRow) -> Result<()>) -> Result<()> {
     let sql = DigestRow::select(
         "WHERE measured_at BETWEEN $1 AND $2 AND ($3 IS NULL OR imu = $3) AND ($4 IS NULL OR station = $4)
              AND record NOT IN (SELECT item FROM correction)
@@ -60,12 +56,7 @@ pub async fn each(
 
 /// The newest `limit` campaigns that count, were measured at or after `since`, and whose gist holds `words`, the newest
 /// first; and how many there are.
-pub async fn holding(
-    store: &Store,
-    words: &str,
-    since: UtcMicros,
-    limit: usize,
-) -> Result<(Vec<DigestRow>, usize), StoreError> {
+pub async fn holding(store: &Store, words: &str, since: UtcMicros, limit: usize) -> Result<(Vec<DigestRow>, usize)> {
     let sql = AssertSqlSafe(format!(
         "SELECT {}, count(*) OVER () AS many FROM diagnosis_gist
          WHERE measured_at >= $1 AND gist LIKE $2 AND record NOT IN (SELECT item FROM correction)
@@ -81,7 +72,7 @@ pub async fn holding(
 }
 
 /// Campaigns that count and have no diagnosis yet.
-pub async fn not_diagnosed(store: &Store, of: &CampaignFilter) -> Result<u64, StoreError> {
+pub async fn not_diagnosed(store: &Store, of: &CampaignFilter) -> Result<u64> {
     let sql = "SELECT count(*) FROM diagnosis JOIN record ON record.id = diagnosis.record
                WHERE diagnosis.body IS NULL AND record.calibrated_at BETWEEN $1 AND $2
                    AND ($3 IS NULL OR record.imu = $3) AND ($4 IS NULL OR record.station = $4)

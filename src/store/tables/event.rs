@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{Columns, Id, Store, StoreError, UtcMicros, Whole, columns, read};
+use super::{Columns, Id, Result, Store, UtcMicros, Whole, columns, read};
 use crate::core::judge::{Event, FixedLevels};
 
 #[derive(Debug, Clone, PartialEq)]
@@ -29,18 +29,18 @@ columns! {
 }
 
 /// Every event of a gyro, oldest first.
-pub async fn of_gyro(store: &Store, gyro: u32) -> Result<Vec<EventRow>, StoreError> {
+pub async fn of_gyro(store: &Store, gyro: u32) -> Result<Vec<EventRow>> {
     read!(store, all, EventRow::select("WHERE gyro = $1 ORDER BY at, id"), Whole(gyro))
 }
 
 /// Those of some gyros that were retired or put into storage: when last, and which.
-pub async fn out_of_use_of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, (UtcMicros, Event)>, StoreError> {
+pub async fn out_of_use_of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, (UtcMicros, Event)>> {
     let ended = of_gyros(store, gyros).await?.into_iter().filter(|event| event.event.ends_calibrations());
     Ok(ended.map(|event| (event.gyro, (event.at, event.event))).collect())
 }
 
 /// Every event of several gyros, by gyro and oldest first.
-pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<EventRow>, StoreError> {
+pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<EventRow>> {
     if gyros.is_empty() {
         return Ok(Vec::new());
     }

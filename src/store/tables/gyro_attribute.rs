@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::{AssertSqlSafe, Batch, OnConflict, Rows, Store, StoreError, Whole, read};
+use super::{AssertSqlSafe, Batch, OnConflict, Result, Rows, Store, Whole, read};
 use crate::core::gyro_attributes::GyroAttributes;
 
 /// A gyro, and what is said of it from now on.
@@ -22,7 +22,7 @@ pub(crate) fn upsert(changed: &[GyroAttributeRow], batch: &mut Batch) {
 }
 
 /// Of these gyros, those of which something is said.
-pub async fn of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, GyroAttributes>, StoreError> {
+pub async fn of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, GyroAttributes>> {
     type Said = (Whole<u32>, Option<String>, Option<String>, Option<String>);
     let those = store.readers.list("$1");
     let sql = AssertSqlSafe(format!("SELECT gyro, batch, type, unit FROM gyro_attribute WHERE gyro IN {those}"));
@@ -32,7 +32,7 @@ pub async fn of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, GyroAttribu
 }
 
 /// Gyros of the batches that these are of, each with the one of these.
-pub async fn mates(store: &Store, gyros: &[u32]) -> Result<BTreeMap<u32, u32>, StoreError> {
+pub async fn mates(store: &Store, gyros: &[u32]) -> Result<BTreeMap<u32, u32>> {
     if gyros.is_empty() {
         return Ok(BTreeMap::new());
     }

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
 use super::{
-    AnyRow, AssertSqlSafe, Batch, Columns, Id, OnConflict, Part, Row, Rows, Sql, Store, StoreError, UtcMicros, Whole,
-    asked, at_most, columns, counted, numbers, on, read,
+    AnyRow, AssertSqlSafe, Batch, Columns, Id, OnConflict, Part, Result, Row, Rows, Sql, Store, StoreError, UtcMicros,
+    Whole, asked, at_most, columns, counted, numbers, on, read,
 };
 use crate::core::fleet_order::FleetOrder;
 use crate::core::judge::{Coefficient, Event, Measured, Outlook, Reach, Rule, Severity, State, Status};
@@ -120,7 +120,7 @@ impl Part for Option<NewestRow> {
         row.put(&[0, 1].map(|column| of.map(|it| it.d[column])));
     }
 
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
         let at: Option<UtcMicros> = row.part(columns)?;
         let figures: [Option<Measured>; 2] = row.part(&columns[5..])?;
         let (Some(at), [Some(d_i), Some(d_s)]) = (at, figures) else { return Ok(None) };
@@ -138,7 +138,7 @@ impl Part for Outlook {
         row.put(&reach.is_some_and(|reach| reach.provisional));
     }
 
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
         let (load, per_year) = (row.part(&columns[..6])?, row.part(&columns[6..10])?);
         let (of, at): (Option<Coefficient>, Option<UtcMicros>) = row.part(&columns[11..])?;
         let (between, provisional) = (row.part(&columns[13..15])?, row.part(&columns[15..])?);
@@ -155,7 +155,7 @@ pub(crate) fn upsert(heads: &HeadChanges, batch: &mut Batch) {
 }
 
 /// How far the rows of all gyros have been made.
-pub async fn made(store: &Store) -> Result<HeadsMade, StoreError> {
+pub async fn made(store: &Store) -> Result<HeadsMade> {
     let sql = "SELECT limits, through FROM head_made WHERE id = 1";
     let row: Option<(String, Option<String>)> = read!(store, query_as.fetch_optional, sql);
     let (limits, through) = row.ok_or_else(|| StoreError::Damaged("the table head_made is empty".to_owned()))?;
@@ -163,14 +163,14 @@ pub async fn made(store: &Store) -> Result<HeadsMade, StoreError> {
 }
 
 /// Gyros by serial, from the first after `serial` on, as many as `limit`; whether they have a row or not.
-pub async fn gyros_after(store: &Store, serial: &str, limit: u32) -> Result<Vec<(u32, String)>, StoreError> {
+pub async fn gyros_after(store: &Store, serial: &str, limit: u32) -> Result<Vec<(u32, String)>> {
     let sql = "SELECT id, serial FROM gyro WHERE serial > $1 ORDER BY serial LIMIT $2";
     let rows: Vec<(Whole<u32>, String)> = read!(store, query_as.fetch_all, sql, serial, Whole(limit));
     Ok(rows.into_iter().map(|(Whole(gyro), serial)| (gyro, serial)).collect())
 }
 
 /// IMUs by name, from the first after that of IMU number `after` (0: all) on, as many as `limit`.
-pub async fn imus_after(store: &Store, after: u32, limit: u32) -> Result<Vec<(u32, String)>, StoreError> {
+pub async fn imus_after(store: &Store, after: u32, limit: u32) -> Result<Vec<(u32, String)>> {
     let sql = "SELECT id, name FROM imu WHERE name > coalesce((SELECT name FROM imu WHERE id = $1), '')
                ORDER BY name LIMIT $2";
     let rows: Vec<(Whole<u32>, String)> = read!(store, query_as.fetch_all, sql, Whole(after), Whole(limit));
@@ -263,7 +263,7 @@ pub(super) const STAMPS: &str =
 
 /// Another one after every record, correction or attribute of a gyro: of a file by the checksums of their tables, of a
 /// server's database by the stamps of its cells.
-pub async fn version(store: &Store) -> Result<[i64; 2], StoreError> {
+pub async fn version(store: &Store) -> Result<[i64; 2]> {
     let sql = store.readers.words(Sql {
         sqlite: "SELECT sum(rows), sum(sum % 1000000000000000) FROM checksum
                  WHERE name IN ('head', 'history', 'history_log', 'voided_history', 'record', 'correction', 'gyro_attribute')",
@@ -274,14 +274,14 @@ pub async fn version(store: &Store) -> Result<[i64; 2], StoreError> {
 }
 
 /// When the first gyro becomes overdue that is not at an instant: until then what is counted of them stays.
-pub async fn next_overdue(store: &Store, at: UtcMicros) -> Result<UtcMicros, StoreError> {
+pub async fn next_overdue(store: &Store, at: UtcMicros) -> Result<UtcMicros> {
     let sql = "SELECT min(overdue_at) FROM head WHERE overdue_at IS NOT NULL AND overdue_at >= $1";
     let next: Option<i64> = read!(store, query_scalar.fetch_one, sql, at.0);
     Ok(UtcMicros(next.unwrap_or(i64::MAX)))
 }
 
 /// Counts the whole fleet as it stands at `now`, in one index from end to end.
-pub async fn counts(store: &Store, now: UtcMicros) -> Result<(Vec<Tally>, Vec<StationTally>), StoreError> {
+pub async fn counts(store: &Store, now: UtcMicros) -> Result<(Vec<Tally>, Vec<StationTally>)> {
     let sql = "SELECT station, rank, count(*), count(*) FILTER (WHERE overdue_at < $1), max(calibrated_at) FROM head
                GROUP BY station, rank";
     type Row = (Option<Whole<u32>>, i64, i64, i64, Option<i64>);
@@ -304,7 +304,7 @@ fn tallies_of((rank, [all, overdue]): (i64, [usize; 2])) -> impl Iterator<Item =
 }
 
 /// Counts what is left of the fleet where it is narrowed down.
-pub async fn tallies(store: &Store, narrowed: &Narrowed, now: UtcMicros) -> Result<Vec<Tally>, StoreError> {
+pub async fn tallies(store: &Store, narrowed: &Narrowed, now: UtcMicros) -> Result<Vec<Tally>> {
     let conditions = conditions(store, narrowed);
     let sql = format!(
         "SELECT rank + 0, count(*), count(*) FILTER (WHERE overdue_at < $1) FROM head WHERE {conditions} GROUP BY 1"
@@ -343,7 +343,7 @@ fn conditions(store: &Store, narrowed: &Narrowed) -> String {
 
 /// Gyros that a search finds among those of the other filters, where it finds few: what is asked next then need not
 /// look through the fleet.
-pub async fn sought(store: &Store, narrowed: &Narrowed, now: UtcMicros) -> Result<Option<Sought>, StoreError> {
+pub async fn sought(store: &Store, narrowed: &Narrowed, now: UtcMicros) -> Result<Option<Sought>> {
     let sql = format!("SELECT gyro FROM head WHERE {} LIMIT {}", conditions(store, narrowed), FEW + 1);
     let gyros = numbers(of_fleet!(store, query_scalar.fetch_all, sql, narrowed, now));
     Ok((gyros.len() <= FEW).then(|| Sought::Found(serde_json::json!(gyros).to_string())))
@@ -367,7 +367,7 @@ pub async fn of_ranks(
     narrowed: &Narrowed,
     now: UtcMicros,
     [skip, limit]: [usize; 2],
-) -> Result<Vec<u32>, StoreError> {
+) -> Result<Vec<u32>> {
     let Ranks { lowest, highest, is_overdue } = ranks;
     let (conditions, overdue) = (conditions(store, narrowed), overdue(is_overdue));
     // Of one rank the index has the order, and what is found often is soon found in it. Who narrows the fleet down
@@ -423,7 +423,7 @@ pub async fn listed(
     narrowed: &Narrowed,
     now: UtcMicros,
     limit: u32,
-) -> Result<Vec<u32>, StoreError> {
+) -> Result<Vec<u32>> {
     let (conditions, key, by_serial) = (conditions(store, narrowed), key(order), order == FleetOrder::Serial);
     let after_it = match by_serial {
         true => "serial > coalesce((SELECT serial FROM gyro WHERE id = $10), '')".to_owned(),
@@ -469,7 +469,7 @@ pub async fn in_order(
     narrowed: &Narrowed,
     now: UtcMicros,
     [skip, limit]: [usize; 2],
-) -> Result<Vec<u32>, StoreError> {
+) -> Result<Vec<u32>> {
     let (conditions, ranks) = (conditions(store, narrowed), among_ranks(of_ranks));
     // As the indices have them.
     let by = match order {
@@ -482,13 +482,13 @@ pub async fn in_order(
 }
 
 /// Gyros of which something began to be worse no earlier than `since`, the newest first: as many as `limit`, of all.
-pub async fn changed(store: &Store, since: UtcMicros, limit: usize) -> Result<(Vec<u32>, usize), StoreError> {
+pub async fn changed(store: &Store, since: UtcMicros, limit: usize) -> Result<(Vec<u32>, usize)> {
     first_and_count(store, "changed_at >= $1 AND rank > 10", "changed_at DESC", since, limit).await
 }
 
 /// Gyros in use that are not beyond a limit and that their trends carry to the budget after `now`, the first to reach it
 /// first: as many as `limit`, of all.
-pub async fn approaching(store: &Store, now: UtcMicros, limit: usize) -> Result<(Vec<u32>, usize), StoreError> {
+pub async fn approaching(store: &Store, now: UtcMicros, limit: usize) -> Result<(Vec<u32>, usize)> {
     // The rank is no way to find them: nearly all gyros have one of these.
     let by = key(FleetOrder::Reach);
     let those = format!("{by} BETWEEN $1 AND 9223372036854775806 AND rank + 0 BETWEEN 10 AND 16");
@@ -502,7 +502,7 @@ async fn first_and_count(
     by: &str,
     at: UtcMicros,
     limit: usize,
-) -> Result<(Vec<u32>, usize), StoreError> {
+) -> Result<(Vec<u32>, usize)> {
     let of = AssertSqlSafe(format!("SELECT gyro FROM head WHERE {those} ORDER BY {by}, serial LIMIT $2"));
     let count = AssertSqlSafe(format!("SELECT count(*) FROM head WHERE {those}"));
     let gyros = numbers(read!(store, query_scalar.fetch_all, of, at.0, at_most(limit)));
@@ -514,7 +514,7 @@ pub type DueImus = (Vec<(u32, UtcMicros, usize)>, usize);
 
 /// IMUs with gyros that are due from one instant until before another, those whose first is due the longest ago first:
 /// number, when the first was or is due, how many are; as many as `limit`, of all.
-pub async fn due(store: &Store, [from, until]: [UtcMicros; 2], limit: usize) -> Result<DueImus, StoreError> {
+pub async fn due(store: &Store, [from, until]: [UtcMicros; 2], limit: usize) -> Result<DueImus> {
     let sql = "SELECT imu, overdue_at FROM head
                WHERE overdue_at IS NOT NULL AND overdue_at >= $1 AND overdue_at < $2 AND imu IS NOT NULL
                ORDER BY overdue_at, imu LIMIT $3";
@@ -567,11 +567,7 @@ columns! {
 
 /// Newest calibrations that were made no earlier than `from`, of as many gyros as tell what a fleet does; by one station,
 /// of as many as tell what it does.
-pub async fn calibrated_since(
-    store: &Store,
-    from: UtcMicros,
-    station: Option<u32>,
-) -> Result<Vec<CalibratedRow>, StoreError> {
+pub async fn calibrated_since(store: &Store, from: UtcMicros, station: Option<u32>) -> Result<Vec<CalibratedRow>> {
     // Nothing that the index does not have.
     let sql = "SELECT head.gyro, imu, station, calibrated_at, d_i_load, d_i_load_sd, d_s_load, d_s_load_sd, batch
                FROM head LEFT JOIN gyro_attribute ON gyro_attribute.gyro = head.gyro
@@ -583,7 +579,7 @@ pub async fn calibrated_since(
 }
 
 /// Gyros that a station has ever calibrated, without `gyro`: as many as `most`, the nearest numbers first.
-pub async fn near(store: &Store, station: u32, gyro: u32, most: usize) -> Result<Vec<u32>, StoreError> {
+pub async fn near(store: &Store, station: u32, gyro: u32, most: usize) -> Result<Vec<u32>> {
     let below = "SELECT gyro FROM gyro_station WHERE station = $1 AND gyro < $2 ORDER BY gyro DESC LIMIT $3";
     let above = "SELECT gyro FROM gyro_station WHERE station = $1 AND gyro > $2 ORDER BY gyro LIMIT $3";
     let mut found: Vec<u32> = Vec::new();
@@ -612,7 +608,7 @@ columns! {
 
 /// Records with three gyros or more that began to be worse no earlier than `since` and lie `loads` budgets or more
 /// from their baselines, the farthest first.
-pub async fn moved(store: &Store, since: UtcMicros, loads: f64, limit: usize) -> Result<Vec<MovedRow>, StoreError> {
+pub async fn moved(store: &Store, since: UtcMicros, loads: f64, limit: usize) -> Result<Vec<MovedRow>> {
     let sql = "SELECT record, imu, max(calibrated_at) AS at, count(*) AS gyros, min(extreme) AS least FROM head
                WHERE changed_at >= $1 AND extreme >= $2 GROUP BY record, imu HAVING count(*) >= 3
                ORDER BY 5 DESC, 1 LIMIT $3";
@@ -627,7 +623,7 @@ pub async fn imus(
     narrowed: &Narrowed,
     (now, overdue): (UtcMicros, i64),
     [skip, limit]: [usize; 2],
-) -> Result<Vec<u32>, StoreError> {
+) -> Result<Vec<u32>> {
     let (conditions, ranks) = (conditions(store, narrowed), among_ranks(of_ranks));
     let sql = format!(
         "SELECT imu FROM head WHERE imu IS NOT NULL AND {ranks} AND {conditions}
@@ -643,14 +639,14 @@ pub async fn imus_found(
     of_ranks: Option<&[Ranks]>,
     narrowed: &Narrowed,
     now: UtcMicros,
-) -> Result<usize, StoreError> {
+) -> Result<usize> {
     let (conditions, ranks) = (conditions(store, narrowed), among_ranks(of_ranks));
     let sql = format!("SELECT count(DISTINCT imu) FROM head WHERE imu IS NOT NULL AND {ranks} AND {conditions}");
     Ok(counted(of_fleet!(store, query_scalar.fetch_one, sql, narrowed, now)))
 }
 
 /// The gyros whose newest calibration was made in any of these IMUs, by serial.
-pub async fn of_imus(store: &Store, imus: &[u32]) -> Result<Vec<u32>, StoreError> {
+pub async fn of_imus(store: &Store, imus: &[u32]) -> Result<Vec<u32>> {
     let those = store.readers.list("$1");
     let sql = AssertSqlSafe(format!("SELECT gyro FROM head WHERE imu IN {those} ORDER BY serial"));
     Ok(numbers(read!(store, query_scalar.fetch_all, sql, serde_json::json!(imus).to_string())))
@@ -658,7 +654,7 @@ pub async fn of_imus(store: &Store, imus: &[u32]) -> Result<Vec<u32>, StoreError
 
 /// The gyros whose calibration is due no later than `now` and of which no alert says so, or of which an alert says so
 /// and it is not.
-pub async fn newly_overdue_or_not(store: &Store, now: UtcMicros) -> Result<Vec<u32>, StoreError> {
+pub async fn newly_overdue_or_not(store: &Store, now: UtcMicros) -> Result<Vec<u32>> {
     let sql = "SELECT gyro FROM head WHERE overdue_at <= $1 AND NOT EXISTS (
                    SELECT 1 FROM alert WHERE status = 'firing' AND rule = 'overdue' AND alert.gyro = head.gyro)
                UNION ALL SELECT gyro FROM alert WHERE status = 'firing' AND rule = 'overdue' AND NOT EXISTS (
@@ -667,7 +663,7 @@ pub async fn newly_overdue_or_not(store: &Store, now: UtcMicros) -> Result<Vec<u
 }
 
 /// The rows of some gyros, in no order.
-pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<HeadRow>, StoreError> {
+pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<HeadRow>> {
     let sql = HeadRow::select(&format!("WHERE gyro IN {}", store.readers.list("$1")));
     read!(store, all, sql, serde_json::json!(gyros).to_string())
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{AssertSqlSafe, Readers, Span, Store, StoreError, UtcMicros, at_most, read};
+use super::{AssertSqlSafe, Readers, Result, Span, Store, StoreError, UtcMicros, at_most, read};
 use crate::core::figures::Figures;
 use crate::store::packed::history_row::PACKED_LEN;
 
@@ -13,26 +13,26 @@ const AT_ONCE: usize = 256;
 pub type Stretch = (u32, Span);
 
 /// Of each stretch the newest `limit` rows that count, oldest first: as [`super::history::newest`].
-pub async fn newest(store: &Store, of: &[Stretch], limit: usize) -> Result<Vec<Vec<Figures>>, StoreError> {
+pub async fn newest(store: &Store, of: &[Stretch], limit: usize) -> Result<Vec<Vec<Figures>>> {
     let mut all = counting_of_many(store, of, limit, true).await?;
     all.iter_mut().for_each(|rows| rows.reverse());
     Ok(all)
 }
 
 /// As [`newest`], of the whole histories of these gyros.
-pub async fn newest_ever(store: &Store, gyros: &[u32], limit: usize) -> Result<Vec<Vec<Figures>>, StoreError> {
+pub async fn newest_ever(store: &Store, gyros: &[u32], limit: usize) -> Result<Vec<Vec<Figures>>> {
     let ever: Vec<Stretch> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
     newest(store, &ever, limit).await
 }
 
 /// Of each of these gyros the newest row that counts.
-pub async fn last(store: &Store, gyros: &[u32]) -> Result<Vec<(u32, Option<Figures>)>, StoreError> {
+pub async fn last(store: &Store, gyros: &[u32]) -> Result<Vec<(u32, Option<Figures>)>> {
     let rows = newest_ever(store, gyros, 1).await?;
     Ok(gyros.iter().zip(rows).map(|(gyro, mut rows)| (*gyro, rows.pop())).collect())
 }
 
 /// Of each stretch the oldest `limit` rows that count, oldest first: as [`super::history::oldest`].
-pub async fn oldest(store: &Store, of: &[Stretch], limit: usize) -> Result<Vec<Vec<Figures>>, StoreError> {
+pub async fn oldest(store: &Store, of: &[Stretch], limit: usize) -> Result<Vec<Vec<Figures>>> {
     counting_of_many(store, of, limit, false).await
 }
 
@@ -41,7 +41,7 @@ async fn counting_of_many(
     of: &[Stretch],
     limit: usize,
     newest_first: bool,
-) -> Result<Vec<Vec<Figures>>, StoreError> {
+) -> Result<Vec<Vec<Figures>>> {
     let mut all = Vec::with_capacity(of.len());
     for some in of.chunks(AT_ONCE) {
         let read = marked_of_many(store, some, limit, newest_first).await?;
@@ -65,7 +65,7 @@ pub(crate) async fn counting(
     mut span: Span,
     limit: usize,
     newest_first: bool,
-) -> Result<Vec<Figures>, StoreError> {
+) -> Result<Vec<Figures>> {
     let mut counting = Vec::new();
     loop {
         let wanted = limit - counting.len();
@@ -81,12 +81,7 @@ pub(crate) async fn counting(
 }
 
 /// With the rows that count no more.
-async fn marked_of_many(
-    store: &Store,
-    of: &[Stretch],
-    limit: usize,
-    newest_first: bool,
-) -> Result<Vec<Vec<Figures>>, StoreError> {
+async fn marked_of_many(store: &Store, of: &[Stretch], limit: usize, newest_first: bool) -> Result<Vec<Vec<Figures>>> {
     let waiting: Vec<Vec<Figures>> = {
         let pending = store.write_behind.history.read();
         of.iter().map(|&(gyro, span)| pending.first_of(gyro, span, limit, newest_first)).collect()
@@ -116,7 +111,7 @@ async fn marked_of_many(
 }
 
 /// SQLite joins blobs byte for byte, and in the order of the subquery; a row out of place would show here.
-pub(crate) fn unpack(gyro: u32, packed: &[u8]) -> Result<Vec<Figures>, StoreError> {
+pub(crate) fn unpack(gyro: u32, packed: &[u8]) -> Result<Vec<Figures>> {
     let (rows, rest) = packed.as_chunks::<PACKED_LEN>();
     if !rest.is_empty() {
         return Err(StoreError::Damaged(format!("history rows of gyro number {gyro} have a wrong length")));

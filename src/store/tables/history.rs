@@ -3,23 +3,23 @@
 use std::collections::HashMap;
 
 use super::histories::{counting, unpack};
-use super::{Id, Span, Sql, Store, StoreError, Whole, list_of, read};
+use super::{Id, Result, Span, Sql, Store, Whole, list_of, read};
 use crate::core::figures::Figures;
 
 /// The oldest `limit` rows of a gyro within `span` that count, oldest first.
-pub async fn oldest(store: &Store, gyro: u32, span: Span, limit: usize) -> Result<Vec<Figures>, StoreError> {
+pub async fn oldest(store: &Store, gyro: u32, span: Span, limit: usize) -> Result<Vec<Figures>> {
     counting(store, gyro, span, limit, false).await
 }
 
 /// The newest `limit` rows of a gyro within `span` that count, oldest first.
-pub async fn newest(store: &Store, gyro: u32, span: Span, limit: usize) -> Result<Vec<Figures>, StoreError> {
+pub async fn newest(store: &Store, gyro: u32, span: Span, limit: usize) -> Result<Vec<Figures>> {
     let mut rows = counting(store, gyro, span, limit, true).await?;
     rows.reverse();
     Ok(rows)
 }
 
 /// The rows of a gyro within `span` that do not count any more, oldest first.
-pub async fn voided(store: &Store, gyro: u32, span: Span) -> Result<Vec<Figures>, StoreError> {
+pub async fn voided(store: &Store, gyro: u32, span: Span) -> Result<Vec<Figures>> {
     let sql = store.readers.words(Sql {
         sqlite: "SELECT CAST(group_concat(figures, '') AS BLOB) FROM (SELECT figures FROM voided_history
                  WHERE gyro = $1 AND calibrated_at BETWEEN $2 AND $3 ORDER BY calibrated_at, record)",
@@ -31,12 +31,12 @@ pub async fn voided(store: &Store, gyro: u32, span: Span) -> Result<Vec<Figures>
 }
 
 /// How many rows a gyro has that count.
-pub async fn count(store: &Store, gyro: u32) -> Result<usize, StoreError> {
+pub async fn count(store: &Store, gyro: u32) -> Result<usize> {
     Ok(oldest(store, gyro, Span::EVER, usize::MAX).await?.len())
 }
 
 /// The temperature of each of these records that has one; of what an earlier version stored, as its body says it.
-pub async fn temperatures(store: &Store, records: impl Iterator<Item = Id>) -> Result<HashMap<Id, f64>, StoreError> {
+pub async fn temperatures(store: &Store, records: impl Iterator<Item = Id>) -> Result<HashMap<Id, f64>> {
     let sql = store.readers.words(Sql {
         sqlite: "SELECT record.id, coalesce(temperature_c, CAST(coalesce(json_extract(body, '$.temperature_c'),
                         (SELECT avg(value->>'temperature_c') FROM json_each(body, '$.dwells'))) AS REAL))

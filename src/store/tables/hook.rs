@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::{AnyRow, AssertSqlSafe, Columns, Id, Part, Row, Store, StoreError, UtcMicros, columns, list_of, on, read};
+use super::{AnyRow, AssertSqlSafe, Columns, Id, Part, Result, Row, Store, UtcMicros, columns, list_of, on, read};
 use crate::store::Secrets;
 
 /// A hook. Its secrets are for signing and sending only; what shows hooks leaves them out, and so does `Debug`.
@@ -53,12 +53,12 @@ impl HookRow {
     }
 
     /// Encrypts its secrets as far as they are not; says whether there was anything to do.
-    pub(in crate::store) fn hide(&mut self, secrets: &Secrets) -> Result<bool, StoreError> {
+    pub(in crate::store) fn hide(&mut self, secrets: &Secrets) -> Result<bool> {
         secrets.hide(self.secret_texts())
     }
 
     /// Decrypts its secrets.
-    pub(in crate::store) fn show(&mut self, secrets: &Secrets) -> Result<(), StoreError> {
+    pub(in crate::store) fn show(&mut self, secrets: &Secrets) -> Result<()> {
         secrets.show(&format!("hook {} ({})", self.id, self.name), self.secret_texts())
     }
 }
@@ -77,42 +77,42 @@ impl Part for Option<(String, UtcMicros)> {
         row.put(&secret).put(&until);
     }
 
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
         let secret: Option<String> = row.part(columns)?;
         Ok(secret.zip(row.part(&columns[1..])?))
     }
 }
 
 /// Encrypts the secrets of hooks that are to be written, where there is a key.
-pub fn hide(store: &Store, hooks: &mut [HookRow]) -> Result<(), StoreError> {
+pub fn hide(store: &Store, hooks: &mut [HookRow]) -> Result<()> {
     hooks.iter_mut().try_for_each(|hook| hook.hide(&store.secrets).map(|_| ()))
 }
 
 /// Every hook as it is stored, deleted ones too: its secrets may be encrypted.
-pub(in crate::store) async fn stored(store: &Store) -> Result<Vec<HookRow>, StoreError> {
+pub(in crate::store) async fn stored(store: &Store) -> Result<Vec<HookRow>> {
     read!(store, all, HookRow::select("ORDER BY id"))
 }
 
-fn shown(store: &Store, row: &impl AnyRow) -> Result<HookRow, StoreError> {
+fn shown(store: &Store, row: &impl AnyRow) -> Result<HookRow> {
     let mut hook = HookRow::get_all(row)?;
     hook.show(&store.secrets)?;
     Ok(hook)
 }
 
 /// Every hook that was not deleted, oldest first.
-pub async fn all(store: &Store) -> Result<Vec<HookRow>, StoreError> {
+pub async fn all(store: &Store) -> Result<Vec<HookRow>> {
     let sql = HookRow::select("WHERE deleted_at IS NULL ORDER BY id");
     on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(|row| shown(store, row)).collect())
 }
 
 /// A hook, unless it was deleted.
-pub async fn get(store: &Store, id: Id) -> Result<Option<HookRow>, StoreError> {
+pub async fn get(store: &Store, id: Id) -> Result<Option<HookRow>> {
     let sql = HookRow::select("WHERE id = $1 AND deleted_at IS NULL");
     on!(store.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(|row| shown(store, row)).transpose())
 }
 
 /// What hooks have heard last of these alerts, where that is that they fire: hook, alert, severity.
-pub async fn heard_of(store: &Store, alerts: &[Id]) -> Result<Vec<(Id, Id, String)>, StoreError> {
+pub async fn heard_of(store: &Store, alerts: &[Id]) -> Result<Vec<(Id, Id, String)>> {
     let those = store.readers.list("$1");
     let sql = AssertSqlSafe(format!("SELECT hook, alert, severity FROM hook_heard WHERE alert IN {those}"));
     let rows: Vec<(i64, i64, String)> = read!(store, query_as.fetch_all, sql, list_of(alerts));
@@ -120,14 +120,14 @@ pub async fn heard_of(store: &Store, alerts: &[Id]) -> Result<Vec<(Id, Id, Strin
 }
 
 /// What a hook has heard last of the alerts that fire, to its knowledge: alert, severity.
-pub async fn heard_by(store: &Store, hook: Id) -> Result<Vec<(Id, String)>, StoreError> {
+pub async fn heard_by(store: &Store, hook: Id) -> Result<Vec<(Id, String)>> {
     let sql = "SELECT alert, severity FROM hook_heard WHERE hook = $1";
     let rows: Vec<(i64, String)> = read!(store, query_as.fetch_all, sql, hook.0);
     Ok(rows.into_iter().map(|(alert, severity)| (Id(alert), severity)).collect())
 }
 
 /// The alerts of which a hook was to be told that they fire and has taken nothing: that message is a dead letter.
-pub async fn never_taken(store: &Store, hook: Id) -> Result<HashSet<Id>, StoreError> {
+pub async fn never_taken(store: &Store, hook: Id) -> Result<HashSet<Id>> {
     let sql = "SELECT coalesce(d.alert, p.alert)
                FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step LEFT JOIN delivery_part AS p ON p.delivery = d.id
                WHERE d.hook = $1 AND d.state = 'dead' AND coalesce(d.alert, p.alert) IS NOT NULL
@@ -141,7 +141,7 @@ pub async fn never_taken(store: &Store, hook: Id) -> Result<HashSet<Id>, StoreEr
 }
 
 /// The alerts that an open delivery of a hook tells of.
-pub async fn waiting_alerts(store: &Store, hook: Id) -> Result<HashSet<Id>, StoreError> {
+pub async fn waiting_alerts(store: &Store, hook: Id) -> Result<HashSet<Id>> {
     let sql = "SELECT coalesce(d.alert, p.alert) FROM delivery AS d LEFT JOIN delivery_part AS p ON p.delivery = d.id
                WHERE d.hook = $1 AND d.state IN ('behind', 'waiting') AND coalesce(d.alert, p.alert) IS NOT NULL";
     let alerts: Vec<i64> = read!(store, query_scalar.fetch_all, sql, hook.0);
@@ -149,7 +149,7 @@ pub async fn waiting_alerts(store: &Store, hook: Id) -> Result<HashSet<Id>, Stor
 }
 
 /// The alerts of which the last message that a hook took was not that they are resolved.
-pub async fn delivered_firing(store: &Store, hook: Id) -> Result<Vec<Id>, StoreError> {
+pub async fn delivered_firing(store: &Store, hook: Id) -> Result<Vec<Id>> {
     let sql = "SELECT told.alert, told.action
                FROM (SELECT d.alert AS alert, coalesce(d.action, s.action) AS action, d.id AS id
                      FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step

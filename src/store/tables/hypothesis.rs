@@ -1,6 +1,6 @@
 //! Hypotheses of one's own that compete in every diagnosis.
 
-use super::{Columns, Id, Store, StoreError, UtcMicros, columns, read};
+use super::{Columns, Id, Result, Store, UtcMicros, columns, read};
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HypothesisRow {
@@ -19,6 +19,6 @@ columns! {
 }
 
 /// Those that compete, in the order in which they were added.
-pub async fn in_force(store: &Store) -> Result<Vec<HypothesisRow>, StoreError> {
+pub async fn in_force(store: &Store) -> Result<Vec<HypothesisRow>> {
     read!(store, all, HypothesisRow::select("WHERE ended_at IS NULL ORDER BY id"))
 }

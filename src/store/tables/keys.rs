@@ -1,6 +1,6 @@
 //! `Idempotency-Key` headers and what came of the requests that bore them.
 
-use super::{Id, Sql, Store, StoreError, columns, read};
+use super::{Id, Result, Sql, Store, columns, read};
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyRow {
@@ -14,7 +14,7 @@ columns! {
 }
 
 /// What these keys were used for before: the item's id and the hash of the body; those that were never used are left out.
-pub async fn get_many(store: &Store, keys: &[&str]) -> Result<Vec<(String, (Id, Vec<u8>))>, StoreError> {
+pub async fn get_many(store: &Store, keys: &[&str]) -> Result<Vec<(String, (Id, Vec<u8>))>> {
     let sql = store.readers.words(Sql {
         sqlite: "SELECT key, item, body_sha256 FROM idempotency_key WHERE key IN (SELECT value FROM json_each($1))",
         postgres: "SELECT key, item, body_sha256 FROM idempotency_key
@@ -26,6 +26,6 @@ pub async fn get_many(store: &Store, keys: &[&str]) -> Result<Vec<(String, (Id, 
 }
 
 /// As [`get_many`], of one.
-pub async fn get(store: &Store, key: &str) -> Result<Option<(Id, Vec<u8>)>, StoreError> {
+pub async fn get(store: &Store, key: &str) -> Result<Option<(Id, Vec<u8>)>> {
     Ok(get_many(store, &[key]).await?.pop().map(|(_, used)| used))
 }

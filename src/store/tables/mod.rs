@@ -9,7 +9,7 @@ use crate::store::batch::{Batch, OnConflict};
 use crate::store::columns::columns;
 use crate::store::db::{Readers, Sql, Whole, asked, at_most, counted, list_of, numbers, on, read};
 use crate::store::rows::{AnyRow, CellKind, Column, Columns, Part, Row, Rows};
-use crate::store::{Store, StoreError};
+use crate::store::{Result, Store, StoreError};
 
 pub mod access;
 pub mod alerts;

@@ -1,10 +1,10 @@
 //! Reading the outbox: what is due, how a hook's queue stands, what became of each delivery.
 
-use super::{AnyRow, AssertSqlSafe, Columns, Id, Sql, Store, StoreError, UtcMicros, Whole, list_of, numbers, on, read};
+use super::{AnyRow, AssertSqlSafe, Columns, Id, Result, Sql, Store, UtcMicros, Whole, list_of, numbers, on, read};
 use crate::core::delivery::{DeliveryState, QueueState};
 use crate::store::{AttemptRow, DeliveryRow, DeliverySubject, DueDelivery};
 
-fn subject(row: &impl AnyRow) -> Result<DeliverySubject, StoreError> {
+fn subject(row: &impl AnyRow) -> Result<DeliverySubject> {
     let subject: (Option<Id>, Option<Id>, Option<String>) = row.part(&["step", "alert", "action"])?;
     Ok(match subject {
         (Some(step), Some(alert), _) => DeliverySubject::Step { step, alert },
@@ -22,7 +22,7 @@ pub async fn due_of_hook(
     now: UtcMicros,
     horizon: UtcMicros,
     limit: u32,
-) -> Result<Vec<DueDelivery>, StoreError> {
+) -> Result<Vec<DueDelivery>> {
     let sql = "SELECT d.id, d.hook, d.step, d.alert, d.queued_at, d.attempts, d.first_attempt_at,
                       s.at, coalesce(d.action, s.action) AS action, s.body, d.digest
                FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step
@@ -40,7 +40,7 @@ pub async fn due_of_hook(
 }
 
 /// When the next delivery of a hook is due after `now`; none where nothing waits that is not due already.
-pub async fn next_due(store: &Store, hook: Id, now: UtcMicros) -> Result<Option<UtcMicros>, StoreError> {
+pub async fn next_due(store: &Store, hook: Id, now: UtcMicros) -> Result<Option<UtcMicros>> {
     let sql = "SELECT min(due_at) FROM delivery WHERE hook = $1 AND state = 'waiting' AND due_at > $2";
     let at: Option<i64> = read!(store, query_scalar.fetch_one, sql, hook.0, now.0);
     Ok(at.map(UtcMicros))
@@ -50,7 +50,7 @@ const PARTS: &str = "SELECT part.action, coalesce(part.body, step.body)
                      FROM delivery_part AS part LEFT JOIN alert_step AS step ON step.id = part.step
                      WHERE part.delivery = $1 ORDER BY part.place";
 
-fn due(row: &impl AnyRow) -> Result<DueDelivery, StoreError> {
+fn due(row: &impl AnyRow) -> Result<DueDelivery> {
     let [action, body]: [Option<String>; 2] = row.part(&["action", "body"])?;
     Ok(DueDelivery {
         id: row.part(&["id"])?,
@@ -70,7 +70,7 @@ const COLUMNS: &str = "SELECT d.id, d.hook, d.step, d.alert, d.queued_at, d.stat
                               coalesce(d.alert, (SELECT p.alert FROM delivery_part AS p WHERE p.delivery = d.id AND p.place = 0)) AS first
                        FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step";
 
-pub async fn queue_state(store: &Store, hook: Id) -> Result<QueueState, StoreError> {
+pub async fn queue_state(store: &Store, hook: Id) -> Result<QueueState> {
     let sql = "SELECT (SELECT count(*) FROM delivery WHERE hook = $1 AND state IN ('behind', 'waiting')),
                       (SELECT count(*) FROM delivery WHERE hook = $1 AND state = 'dead'),
                       (SELECT min(queued_at) FROM delivery WHERE hook = $1 AND state IN ('behind', 'waiting'))";
@@ -79,7 +79,7 @@ pub async fn queue_state(store: &Store, hook: Id) -> Result<QueueState, StoreErr
 }
 
 /// The queues of all hooks together. A queue whose hook is disabled ages by intent, so its age does not count.
-pub async fn outbox_totals(store: &Store) -> Result<QueueState, StoreError> {
+pub async fn outbox_totals(store: &Store) -> Result<QueueState> {
     let sql = "SELECT (SELECT count(*) FROM delivery WHERE state IN ('behind', 'waiting')),
                       (SELECT count(*) FROM delivery WHERE state = 'dead'),
                       (SELECT min((SELECT min(queued_at) FROM delivery
@@ -96,7 +96,7 @@ pub async fn of_hook(
     state: Option<DeliveryState>,
     before: Option<Id>,
     limit: u32,
-) -> Result<Vec<DeliveryRow>, StoreError> {
+) -> Result<Vec<DeliveryRow>> {
     let sql = AssertSqlSafe(format!(
         "{COLUMNS} WHERE d.hook = $1 AND d.id < $2 AND ($3 IS NULL OR d.state = $3) ORDER BY d.id DESC LIMIT $4"
     ));
@@ -118,7 +118,7 @@ pub async fn of_hook(
 }
 
 /// A delivery with its attempts, both as of one moment: an attempt that is written meanwhile is in neither.
-pub async fn get(store: &Store, id: Id) -> Result<Option<DeliveryRow>, StoreError> {
+pub async fn get(store: &Store, id: Id) -> Result<Option<DeliveryRow>> {
     let sql = AssertSqlSafe(format!("{COLUMNS} WHERE d.id = $1"));
     let read = async {
         on!(store.readers, db => {
@@ -140,7 +140,7 @@ fn attempts() -> AssertSqlSafe<String> {
     AttemptRow::select("WHERE delivery = $1 ORDER BY id")
 }
 
-fn delivery(row: &impl AnyRow) -> Result<DeliveryRow, StoreError> {
+fn delivery(row: &impl AnyRow) -> Result<DeliveryRow> {
     Ok(DeliveryRow {
         id: row.part(&["id"])?,
         hook: row.part(&["hook"])?,
@@ -156,7 +156,7 @@ fn delivery(row: &impl AnyRow) -> Result<DeliveryRow, StoreError> {
 }
 
 /// The gyros of whose alerts these deliveries tell.
-pub async fn gyros_of(store: &Store, deliveries: &[Id]) -> Result<Vec<u32>, StoreError> {
+pub async fn gyros_of(store: &Store, deliveries: &[Id]) -> Result<Vec<u32>> {
     let those = store.readers.list("$1");
     let sql = AssertSqlSafe(format!(
         "SELECT DISTINCT gyro FROM alert WHERE gyro IS NOT NULL AND id IN

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::{
-    AnyRow, AssertSqlSafe, Batch, CellKind, Column, Columns, Id, OnConflict, Readers, Row, Rows, Span, Sql, Store,
-    StoreError, UtcMicros, Whole, columns, counted, list_of, on, read,
+    AnyRow, AssertSqlSafe, Batch, CellKind, Column, Columns, Id, OnConflict, Readers, Result, Row, Rows, Span, Sql,
+    Store, StoreError, UtcMicros, Whole, columns, counted, list_of, on, read,
 };
 use crate::core::kind::Kind;
 use crate::store::RecordVerdicts;
@@ -140,13 +140,13 @@ const UNPACKED: Sql = Sql {
 };
 
 /// How many records have a long text that is not deflated.
-pub async fn count_unpacked(store: &Store) -> Result<usize, StoreError> {
+pub async fn count_unpacked(store: &Store) -> Result<usize> {
     let sql = AssertSqlSafe(format!("SELECT count(*) FROM record WHERE {}", store.readers.words(UNPACKED)));
     Ok(counted(read!(store, query_scalar.fetch_one, sql)))
 }
 
 /// Long texts that are not deflated, of the first records after `after`, as many as `limit`.
-pub async fn unpacked(store: &Store, after: Id, limit: u32) -> Result<Vec<LongText>, StoreError> {
+pub async fn unpacked(store: &Store, after: Id, limit: u32) -> Result<Vec<LongText>> {
     let sql = format!(
         "SELECT id, imu, body FROM record WHERE {} AND id > $1 ORDER BY id LIMIT $2",
         store.readers.words(UNPACKED)
@@ -179,7 +179,7 @@ pub(crate) fn update_verdicts(sheets: &[(Id, RejudgedSheet)], batch: &mut Batch)
     );
 }
 
-fn row(row: &impl AnyRow) -> Result<RecordRow, StoreError> {
+fn row(row: &impl AnyRow) -> Result<RecordRow> {
     let id: Id = row.part(&["id"])?;
     Ok(RecordRow {
         id,
@@ -198,7 +198,7 @@ fn row(row: &impl AnyRow) -> Result<RecordRow, StoreError> {
     })
 }
 
-pub async fn get(store: &Store, id: Id) -> Result<Option<RecordRow>, StoreError> {
+pub async fn get(store: &Store, id: Id) -> Result<Option<RecordRow>> {
     let sql = AssertSqlSafe(format!("SELECT {COLUMNS} FROM record WHERE id = $1"));
     let found = on!(store.readers, db => {
         sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(row).transpose()?
@@ -211,13 +211,13 @@ pub async fn get(store: &Store, id: Id) -> Result<Option<RecordRow>, StoreError>
 }
 
 /// Every record, in order of arrival.
-pub async fn ids(store: &Store) -> Result<Vec<Id>, StoreError> {
+pub async fn ids(store: &Store) -> Result<Vec<Id>> {
     let ids: Vec<i64> = read!(store, query_scalar.fetch_all, "SELECT id FROM record ORDER BY id");
     Ok(ids.into_iter().map(Id).collect())
 }
 
 /// The records of an IMU at an instant: the one that counts first (there is one at the most), then those that do not.
-pub async fn at(store: &Store, imu: u32, at: UtcMicros) -> Result<Vec<RecordAt>, StoreError> {
+pub async fn at(store: &Store, imu: u32, at: UtcMicros) -> Result<Vec<RecordAt>> {
     // On a server nothing waits, and $3 is null.
     let waiting = store.write_behind.index.read().at(imu, at).map(|id| id.0);
     let sql = store.readers.words(Sql {
@@ -238,7 +238,7 @@ pub async fn at(store: &Store, imu: u32, at: UtcMicros) -> Result<Vec<RecordAt>,
 
 /// As [`at`], of many places: of a database server in one question, of a file one by one, which costs nothing
 /// there.
-pub async fn at_many(store: &Store, places: &[(u32, UtcMicros)]) -> Result<Vec<Vec<RecordAt>>, StoreError> {
+pub async fn at_many(store: &Store, places: &[(u32, UtcMicros)]) -> Result<Vec<Vec<RecordAt>>> {
     let Readers::Postgres(db) = &store.readers else {
         let mut all = Vec::with_capacity(places.len());
         for (imu, time) in places {
@@ -264,7 +264,7 @@ pub async fn at_many(store: &Store, places: &[(u32, UtcMicros)]) -> Result<Vec<V
 }
 
 /// When the newest record of an IMU was made, whether it counts or not.
-pub async fn newest_of_imu(store: &Store, imu: u32) -> Result<Option<UtcMicros>, StoreError> {
+pub async fn newest_of_imu(store: &Store, imu: u32) -> Result<Option<UtcMicros>> {
     let Readers::Postgres(db) = &store.readers else { return Ok(store.write_behind.index.read().newest_of(imu)) };
     let sql = "SELECT max(calibrated_at) FROM record WHERE imu = $1";
     let newest: Option<i64> = sqlx::query_scalar(sql).bind(Whole(imu)).fetch_one(db).await?;
@@ -277,7 +277,7 @@ pub fn newest_in_file(store: &Store, imu: u32) -> Option<UtcMicros> {
 }
 
 /// Which IMU and gyros a record is of, where there is such a record.
-pub async fn whose(store: &Store, id: Id) -> Result<Option<(u32, Vec<u32>)>, StoreError> {
+pub async fn whose(store: &Store, id: Id) -> Result<Option<(u32, Vec<u32>)>> {
     let sql = "SELECT imu, verdicts FROM record WHERE id = $1";
     let found: Option<(Whole<u32>, Vec<u8>)> = read!(store, query_as.fetch_optional, sql, id.0);
     let whose = |(Whole(imu), verdicts): (Whole<u32>, Vec<u8>)| {
@@ -288,7 +288,7 @@ pub async fn whose(store: &Store, id: Id) -> Result<Option<(u32, Vec<u32>)>, Sto
 }
 
 /// The verdict sheet of a record, to be changed.
-pub async fn sheet_to_rejudge(store: &Store, id: Id) -> Result<Option<RejudgedSheet>, StoreError> {
+pub async fn sheet_to_rejudge(store: &Store, id: Id) -> Result<Option<RejudgedSheet>> {
     let sql = "SELECT verdicts FROM record WHERE id = $1";
     let found: Option<Vec<u8>> = read!(store, query_scalar.fetch_optional, sql, id.0);
     let sheet = |packed_before: Vec<u8>| {
@@ -298,10 +298,7 @@ pub async fn sheet_to_rejudge(store: &Store, id: Id) -> Result<Option<RejudgedSh
 }
 
 /// The verdict sheets of several records.
-pub async fn verdict_sheets(
-    store: &Store,
-    records: impl Iterator<Item = Id>,
-) -> Result<HashMap<Id, RecordVerdicts>, StoreError> {
+pub async fn verdict_sheets(store: &Store, records: impl Iterator<Item = Id>) -> Result<HashMap<Id, RecordVerdicts>> {
     let sql = AssertSqlSafe(format!("SELECT id, verdicts FROM record WHERE id IN {}", store.readers.list("$1")));
     let records: Vec<Id> = records.collect();
     if records.is_empty() {
@@ -312,17 +309,12 @@ pub async fn verdict_sheets(
 }
 
 /// The newest `limit` records of an IMU that count, newest first, without their bodies.
-pub async fn of_imu(store: &Store, imu: u32, limit: u32) -> Result<Vec<RecordEntry>, StoreError> {
+pub async fn of_imu(store: &Store, imu: u32, limit: u32) -> Result<Vec<RecordEntry>> {
     of_imu_before(store, imu, Span::EVER.to, limit).await
 }
 
 /// As [`of_imu`], those that were calibrated before `before`.
-pub async fn of_imu_before(
-    store: &Store,
-    imu: u32,
-    before: UtcMicros,
-    limit: u32,
-) -> Result<Vec<RecordEntry>, StoreError> {
+pub async fn of_imu_before(store: &Store, imu: u32, before: UtcMicros, limit: u32) -> Result<Vec<RecordEntry>> {
     // What waits counts. On a server nothing does, and $3 says so.
     let waiting: Vec<Id> = store.write_behind.index.read().last_of(imu, before, limit as usize).collect();
     let sql = RecordEntry::select(store.readers.words(Sql {
@@ -338,12 +330,7 @@ pub async fn of_imu_before(
 }
 
 /// Records and campaigns, the last to arrive first, from the one before `before` on, as many as `limit`.
-pub async fn listed(
-    store: &Store,
-    filter: RecordFilter,
-    before: Id,
-    limit: u32,
-) -> Result<Vec<RecordEntry>, StoreError> {
+pub async fn listed(store: &Store, filter: RecordFilter, before: Id, limit: u32) -> Result<Vec<RecordEntry>> {
     // An IMU's records are found by their index and then sorted; all others are read in the order of arrival.
     let (waiting, order, of_imu) = match filter.imu {
         None => (Vec::new(), "id", "$3 IS NULL AND $4 IS NOT NULL"),
@@ -390,7 +377,7 @@ pub struct StationTotals {
 }
 
 /// Of every station with a record that counts. Reads every record.
-pub async fn of_stations(store: &Store) -> Result<HashMap<u32, StationTotals>, StoreError> {
+pub async fn of_stations(store: &Store) -> Result<HashMap<u32, StationTotals>> {
     let sql =
         "SELECT station, count(*), (SELECT count(*) FROM gyro_station WHERE gyro_station.station = record.station),
                       count(DISTINCT imu), min(calibrated_at), max(calibrated_at)

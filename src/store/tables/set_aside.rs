@@ -1,6 +1,6 @@
 //! Records whose time is in doubt: kept as those that were voided are, until somebody confirms it.
 
-use super::{Batch, Columns, Id, OnConflict, Rows, Store, StoreError, UtcMicros, Whole, columns, read};
+use super::{Batch, Columns, Id, OnConflict, Result, Rows, Store, UtcMicros, Whole, columns, read};
 use crate::store::HistoryRow;
 use crate::store::packed::history_row;
 
@@ -63,19 +63,19 @@ pub(crate) fn note(noted: &[(Id, String)], batch: &mut Batch) {
 }
 
 /// Who confirmed the time of a record that was set aside.
-pub async fn confirmation(store: &Store, record: Id) -> Result<Option<ConfirmationRow>, StoreError> {
+pub async fn confirmation(store: &Store, record: Id) -> Result<Option<ConfirmationRow>> {
     read!(store, first, ConfirmationRow::select("WHERE record = $1"), record.0)
 }
 
 /// Whether a record is set aside until somebody confirms its time.
-pub async fn is_set_aside(store: &Store, record: Id) -> Result<bool, StoreError> {
+pub async fn is_set_aside(store: &Store, record: Id) -> Result<bool> {
     let sql = "SELECT count(*) > 0 FROM record WHERE id = $1 AND voided <> 0
                AND NOT EXISTS (SELECT 1 FROM correction WHERE item = record.id)";
     Ok(read!(store, query_scalar.fetch_one, sql, record.0))
 }
 
 /// The records of a gyro that are set aside, oldest first.
-pub async fn of_gyro(store: &Store, gyro: u32) -> Result<Vec<(Id, UtcMicros)>, StoreError> {
+pub async fn of_gyro(store: &Store, gyro: u32) -> Result<Vec<(Id, UtcMicros)>> {
     let sql = "SELECT record, calibrated_at FROM voided_history WHERE gyro = $1
                AND NOT EXISTS (SELECT 1 FROM correction WHERE item = voided_history.record)
                ORDER BY calibrated_at, record";

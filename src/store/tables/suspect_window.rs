@@ -1,6 +1,6 @@
 //! Windows of time in which what a station measured is suspect, mark by mark.
 
-use super::{AnyRow, Columns, Id, Part, Row, Span, Store, StoreError, columns, read};
+use super::{AnyRow, Columns, Id, Part, Result, Row, Span, Store, columns, read};
 use crate::core::suspect_window::{Mark, SuspectWindow};
 
 /// How somebody marked a window of a station.
@@ -21,14 +21,14 @@ impl Part for Mark {
         row.put(&span.from).put(&span.to).put(author).put(reason).put(trusted);
     }
 
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
         let (from, to, author, reason, trusted) = row.part(columns)?;
         Ok(Self { window: SuspectWindow { span: Span { from, to }, author, reason }, trusted })
     }
 }
 
 /// Every mark of these stations, oldest first.
-pub async fn of_stations(store: &Store, stations: &[u32]) -> Result<Vec<WindowMarkRow>, StoreError> {
+pub async fn of_stations(store: &Store, stations: &[u32]) -> Result<Vec<WindowMarkRow>> {
     if stations.is_empty() {
         return Ok(Vec::new());
     }

@@ -16,7 +16,7 @@ use crate::store::batch::{Batch, OnConflict};
 use crate::store::packed::history_row::{self, PACKED_LEN};
 use crate::store::rows::Rows;
 use crate::store::sqlite::write_behind::queues::Waiting;
-use crate::store::{HistoryRow, StoreError};
+use crate::store::{HistoryRow, Result, StoreError};
 
 const GYRO_LEN: usize = 4;
 
@@ -33,7 +33,7 @@ pub(crate) struct Fold(BTreeSet<u32>);
 
 impl PendingHistory {
     /// Reads the log, as it was left.
-    pub async fn load(connection: &mut SqliteConnection) -> Result<Self, StoreError> {
+    pub async fn load(connection: &mut SqliteConnection) -> Result<Self> {
         let entries: Vec<(i64, Vec<u8>)> =
             sqlx::query_as("SELECT id, rows FROM history_log ORDER BY id").fetch_all(connection).await?;
         let mut pending = Self::default();

@@ -7,7 +7,7 @@ pub(crate) mod record_index;
 
 use sqlx::SqliteConnection;
 
-use crate::store::error::StoreError;
+use crate::store::error::Result;
 use crate::store::sqlite::write_behind::history_log::PendingHistory;
 use crate::store::sqlite::write_behind::queues::Shared;
 use crate::store::sqlite::write_behind::record_index::PendingIndex;
@@ -20,7 +20,7 @@ pub(crate) struct WriteBehind {
 
 impl WriteBehind {
     /// Reads what was left.
-    pub async fn load(connection: &mut SqliteConnection) -> Result<Self, StoreError> {
+    pub async fn load(connection: &mut SqliteConnection) -> Result<Self> {
         let history = Shared::new(PendingHistory::load(&mut *connection).await?);
         let index = Shared::new(PendingIndex::load(connection).await?);
         Ok(Self { history, index })

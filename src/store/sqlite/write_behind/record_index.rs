@@ -15,7 +15,7 @@ use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::db::Whole;
-use crate::store::error::StoreError;
+use crate::store::error::{Result, StoreError};
 use crate::store::rows::Rows;
 use crate::store::sqlite::write_behind::queues::Waiting;
 
@@ -64,7 +64,7 @@ pub(crate) struct Entering {
 
 impl PendingIndex {
     /// Reads what is not in the table.
-    pub async fn load(connection: &mut SqliteConnection) -> Result<Self, StoreError> {
+    pub async fn load(connection: &mut SqliteConnection) -> Result<Self> {
         let newest = "SELECT id, (SELECT max(calibrated_at) FROM calendar WHERE imu = imu.id) FROM imu";
         let newest: Vec<(Whole<u32>, Option<i64>)> = sqlx::query_as(newest).fetch_all(&mut *connection).await?;
         let newest = newest.into_iter().filter_map(|(Whole(imu), at)| Some((imu, UtcMicros(at?)))).collect();

@@ -95,14 +95,8 @@ impl WriteError {
 
 /// An error behind which a failed write may be.
 pub(super) trait Unwritten: From<StoreError> {
-    fn write_error(&self) -> Option<&WriteError>;
-
-    fn store_error(&self) -> Option<&StoreError> {
-        match self.write_error()? {
-            WriteError::Storage(error) => Some(error.store_error()),
-            WriteError::Busy | WriteError::Stopping => None,
-        }
-    }
+    /// What the database said, if it was the database.
+    fn store_error(&self) -> Option<&StoreError>;
 }
 
 impl From<StoreError> for WriteError {
@@ -112,8 +106,11 @@ impl From<StoreError> for WriteError {
 }
 
 impl Unwritten for WriteError {
-    fn write_error(&self) -> Option<&WriteError> {
-        Some(self)
+    fn store_error(&self) -> Option<&StoreError> {
+        match self {
+            Self::Storage(error) => Some(error.store_error()),
+            Self::Busy | Self::Stopping => None,
+        }
     }
 }
 
@@ -189,11 +186,8 @@ macro_rules! unwritten {
         }
 
         impl $crate::pipeline::error::Unwritten for $error {
-            fn write_error(&self) -> Option<&$crate::pipeline::error::WriteError> {
-                match self {
-                    Self::Write(error) => Some(error),
-                    _ => None,
-                }
+            fn store_error(&self) -> Option<&$crate::store::StoreError> {
+                if let Self::Write(error) = self { error.store_error() } else { None }
             }
         }
     };

@@ -25,16 +25,17 @@ pub struct Origin {
     pub batch: Option<Arc<str>>,
 }
 
+impl Origin {
+    /// Of an instant; what else there is to say is left open.
+    pub fn at(at: UtcMicros) -> Self {
+        Self { at, item: None, imu: None, slot: None, station: None, batch: None }
+    }
+}
+
 impl From<&Figures> for Origin {
     fn from(figures: &Figures) -> Self {
-        Self {
-            at: figures.at,
-            item: Some(figures.record),
-            imu: Some(figures.imu),
-            slot: Some(figures.slot),
-            station: Some(figures.station),
-            batch: None,
-        }
+        let Figures { at, record, imu, slot, station, .. } = *figures;
+        Self { item: Some(record), imu: Some(imu), slot: Some(slot), station: Some(station), ..Self::at(at) }
     }
 }
 

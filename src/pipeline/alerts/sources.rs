@@ -140,7 +140,7 @@ pub(crate) fn follow_clock(
     let interval = judge.interval_days(gyro, last, imu, &context.naming);
     match interval {
         Some(days) if fires || context.now.days_since(last) > days.value => {
-            let origin = Origin { at: last, item: None, imu: Some(imu), slot: None, station: None, batch: None };
+            let origin = Origin { imu: Some(imu), ..Origin::at(last) };
             alerts.follow(gyro, &overdue(last, context.now, days), &origin, context);
         }
         None if fires => alerts.reset(gyro, |row| row.rule == Rule::Overdue, context),

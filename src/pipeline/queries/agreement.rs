@@ -79,12 +79,11 @@ pub(crate) async fn agreement_after(
     let seat = separations.last().map(Origin::from);
     let of_seat = seat.as_ref();
     let of_bench = benches.iter().max_by_key(|bench| bench.measured_at).map(|bench| Origin {
-        at: bench.measured_at,
         item: Some(bench.id),
         imu: of_seat.and_then(|seat| seat.imu),
         slot: of_seat.and_then(|seat| seat.slot),
         station: Some(bench.station),
-        batch: None,
+        ..Origin::at(bench.measured_at)
     });
     let newest = seat.into_iter().chain(of_bench).max_by_key(|origin| origin.at);
     Ok(newest.map(|origin| Agreement { gyro, origin, verdicts: compared.verdicts }))

@@ -96,12 +96,6 @@ fn origin(imu: u32, head: &RecordEntry, verdict: &Verdict) -> Origin {
         Finding::Forecast { slot, .. } => Some(slot),
         _ => None,
     };
-    Origin {
-        at: head.calibrated_at,
-        item: Some(head.id),
-        imu: Some(imu),
-        slot,
-        station: Some(head.station),
-        batch: None,
-    }
+    let (item, imu, station) = (Some(head.id), Some(imu), Some(head.station));
+    Origin { item, imu, slot, station, ..Origin::at(head.calibrated_at) }
 }

@@ -183,7 +183,7 @@ impl SharedShifts<'_> {
             let its = || newest.iter().filter(|one| group.holds(one));
             let (at, gyros) = (its().map(|one| one.at).max().unwrap_or(self.now), its().map(|one| one.gyro).collect());
             let batch = if let Group::Batch(batch) = group { Some(batch.clone()) } else { None };
-            let origin = Origin { at, item: None, imu: None, slot: None, station: of.station(), batch };
+            let origin = Origin { station: of.station(), batch, ..Origin::at(at) };
             found.push(SharedVerdict { of, verdict, origin, gyros });
         }
         found
@@ -229,7 +229,7 @@ impl SharedShifts<'_> {
                 if verdict.severity().is_none() && !self.alerts.shared().knows(of, coefficient) {
                     continue;
                 }
-                let origin = Origin { at, item: None, imu: Some(imu), slot: None, station, batch: None };
+                let origin = Origin { imu: Some(imu), station, ..Origin::at(at) };
                 found.push(SharedVerdict { of, verdict, origin, gyros: Vec::new() });
             }
         }

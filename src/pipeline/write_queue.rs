@@ -23,9 +23,8 @@ pub(super) type ReplyTo<T, E> = oneshot::Sender<Result<T, E>>;
 /// What the writer is asked to do.
 #[derive(Debug)]
 pub(super) enum Job {
-    /// Submissions of one sender that are to be answered together, in order; whether with the verdicts on them; how
-    /// what is found late is told.
-    Store { items: Vec<Submission>, by: Actor, with_verdicts: bool, late: Late, reply: oneshot::Sender<Vec<Reply>> },
+    /// Something is to be stored.
+    Store(StoreJob),
     /// A hook or its queue is to change.
     Hook { order: Order, by: Actor, reply: ReplyTo<Id, OrderError> },
     /// How an attempt to tell a hook went, or that its target is back, is to be written down.
@@ -54,6 +53,18 @@ pub(super) enum Job {
     Access { order: AccessOrder, by: Actor, reply: ReplyTo<Option<Secret>, OrderError> },
     /// Whether it could.
     Probe(ReplyTo<(), WriteError>),
+}
+
+/// Submissions of one sender that are to be answered together, in order.
+#[derive(Debug)]
+pub(super) struct StoreJob {
+    pub items: Vec<Submission>,
+    pub by: Actor,
+    /// Whether they are answered with verdicts.
+    pub with_verdicts: bool,
+    /// How what is found late is told.
+    pub late: Late,
+    pub reply: oneshot::Sender<Vec<Reply>>,
 }
 
 /// Cheap to clone. The writers end when the last clone is gone.

@@ -21,7 +21,7 @@ use std::sync::Arc;
 use tokio::sync::oneshot;
 
 use super::diagnoses::background::IdleDetector;
-use super::write_queue::{Job, WriteQueue};
+use super::write_queue::{Job, StoreJob, WriteQueue};
 use crate::config::Config;
 use crate::core::alert_decision::Late;
 use crate::core::id::Id;
@@ -71,7 +71,7 @@ impl Ingest {
         let partition = self.queue.partition_of(&self.store, &item);
         let (reply, answer) = oneshot::channel();
         let (items, by) = (vec![item], Actor::by_caller());
-        self.queue.offer_to(partition, Job::Store { items, by, with_verdicts: true, late, reply })?;
+        self.queue.offer_to(partition, Job::Store(StoreJob { items, by, with_verdicts: true, late, reply }))?;
         let mut replies = answer.await.map_err(|_| WriteError::Stopping)?;
         replies.pop().unwrap_or(Err(WriteError::Stopping.into()))
     }
@@ -90,9 +90,9 @@ impl Ingest {
         let mut answers = Vec::with_capacity(partitions.len());
         for (partition, (places, items)) in partitions {
             let (reply, answer) = oneshot::channel();
-            let job = Job::Store { items, by: Actor::by_caller(), with_verdicts: false, late, reply };
+            let job = StoreJob { items, by: Actor::by_caller(), with_verdicts: false, late, reply };
             // Where the writer is gone, the reply is dropped with the job, and the answer says so.
-            let _queued = self.queue.send_to(partition, job).await;
+            let _queued = self.queue.send_to(partition, Job::Store(job)).await;
             answers.push((places, answer));
         }
         async move {

@@ -29,7 +29,7 @@ use crate::pipeline::alerts::AlertCache;
 use crate::pipeline::diagnoses::{DiagnosisHandler, HypothesisHandler};
 use crate::pipeline::hooks::{Found, HookCache, HookHandler, heard_by};
 use crate::pipeline::ingest::judge::Judge;
-use crate::pipeline::write_queue::{self, Job};
+use crate::pipeline::write_queue::{Job, ReplyTo, StoreJob};
 use crate::pipeline::{
     Accepted, AccessOrder, Actor, DiagnosisOrder, HypothesisOrder, Order, OrderError, Reply, StorageError, WriteError,
 };
@@ -40,7 +40,7 @@ use clock::ClockTick;
 use forecasts::ForecastAlerts;
 use group::{Preparation, answer, settle};
 use restate::Restating;
-use state::{Item, StoreJob, WriterState, items_of};
+use state::{Item, WriterState, items_of};
 use turn::in_turn;
 
 pub(crate) use heads::make_missing;
@@ -54,17 +54,17 @@ const AFTER_START: Duration = Duration::from_secs(1);
 const ITEMS: RangeInclusive<usize> = 64..=8192;
 
 /// Orders that concern hooks, and where their answers go.
-type Orders = Vec<(Order, Actor, write_queue::ReplyTo<Id, OrderError>)>;
+type Orders = Vec<(Order, Actor, ReplyTo<Id, OrderError>)>;
 
-type Findings = Vec<(Found, write_queue::ReplyTo<(), WriteError>)>;
+type Findings = Vec<(Found, ReplyTo<(), WriteError>)>;
 
 /// What is done once all that was queued with it is stored.
 #[derive(Default)]
 struct Later {
     orders: Orders,
     findings: Findings,
-    digests: Vec<write_queue::ReplyTo<(), WriteError>>,
-    shared: Vec<write_queue::ReplyTo<(), WriteError>>,
+    digests: Vec<ReplyTo<(), WriteError>>,
+    shared: Vec<ReplyTo<(), WriteError>>,
 }
 
 impl Task {
@@ -127,7 +127,7 @@ impl Task {
 
     async fn work_off(&mut self, jobs: &mut Vec<Job>) {
         // Orders are for what is stored, and are carried out when nothing is under way.
-        let mixed = jobs.iter().any(|job| !matches!(job, Job::Store { .. }));
+        let mixed = jobs.iter().any(|job| !matches!(job, Job::Store(_)));
         if mixed {
             self.finish().await;
         }
@@ -167,9 +167,7 @@ impl Task {
     /// Carries out an order, or puts it off; what is to be stored is handed back, to be stored in a group.
     async fn obey(&mut self, job: Job, later: &mut Later) -> Option<StoreJob> {
         match job {
-            Job::Store { items, by, with_verdicts, late, reply } => {
-                return Some(StoreJob { items, by, with_verdicts, late, reply });
-            }
+            Job::Store(job) => return Some(job),
             Job::Hook { order, by, reply } => later.orders.push((order, by, reply)),
             Job::Found { found, reply } => later.findings.push((found, reply)),
             Job::Digest(reply) => later.digests.push(reply),

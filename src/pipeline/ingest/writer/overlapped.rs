@@ -8,10 +8,10 @@
 use std::collections::HashMap;
 
 use super::group::{Preparation, answer, settle};
-use super::state::{Item, Prepared, StoreJob, Task, UnderWay, items_of};
+use super::state::{Item, Prepared, Task, UnderWay, items_of};
 use crate::core::history_note::FAR_DAYS;
 use crate::pipeline::ingest::submission::Submission;
-use crate::pipeline::write_queue::Job;
+use crate::pipeline::write_queue::{Job, StoreJob};
 use crate::store::{self, Committer, Tables, Written};
 use crate::telemetry;
 
@@ -37,7 +37,7 @@ impl Task {
     /// enough has come.
     pub(super) fn is_to_wait(&self, jobs: &[Job]) -> bool {
         let to_store = |job: &Job| match job {
-            Job::Store { items, .. } => Some(items.len()),
+            Job::Store(job) => Some(job.items.len()),
             _ => None,
         };
         let waiting = jobs.iter().map(to_store).sum::<Option<usize>>();

@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use tokio::sync::{oneshot, watch};
+use tokio::sync::watch;
 use tokio::task::JoinHandle;
 
 use crate::config::Config;
@@ -16,6 +16,7 @@ use crate::pipeline::diagnoses::models::ModelCache;
 use crate::pipeline::hooks::HookCache;
 use crate::pipeline::ingest::admit::Memory;
 use crate::pipeline::ingest::judge::{Judge, Verdicts};
+use crate::pipeline::write_queue::StoreJob;
 use crate::pipeline::{Actor, Calibration, Guard, Reply, Submission};
 use crate::store::{Changes, Store, Writer, Written};
 use crate::system::Clock;
@@ -86,17 +87,6 @@ pub(crate) struct After {
     /// Moves when diagnoses have become due.
     pub due: watch::Sender<u64>,
     pub guard: Guard,
-}
-
-/// Submissions, and where their answers go.
-pub(super) struct StoreJob {
-    pub(super) items: Vec<Submission>,
-    pub(super) by: Actor,
-    /// Whether they are answered with verdicts.
-    pub(super) with_verdicts: bool,
-    /// How what is found late is told.
-    pub(super) late: Late,
-    pub(super) reply: oneshot::Sender<Vec<Reply>>,
 }
 
 /// What a group comes to, before it is written.

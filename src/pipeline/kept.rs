@@ -5,9 +5,7 @@ use std::sync::Arc;
 use tokio::sync::Mutex;
 use tokio::time::Instant;
 
-use crate::core::time::UtcMicros;
-use crate::pipeline::error::StorageError;
-use crate::store::StoreError;
+use crate::pipeline::prelude::*;
 
 /// The last answer to a question: it holds until something is written that it is about, by any server, or an instant
 /// has passed.

@@ -23,6 +23,7 @@ mod error;
 mod hooks;
 mod ingest;
 mod kept;
+mod prelude;
 mod queries;
 mod suspect;
 mod write_queue;

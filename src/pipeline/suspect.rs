@@ -1,11 +1,10 @@
 //! A window of time in which what a station measured is suspect: its records are set aside, and trusted again.
 
 use crate::core::alert_decision::Late;
-use crate::core::id::Id;
 use crate::core::suspect_window::{Mark, SuspectWindow};
-use crate::core::time::Span;
 use crate::pipeline::Pipeline;
-use crate::pipeline::{Accepted, Confirmation, Doubt, ListFilter, Refused, Submission, WindowMark, WriteError};
+use crate::pipeline::prelude::*;
+use crate::pipeline::{Accepted, Confirmation, Doubt, ListFilter, Refused, Submission, WindowMark};
 use crate::wire::note;
 
 /// Records that are asked for, and submitted, at a time.

@@ -5,16 +5,16 @@ use std::sync::Arc;
 use tokio::sync::{mpsc, oneshot};
 
 use crate::core::alert_decision::Late;
-use crate::core::id::Id;
 use crate::pipeline::access::Secret;
 use crate::pipeline::diagnoses::Made;
 use crate::pipeline::hooks::Found;
 use crate::pipeline::ingest::Restated;
+use crate::pipeline::prelude::*;
 use crate::pipeline::{
-    Accepted, AccessOrder, Actor, Adoption, AlertOrder, DiagnosisOrder, HypothesisOrder, Order, OrderError, Reply,
-    SilenceOrder, Submission, WriteError,
+    Accepted, AccessOrder, Actor, Adoption, AlertOrder, DiagnosisOrder, HypothesisOrder, Order, Reply, SilenceOrder,
+    Submission,
 };
-use crate::store::{self, PackedText, Store};
+use crate::store::PackedText;
 use crate::wire::alert::AlertBody;
 
 /// Where an answer goes.

@@ -9,8 +9,7 @@ use std::net::IpAddr;
 use serde::Serialize;
 
 use crate::core::access::{AuditEntry, Role};
-use crate::core::id::Id;
-use crate::core::time::UtcMicros;
+use crate::pipeline::prelude::*;
 
 tokio::task_local! {
     static CALLER: Caller;

@@ -11,11 +11,9 @@ use super::limits::{Allowance, Failures};
 use super::secret::Secret;
 use crate::config::AccessConfig;
 use crate::core::access::Role;
-use crate::core::id::Id;
 use crate::core::message::Message;
-use crate::core::time::UtcMicros;
-use crate::message;
-use crate::store::{self, SessionRow, Store, StoreError, TokenRow};
+use crate::pipeline::prelude::*;
+use crate::store::{SessionRow, TokenRow};
 
 /// How long a token that was revoked by the command line may still be used.
 const REREAD: Duration = Duration::from_secs(1);

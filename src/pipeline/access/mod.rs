@@ -13,12 +13,10 @@ mod secret;
 
 use std::net::IpAddr;
 
-use super::error::{OrderError, StorageError, WriteError};
 use super::write_queue::{Job, WriteQueue};
 use crate::core::access::{AuditEntry, AuditFilter, Role};
-use crate::core::id::Id;
-use crate::core::time::UtcMicros;
-use crate::store::{self, Store, TokenRow};
+use crate::pipeline::prelude::*;
+use crate::store::TokenRow;
 use crate::system::Clock;
 
 pub use audit::{Actor, By, Caller};

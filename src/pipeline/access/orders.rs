@@ -4,10 +4,9 @@ use serde::Serialize;
 
 use super::secret::Secret;
 use crate::core::access::{AuditEntry, Role};
-use crate::core::id::Id;
-use crate::core::time::UtcMicros;
-use crate::pipeline::{Actor, Guard, OrderError};
-use crate::store::{AccessChanges, Beside, Changes, SessionRow, TokenRow, Writer};
+use crate::pipeline::prelude::*;
+use crate::pipeline::{Actor, Guard};
+use crate::store::{AccessChanges, Beside, SessionRow, TokenRow, Writer};
 use crate::wire::time;
 
 /// A token to be made.

@@ -2,12 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::core::figures::Figures;
-use crate::core::id::Id;
 use crate::core::judge::{Severity, State, Status, Verdict};
 use crate::core::mounting::Slot;
-use crate::core::time::UtcMicros;
-use crate::store::{AlertOf, AlertRow, Changes, NewName, StoreError, Table, Tables};
+use crate::pipeline::prelude::*;
+use crate::store::{AlertOf, AlertRow, NewName, Table, Tables};
 use crate::wire::alert::{AcknowledgementBody, AlertBody, AlertFindingBody, SilenceBody};
 use crate::wire::reason::Reason;
 use crate::wire::{time, unit};

@@ -6,11 +6,10 @@ use super::body::{Naming, Origin, finding_of};
 use super::shared::{Explained, SharedAlerts, SharedVerdict};
 use super::silences::Silences;
 use crate::core::alert_decision::{self, Action, Arrival, Decision, Late, Policy, Status};
-use crate::core::id::Id;
 use crate::core::judge::{Rule, Severity, Verdict};
-use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge::Undone;
-use crate::store::{self, AlertOf, AlertRow, Changes, Remark, StepRow, Store, StoreError, Writer};
+use crate::pipeline::prelude::*;
+use crate::store::{AlertOf, AlertRow, Remark, StepRow, Writer};
 use crate::wire::alert::AlertFindingBody;
 
 /// Gyros from which on everything is forgotten.

@@ -7,10 +7,9 @@ use super::silences::{MOST_SILENCES, body};
 use crate::core::access::AuditEntry;
 use crate::core::alert_decision;
 use crate::core::alert_filter::Matchers;
-use crate::core::id::Id;
-use crate::core::time::UtcMicros;
-use crate::pipeline::{Actor, OrderError};
-use crate::store::{AlertOf, AlertRow, Changes, Remark, SilenceRow};
+use crate::pipeline::Actor;
+use crate::pipeline::prelude::*;
+use crate::store::{AlertOf, AlertRow, Remark, SilenceRow};
 
 /// Somebody says something of an alert.
 #[derive(Debug, Clone, PartialEq)]

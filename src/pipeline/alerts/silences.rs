@@ -2,10 +2,9 @@
 
 use super::body::{Naming, Origin, finding_of};
 use crate::core::alert_filter::Matchers;
-use crate::core::id::Id;
 use crate::core::judge::{Rule, Verdict};
-use crate::core::time::UtcMicros;
-use crate::store::{self, AlertOf, AlertRow, Remark, SilenceRow, Store, StoreError};
+use crate::pipeline::prelude::*;
+use crate::store::{AlertOf, AlertRow, Remark, SilenceRow};
 use crate::wire::silence::{EndedSilenceBody, MatchersBody, MatchingSilenceBody};
 use crate::wire::time;
 

@@ -5,13 +5,12 @@ use std::collections::HashMap;
 use super::body::Origin;
 use super::cache::{AlertCache, AlertContext};
 use crate::core::alert_decision::Late;
-use crate::core::id::Id;
 use crate::core::judge::{Rule, Verdict, overdue};
-use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge::{Judge, Judged, Newest};
 use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
+use crate::pipeline::prelude::*;
 use crate::pipeline::queries::agreement::Agreement;
-use crate::store::{AlertRow, Changes};
+use crate::store::AlertRow;
 
 /// Which item of a group has changed what is known of a gyro, and how that is told if it comes late.
 #[derive(Debug, Default)]

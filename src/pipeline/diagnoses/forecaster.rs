@@ -5,14 +5,11 @@ use std::sync::Arc;
 use super::models::{InForce, read};
 use crate::config::Judging;
 use crate::core::campaign::{Campaign, TestKind};
-use crate::core::id::Id;
 use crate::core::imu_model::{CampaignSample, Identified, changed, compare, identify, ladder, promised};
 use crate::core::judge::Limit;
-use crate::core::kind::Kind;
 use crate::core::message::Message;
-use crate::message;
 use crate::pipeline::ingest::fitted::damaged;
-use crate::store::{self, Store, StoreError};
+use crate::pipeline::prelude::*;
 use crate::wire::campaign;
 use crate::wire::forecast::{ForecastBody, ForecastPointBody};
 

@@ -8,11 +8,10 @@ use serde::Deserialize;
 
 use super::forecaster::{Forecaster, stored};
 use super::models::InForce;
-use crate::core::id::Id;
 use crate::core::judge::{State, Verdict};
-use crate::core::kind::Kind;
-use crate::pipeline::{Diagnoses, StorageError};
-use crate::store::{self, RecordEntry, Store, StoreError};
+use crate::pipeline::Diagnoses;
+use crate::pipeline::prelude::*;
+use crate::store::RecordEntry;
 use crate::wire::forecast::{ForecastBody, ForecastPointBody, ForecastSeriesBody};
 use crate::words;
 

@@ -3,9 +3,8 @@
 use crate::core::diagnose::METHOD;
 use crate::core::effects::Effect;
 use crate::core::fault::Faults;
-use crate::core::id::Id;
-use crate::core::time::UtcMicros;
-use crate::store::{self, HypothesisRow, Store, StoreError};
+use crate::pipeline::prelude::*;
+use crate::store::HypothesisRow;
 use crate::wire::hypothesis::HypothesisBody;
 
 /// One that competes.

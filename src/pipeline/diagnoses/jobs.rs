@@ -1,10 +1,9 @@
 //! Orders to diagnose many campaigns, taken and canceled by the one writer.
 
 use super::made::text;
-use crate::core::id::Id;
-use crate::core::time::UtcMicros;
-use crate::pipeline::{Accepted, Actor, OrderError};
-use crate::store::{self, CampaignFilter, Changes, JobChanges, NewJob, Store, StoreError, Writer};
+use crate::pipeline::prelude::*;
+use crate::pipeline::{Accepted, Actor};
+use crate::store::{CampaignFilter, JobChanges, NewJob, Writer};
 use crate::wire::diagnoses::WhichBody;
 
 /// Which campaigns somebody wants diagnosed.

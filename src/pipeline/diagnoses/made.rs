@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::core::id::Id;
 use crate::core::message::Message;
-use crate::core::time::UtcMicros;
 use crate::pipeline::diagnoses::digest::{Digest, MountedGyro};
 use crate::pipeline::diagnoses::models::ModelCache;
-use crate::store::{Changes, DiagnosisRow, JobChanges, NewDiagnosis, SettledTask};
+use crate::pipeline::prelude::*;
+use crate::store::{DiagnosisRow, JobChanges, NewDiagnosis, SettledTask};
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::forecast::ForecastPointBody;
 use crate::wire::message::to_stored;

@@ -14,10 +14,8 @@ use tokio::time::Instant;
 
 use super::diagnoser::Diagnoser;
 use super::made::{DiagnosisOutcome, Made};
-use crate::core::id::Id;
-use crate::core::kind::Kind;
 use crate::pipeline::diagnoses::background::Awaited;
-use crate::store::{self, StoreError};
+use crate::pipeline::prelude::*;
 
 /// How many due campaigns are looked up at once.
 const PAGE: u32 = 64;

@@ -5,10 +5,9 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use crate::core::effects::Effect;
-use crate::core::id::Id;
-use crate::core::time::UtcMicros;
 use crate::pipeline::diagnoses::digest::{Digest, NamedDigest, OUTSIDE, OutsideForecast, REFUSED};
-use crate::store::{self, CampaignFilter, DigestRow, Store, StoreError, Tables};
+use crate::pipeline::prelude::*;
+use crate::store::{CampaignFilter, DigestRow, Tables};
 use crate::wire::diagnoses::{
     AtStationBody, ClosuresBody, CoverageBody, DoubtBody, FindingBody, LargestShiftBody, OutsideForecastBody,
     OverviewBody, SightingBody, SummaryBody,

@@ -9,16 +9,11 @@ use crate::alert::HookKind;
 use crate::core::access::AuditEntry;
 use crate::core::alert_decision::Status;
 use crate::core::delivery::DeliveryState;
-use crate::core::id::Id;
 use crate::core::judge::Severity;
-use crate::core::time::UtcMicros;
-use crate::message;
+use crate::pipeline::Actor;
 use crate::pipeline::hooks::registry::{CurrentAlert, OutboxContext, Subscription, introduce};
-use crate::pipeline::{Actor, OrderError, WriteError};
-use crate::store::{
-    self, AttemptRow, Changes, DeliverySubject, HookRow, NewDelivery, OutboxChanges, Progress, Store, StoreError,
-    Writer,
-};
+use crate::pipeline::prelude::*;
+use crate::store::{AttemptRow, DeliverySubject, HookRow, NewDelivery, OutboxChanges, Progress, Writer};
 use crate::wire::message::to_stored;
 use crate::wire::time;
 

@@ -5,11 +5,10 @@ use std::collections::{BTreeSet, HashMap};
 
 use super::show::{self, DIGEST};
 use crate::core::alert_decision::{self, Action, Alert};
-use crate::core::id::Id;
 use crate::core::judge::Severity;
-use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::News;
-use crate::store::{self, DeliverySubject, HookRow, IdSource, NewDelivery, OutboxChanges, Part, Store, StoreError};
+use crate::pipeline::prelude::*;
+use crate::store::{DeliverySubject, HookRow, IdSource, NewDelivery, OutboxChanges, Part};
 use crate::wire::alert::AlertBody;
 use crate::wire::hook::{DigestBody, FilterBody};
 

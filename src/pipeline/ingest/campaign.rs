@@ -8,20 +8,19 @@ use crate::core::augmented::AugmentedModel;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::campaign::{Campaign, Temperatures};
 use crate::core::fault::{Fault, Faults};
-use crate::core::id::Id;
-use crate::core::kind::Kind;
 use crate::pipeline::diagnoses::models::{self, InForce};
 use crate::pipeline::ingest::fitted::CampaignFit;
 use crate::pipeline::ingest::submission::{BenchTest, anything, check_names, kept};
+use crate::pipeline::prelude::*;
 use crate::pipeline::{
     CalibratedGyro, Calibration, Confirmation, Correction, Fitted, ReadCampaign, Reader, Submission,
 };
-use crate::store::{self, RecordRow, StoreError};
+use crate::store::RecordRow;
 use crate::wire::bench::BenchBody;
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{self, Form};
 use crate::wire::campaign_csv::parse_csv_as_sent;
-use crate::{message, words};
+use crate::words;
 
 impl Reader {
     /// Reads, checks, fits and separates a campaign in JSON or CSV. A raw bench test becomes a bench result.

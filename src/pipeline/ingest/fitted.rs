@@ -5,9 +5,8 @@ use std::sync::Arc;
 use crate::core::calibrate::outcome::Outcome;
 use crate::core::campaign::Campaign;
 use crate::core::fault::Faults;
-use crate::core::id::Id;
 use crate::pipeline::ingest::submission::{BenchTest, Calibration, Submission};
-use crate::store::StoreError;
+use crate::pipeline::prelude::*;
 
 /// A campaign that can be stored.
 #[derive(Debug, Clone)]

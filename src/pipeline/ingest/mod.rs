@@ -24,9 +24,8 @@ use super::diagnoses::background::IdleDetector;
 use super::write_queue::{Job, StoreJob, WriteQueue};
 use crate::config::Config;
 use crate::core::alert_decision::Late;
-use crate::core::id::Id;
-use crate::pipeline::{Actor, WriteError};
-use crate::store::Store;
+use crate::pipeline::Actor;
+use crate::pipeline::prelude::*;
 use crate::system::Clock;
 
 pub(super) use campaign::Restated;

@@ -1,10 +1,8 @@
 //! Why a submission is not taken.
 
-use crate::core::id::Id;
-use crate::core::kind::Kind;
 use crate::core::message::{Message, list, text};
-use crate::message;
-use crate::pipeline::error::{WriteError, unwritten};
+use crate::pipeline::error::unwritten;
+use crate::pipeline::prelude::*;
 use crate::wire::differences::Differences;
 
 #[derive(Debug, Clone, thiserror::Error)]

@@ -3,10 +3,8 @@
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::core::id::Id;
-use crate::core::kind::Kind;
 use crate::pipeline::ingest::submission::anything;
-use crate::store::{self, Store, StoreError};
+use crate::pipeline::prelude::*;
 use crate::wire::bench::BenchBody;
 use crate::wire::campaign;
 use crate::wire::differences::Differences;

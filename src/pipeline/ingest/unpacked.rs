@@ -1,11 +1,10 @@
 //! Long texts that an earlier version stored as they were sent: deflated after a start, in the background, a few a
 //! transaction. What was broken off goes on at the next start.
 
-use crate::core::id::Id;
 use crate::pipeline::diagnoses::background::{Awaited, IdleDetector, beside_others};
-use crate::pipeline::error::WriteError;
+use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::{Job, WeakWriteQueue};
-use crate::store::{self, LongText, PackedText, Store};
+use crate::store::{LongText, PackedText};
 
 /// Of one transaction.
 const AT_ONCE: u32 = 16;

@@ -2,14 +2,12 @@
 
 use crate::config::{JudgedMethod, Judging};
 use crate::core::bench::BenchMethod;
-use crate::core::figures::Figures;
-use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Event, FigureSource, Mark, Measured, Rule, SourcedResult, Verdict, agreement};
 use crate::core::mounting::Slot;
-use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::alerts::{Naming, Origin};
 use crate::pipeline::ingest::judge::gyro_window::{load_marks, mark_of, sample_of};
-use crate::store::{self, BenchRow, Changes, HistoryRow, Store, StoreError, Tables};
+use crate::pipeline::prelude::*;
+use crate::store::{BenchRow, HistoryRow, Tables};
 
 /// Results side by side, oldest first; ranges and verdicts of D_I and D_S.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,14 +5,12 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use super::entries::{PEER_RECORDS, entries};
 use super::fleet::{level, stated};
 use crate::core::changes::{AsOf, DriftBudget, GyroHistory, HistoryDiagnosis, diagnose_history, is_mate_of};
-use crate::core::figures::Figures;
 use crate::core::judge::history::{baseline_of, seat_baseline_of};
 use crate::core::judge::{Mark, baseline_since};
-use crate::core::time::{Span, UtcMicros};
-use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, load_marks, sample_of};
+use crate::pipeline::prelude::*;
 use crate::pipeline::queries::gyro_history::Histories;
-use crate::store::{self, StoreError, Stretch};
+use crate::store::Stretch;
 use crate::words;
 
 /// Records of the gyro itself that are looked at, at most.

@@ -5,10 +5,8 @@ use std::sync::Arc;
 
 use crate::config::JudgedMethod;
 use crate::core::changes::{GyroHistory, HistoryEntry};
-use crate::core::figures::Figures;
-use crate::core::id::Id;
 use crate::pipeline::ingest::judge::gyro_window::sample_of;
-use crate::store::{self, Store, StoreError};
+use crate::pipeline::prelude::*;
 
 /// Newest records of each gyro that tell what stations do.
 pub(super) const PEER_RECORDS: usize = 100;

@@ -13,18 +13,17 @@ use super::record::Records;
 use super::standing::{StoredFacts, of_rank, rank};
 use crate::config::Config;
 use crate::core::changes::{self, FleetStations};
-use crate::core::figures::Figures;
 use crate::core::fleet_order::FleetOrder;
 use crate::core::judge::{
     BASELINE_RECORDS, Limits, Mark, Measured, Rule, Sample, State, Status, baseline_since, stated_level,
 };
 use crate::core::mounting::Slot;
-use crate::core::time::{Span, UtcMicros};
+use crate::pipeline::Standing;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, marks_of, sample_of};
 use crate::pipeline::kept::Kept;
-use crate::pipeline::{Standing, StorageError};
+use crate::pipeline::prelude::*;
 use crate::store::head::{CalibratedRow, DueImus, Narrowed, Ranks, Sought, Standings, StationTally, Tally};
-use crate::store::{self, RecordEntry, Store, StoreError, Stretch, Table};
+use crate::store::{RecordEntry, Stretch, Table};
 use crate::system::Clock;
 use crate::wire::answer::VerdictBody;
 use crate::words;

@@ -1,11 +1,9 @@
 //! The noise constants of the whole fleet, from its history.
 
 use crate::core::judge::{FleetNoise, Series, fit_fleet};
-use crate::core::time::Span;
-use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, marks_of, sample_of};
+use crate::pipeline::prelude::*;
 use crate::pipeline::queries::fleet::Fleet;
-use crate::store;
 
 /// Gyros whose histories are read at once.
 const AT_ONCE: usize = 64;

@@ -2,14 +2,12 @@
 
 use super::standing::violations;
 use super::status;
-use crate::core::figures::Figures;
-use crate::core::id::Id;
 use crate::core::judge::{Measured, Need, Older, Outlook, Status, Verdict};
-use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, sample_of};
-use crate::pipeline::{Calibration, Queries, StorageError, Violation};
-use crate::store::{self, StoredVerdict};
+use crate::pipeline::prelude::*;
+use crate::pipeline::{Calibration, Queries, Violation};
+use crate::store::StoredVerdict;
 
 /// A number that nothing stored has.
 const UNKNOWN: u32 = u32::MAX;

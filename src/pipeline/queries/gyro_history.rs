@@ -6,15 +6,13 @@ use super::agreement::compare_methods;
 use super::fleet::{level, stated};
 use crate::config::{Config, JudgedMethod};
 use crate::core::correction::CorrectedResult;
-use crate::core::figures::Figures;
-use crate::core::id::Id;
 use crate::core::judge::history::{baseline_of, seat_baseline_of};
 use crate::core::judge::{BASELINE_RECORDS, Coefficient, Event, Limits, Mark, Rule, Sample};
-use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::ingest::judge::gyro_window::{distinct, load_marks, mark_of, sample_of};
+use crate::pipeline::prelude::*;
 use crate::pipeline::queries::items::Names;
-use crate::pipeline::{BenchItem, Comparison, EventItem, Statuses, StorageError};
-use crate::store::{self, BenchRow, Store, StoreError, StoredVerdict};
+use crate::pipeline::{BenchItem, Comparison, EventItem, Statuses};
+use crate::store::{BenchRow, StoredVerdict};
 use crate::system::Clock;
 
 /// Everything about one gyro, oldest first.

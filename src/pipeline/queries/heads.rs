@@ -3,13 +3,12 @@
 use std::collections::{BTreeSet, HashMap};
 
 use crate::config::Judging;
-use crate::core::figures::Figures;
 use crate::core::judge::{Need, Older, Outlook};
-use crate::core::time::Span;
 use crate::pipeline::alerts::Naming;
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, read_ahead};
+use crate::pipeline::prelude::*;
 use crate::pipeline::queries::standing::{Facts, StoredFacts};
-use crate::store::{self, HeadRow, Store, StoreError};
+use crate::store::HeadRow;
 use crate::system::sha256;
 
 /// Gyros whose histories are held at once.

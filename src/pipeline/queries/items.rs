@@ -4,12 +4,9 @@ use std::sync::{Arc, RwLockReadGuard};
 
 use crate::core::bench::BenchMethod;
 use crate::core::correction::CorrectionItem;
-use crate::core::id::Id;
 use crate::core::judge::{Event, FixedLevels, State};
-use crate::core::kind::Kind;
 use crate::core::message::{Message, sent};
-use crate::core::time::UtcMicros;
-use crate::message;
+use crate::pipeline::prelude::*;
 use crate::store::{BenchRow, ConfirmationRow, EventRow, RecordEntry, RecordRow, Tables};
 use crate::wire::table::nearest;
 

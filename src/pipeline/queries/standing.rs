@@ -5,15 +5,13 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use crate::config::Judging;
-use crate::core::figures::Figures;
 use crate::core::gyro_attributes::GyroAttributes;
-use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Event, LimitKind, Limits, Outlook, Rule, Severity, State, Status, overdue};
-use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::{finding_of, status_of};
 use crate::pipeline::ingest::judge::gyro_window::sample_of;
+use crate::pipeline::prelude::*;
 use crate::pipeline::queries::status;
-use crate::store::{self, AlertRow, HeadRow, NewestRow, RecordVerdicts, Store, StoreError, StoredVerdict};
+use crate::store::{AlertRow, HeadRow, NewestRow, RecordVerdicts, StoredVerdict};
 
 /// How one gyro stands.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,10 +2,9 @@
 
 use std::collections::HashMap;
 
-use crate::core::figures::Figures;
-use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule, State, Status};
-use crate::store::{self, Store, StoreError, StoredVerdict};
+use crate::pipeline::prelude::*;
+use crate::store::StoredVerdict;
 
 /// Of D_I, D_S and the closure.
 const COLUMNS: [Coefficient; 3] = [Coefficient::DI, Coefficient::DS, Coefficient::DO];

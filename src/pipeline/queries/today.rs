@@ -4,12 +4,10 @@ use std::sync::Arc;
 
 use super::common_shift::shifts_of;
 use super::fleet::Fleet;
-use crate::core::id::Id;
-use crate::core::time::UtcMicros;
 use crate::pipeline::diagnoses::outside_forecasts;
-use crate::pipeline::{CommonShift, Standing, StorageError};
+use crate::pipeline::prelude::*;
+use crate::pipeline::{CommonShift, Standing};
 use crate::store::head::{CalibratedRow, DueImus};
-use crate::store::{self, Store, StoreError};
 use crate::wire::diagnoses::OutsideForecastBody;
 
 /// Lines of each list.

@@ -11,15 +11,14 @@ use crate::alert::sign::{self, Secret};
 use crate::alert::{AlertTransition, HookEvent, HookKind, HookMessage};
 use crate::core::alert_decision::Action;
 use crate::core::delivery::DeliveryState;
-use crate::core::id::Id;
 use crate::core::message::{Message, sent};
-use crate::core::time::UtcMicros;
 use crate::pipeline::hooks::{Attempted, webhook_id};
+use crate::pipeline::prelude::*;
 use crate::store::{DeliverySubject, DueDelivery, HookRow, Progress};
+use crate::system;
 use crate::wire::alert::AlertBody;
 use crate::wire::hook::ExpectBody;
 use crate::wire::message::to_stored;
-use crate::{message, system};
 
 /// A hook, ready to send to.
 #[derive(Clone)]

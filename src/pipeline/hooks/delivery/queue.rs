@@ -14,13 +14,12 @@ use crate::alert::HookKind;
 use crate::alert::deliver::{Attempt, DeliveryOutcome};
 use crate::alert::ladder::HORIZON;
 use crate::core::delivery::DeliveryState;
-use crate::core::id::Id;
-use crate::core::time::UtcMicros;
-use crate::pipeline::error::{StorageFault, WriteError};
+use crate::pipeline::error::StorageFault;
 use crate::pipeline::hooks::delivery::circuit::Circuit;
 use crate::pipeline::hooks::delivery::message::{self, Addressee};
 use crate::pipeline::hooks::{Attempted, Found};
-use crate::store::{self, DueDelivery, Duty, Progress, StoreError};
+use crate::pipeline::prelude::*;
+use crate::store::{DueDelivery, Duty, Progress};
 use crate::telemetry;
 use crate::wire::alert::AlertBody;
 

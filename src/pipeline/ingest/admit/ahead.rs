@@ -4,12 +4,10 @@
 use std::collections::{BTreeSet, HashMap, HashSet};
 
 use super::memory::Memory;
-use crate::core::figures::Figures;
-use crate::core::id::Id;
 use crate::core::suspect_window::Mark;
-use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::ingest::submission::{Calibration, Submission};
-use crate::store::{self, RecordAt, Store, StoreError};
+use crate::pipeline::prelude::*;
+use crate::store::RecordAt;
 
 /// What is stored where a group's items are about to go. What is not in here was not asked for.
 #[derive(Debug, Default)]

@@ -10,13 +10,12 @@ use super::memory::{Around, Remembered};
 use crate::core::history_note::{
     EARLIER_IN_DOUBT, FAR_DAYS, HistoryNote, NameKind, NamedRecord, SERVICE, Seat, TimeDoubt, doubt,
 };
-use crate::core::id::Id;
 use crate::core::note::Note;
 use crate::core::own_history::{Looked, Shown, against_histories};
 use crate::core::suspect_window::SuspectWindow;
-use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
-use crate::store::{self, NamesOf, StoreError, StoredAside};
+use crate::pipeline::prelude::*;
+use crate::store::{NamesOf, StoredAside};
 use crate::wire::history_note;
 
 /// A clock may be ahead of the service's by so much without a word, days.

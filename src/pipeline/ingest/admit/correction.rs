@@ -10,14 +10,11 @@ use super::group::Group;
 use super::rows_as_stated;
 use crate::core::correction::CorrectionItem;
 use crate::core::history_note::HistoryNote;
-use crate::core::id::Id;
 use crate::core::note::Note;
 use crate::core::suspect_window::{Mark, SuspectWindow, in_force};
-use crate::core::time::Span;
+use crate::pipeline::prelude::*;
 use crate::pipeline::{Accepted, Calibration, Confirmation, Corrected, Correction, Doubt, Refused, WindowMark};
-use crate::store::{
-    self, ConfirmationRow, HistoryRow, NamesOf, RecordRow, RestatedRow, StoreError, StoredAside, WindowMarkRow,
-};
+use crate::store::{ConfirmationRow, HistoryRow, NamesOf, RecordRow, RestatedRow, StoredAside, WindowMarkRow};
 use crate::wire::{history_note, time};
 
 impl Admission<'_> {

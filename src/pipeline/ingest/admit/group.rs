@@ -6,10 +6,9 @@ use serde_json::json;
 
 use crate::core::bench::BenchMethod;
 use crate::core::history_note::HistoryNote;
-use crate::core::id::Id;
-use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
-use crate::store::{Changes, KeyRow, NamesOf};
+use crate::pipeline::prelude::*;
+use crate::store::{KeyRow, NamesOf};
 use crate::wire::history_note;
 
 /// A group under construction: what is to be written, and what it already holds besides what is stored.

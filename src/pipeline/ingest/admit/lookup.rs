@@ -4,15 +4,13 @@ use super::ahead::Ahead;
 use super::group::Group;
 use super::memory::Memory;
 use crate::core::correction::CorrectionItem;
-use crate::core::id::Id;
-use crate::core::kind::Kind;
 use crate::core::mounting::Slot;
 use crate::core::name::{distance, look_keys};
 use crate::core::suspect_window::{Mark, SuspectWindow, in_force};
-use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::ingest::same_content::says_the_same;
+use crate::pipeline::prelude::*;
 use crate::pipeline::{Accepted, Calibration, Refused};
-use crate::store::{self, NamesOf, Store, StoreError};
+use crate::store::NamesOf;
 
 /// A serial is near to another that differs by so many slips of the pen.
 const SLIPS: usize = 2;

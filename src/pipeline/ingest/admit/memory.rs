@@ -5,12 +5,9 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
 use super::group::Group;
-use crate::core::figures::Figures;
-use crate::core::id::Id;
 use crate::core::mounting::Slot;
 use crate::core::own_history::Shown;
-use crate::core::time::{Span, UtcMicros};
-use crate::store::{self, Store, StoreError};
+use crate::pipeline::prelude::*;
 
 /// Newest records of a gyro that are read, and how many more may gather before the oldest are forgotten.
 const REMEMBERED: usize = 32;

@@ -12,20 +12,18 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 
-use crate::core::figures::{Figures, PublishedFigures, States};
+use crate::core::figures::{PublishedFigures, States};
 use crate::core::gyro_attributes::GyroAttributes;
-use crate::core::id::Id;
-use crate::core::kind::Kind;
 use crate::core::name::look_keys;
 use crate::core::note::Note;
 use crate::core::separate::{Branch, Separation};
-use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::same_content::benches_agree;
 use crate::pipeline::ingest::submission::BenchTest;
+use crate::pipeline::prelude::*;
 use crate::pipeline::{Accepted, Actor, AttributesOrder, CalibratedGyro, Calibration, GyroEvent, Refused, Submission};
 use crate::store::{
-    self, BenchRow, EventRow, GyroAttributeRow, HistoryRow, NamesOf, NewName, RecordRow, RecordVerdicts, RestatedRow,
-    Store, StoreError, StoredVerdict,
+    BenchRow, EventRow, GyroAttributeRow, HistoryRow, NamesOf, NewName, RecordRow, RecordVerdicts, RestatedRow,
+    StoredVerdict,
 };
 use crate::wire::{history_note, time};
 pub(crate) use ahead::Ahead;

@@ -4,15 +4,14 @@ use std::collections::HashMap;
 
 use crate::config::JudgedMethod;
 use crate::core::correction::CorrectionItem;
-use crate::core::figures::Figures;
 use crate::core::judge::history::{History, Need};
 use crate::core::judge::{
     BASELINE_RECORDS, Limits, Mark, Measured, Older, Rule, Sample, Seat, Series, Verdict, baseline_since, judge,
     reset_before,
 };
-use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::ingest::judge::older_summary::{OlderSummary, RUN};
-use crate::store::{self, EventRow, Store, StoreError};
+use crate::pipeline::prelude::*;
+use crate::store::EventRow;
 
 /// The newest records of one gyro, its newest baselines, and what was done to it.
 #[derive(Debug, Clone, Default)]

@@ -2,9 +2,8 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use crate::core::figures::Figures;
-use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule, Severity, Verdict};
+use crate::pipeline::prelude::*;
 
 /// Verdicts by record and gyro number.
 pub(crate) type Verdicts = HashMap<(Id, u32), Vec<Verdict>>;

@@ -5,13 +5,11 @@ use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 use super::{Judge, Judged, Newest, Verdicts, states};
-use crate::core::figures::Figures;
-use crate::core::id::Id;
 use crate::core::judge::history::{Need, baseline_of, seat_baseline_of};
 use crate::core::judge::{BASELINE_RECORDS, Mark, Rule, Sample, Seat, Verdict, baseline_since, judge};
-use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, Source, load_marks, mark_of, sample_of};
-use crate::store::{self, Changes, HistoryRow, RejudgedSheet, RestatedRow, StoreError, StoredVerdict};
+use crate::pipeline::prelude::*;
+use crate::store::{HistoryRow, RejudgedSheet, RestatedRow, StoredVerdict};
 
 /// A gyro's history as it now is, before what has been altered in it is judged again.
 #[derive(Debug)]

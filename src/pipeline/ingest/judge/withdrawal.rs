@@ -5,11 +5,9 @@ use std::collections::{HashMap, HashSet};
 use super::judged::{Firing, Judged, Undone};
 use crate::core::alert_decision::{self, Alert, Policy, Status};
 use crate::core::correction::CorrectionItem;
-use crate::core::figures::Figures;
-use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule};
-use crate::core::time::{Span, UtcMicros};
-use crate::store::{self, Changes, HistoryRow, Store, StoreError};
+use crate::pipeline::prelude::*;
+use crate::store::HistoryRow;
 
 /// Follows the alerts of a gyro again over what is left of its history.
 pub(super) struct Replay<'a> {

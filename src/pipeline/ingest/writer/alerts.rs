@@ -6,14 +6,13 @@ use super::heads::{Heads, touched};
 use super::shared_shifts::SharedShifts;
 use super::state::WriterState;
 use crate::core::alert_decision::Late;
-use crate::core::id::Id;
-use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::{AlertCache, AlertContext, Causes, Naming, SharedVerdict, follow_group};
 use crate::pipeline::hooks::{CurrentAlert, OutboxContext};
 use crate::pipeline::ingest::judge::Judged;
+use crate::pipeline::prelude::*;
 use crate::pipeline::queries::agreement::{Agreement, agreement_after};
-use crate::pipeline::{Actor, AlertOrder, Calibration, OrderError, SilenceOrder, WriteError};
-use crate::store::{self, AlertOf, AlertRow, Changes, StoreError};
+use crate::pipeline::{Actor, AlertOrder, Calibration, SilenceOrder};
+use crate::store::{AlertOf, AlertRow};
 use crate::wire::alert::AlertBody;
 
 /// Stations with gyros that are remembered.

@@ -6,12 +6,10 @@ use super::alerts::gyros_of;
 use super::shared_shifts::SharedShifts;
 use super::state::WriterState;
 use crate::core::alert_decision::Late;
-use crate::core::figures::Figures;
-use crate::core::id::Id;
 use crate::core::judge::Rule;
-use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::{AlertContext, Naming, SharedVerdict, follow_clock};
-use crate::store::{self, AlertOf, AlertRow, Cells, Changes, Duty, StoreError};
+use crate::pipeline::prelude::*;
+use crate::store::{AlertOf, AlertRow, Cells, Duty};
 
 /// Gyros, stations and IMUs that one transaction of the clock is about.
 const AT_ONCE: usize = 1000;

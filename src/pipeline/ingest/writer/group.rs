@@ -8,14 +8,12 @@ use tokio::sync::watch;
 use super::forecasts::ForecastAlerts;
 use super::state::{Item, Prepared, Tally, WriterState, items_of};
 use crate::core::alert_decision::Late;
-use crate::core::id::Id;
-use crate::core::kind::Kind;
 use crate::pipeline::alerts::Causes;
 use crate::pipeline::ingest::admit::{Admission, Ahead, Group};
 use crate::pipeline::ingest::judge::Verdicts;
+use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::StoreJob;
-use crate::pipeline::{Accepted, Actor, CalibratedGyro, Calibration, Judged, Refused, Reply, Submission, WriteError};
-use crate::store::{self, Changes, StoreError};
+use crate::pipeline::{Accepted, Actor, CalibratedGyro, Calibration, Judged, Refused, Reply, Submission};
 use crate::telemetry;
 
 /// A group that is made ready.

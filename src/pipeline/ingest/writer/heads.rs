@@ -3,18 +3,14 @@
 use std::collections::{BTreeSet, HashMap};
 
 use crate::config::{Config, Judging};
-use crate::core::figures::Figures;
-use crate::core::id::Id;
 use crate::core::judge::{Event, Outlook};
-use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::{AlertCache, Naming};
 use crate::pipeline::ingest::judge::Judge;
 use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
+use crate::pipeline::prelude::*;
 use crate::pipeline::queries::heads::{checksum, row_of, stations_of, stored_outlooks, stored_rows};
 use crate::pipeline::queries::standing::{Alerted, Facts};
-use crate::store::{
-    self, Cells, Changes, HeadChanges, HeadRow, HeadsMade, HistoryRow, RecordVerdicts, Store, StoreError, Writer,
-};
+use crate::store::{Cells, HeadChanges, HeadRow, HeadsMade, HistoryRow, RecordVerdicts, Writer};
 
 /// Rows of one transaction where all are made.
 const AT_ONCE: u32 = 1000;

@@ -23,17 +23,15 @@ use tokio::time::{Interval, MissedTickBehavior, interval_at};
 
 use super::admit::Memory;
 use crate::config::Config;
-use crate::core::id::Id;
 use crate::pipeline::access::{AccessHandler, Secret};
 use crate::pipeline::alerts::AlertCache;
 use crate::pipeline::diagnoses::{DiagnosisHandler, HypothesisHandler};
 use crate::pipeline::hooks::{Found, HookCache, HookHandler, heard_by};
 use crate::pipeline::ingest::judge::Judge;
+use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::{Job, ReplyTo, StoreJob};
-use crate::pipeline::{
-    Accepted, AccessOrder, Actor, DiagnosisOrder, HypothesisOrder, Order, OrderError, Reply, StorageError, WriteError,
-};
-use crate::store::{self, Cells, Changes, Store, StoreError, Writer};
+use crate::pipeline::{Accepted, AccessOrder, Actor, DiagnosisOrder, HypothesisOrder, Order, Reply};
+use crate::store::{Cells, Writer};
 use crate::system::Clock;
 use crate::telemetry;
 use clock::ClockTick;

@@ -6,14 +6,12 @@ use std::collections::{HashMap, HashSet};
 
 use super::forecasts::ForecastAlerts;
 use super::state::WriterState;
-use crate::core::id::Id;
-use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::Causes;
 use crate::pipeline::diagnoses::models::adopted;
 use crate::pipeline::ingest::admit::rows_as_stated;
 use crate::pipeline::ingest::campaign::Restated;
-use crate::pipeline::{Accepted, Actor, Adoption, Calibration, OrderError, StorageError, WriteError};
-use crate::store::{self, Changes, StoreError};
+use crate::pipeline::prelude::*;
+use crate::pipeline::{Accepted, Actor, Adoption, Calibration};
 
 pub(super) struct Restating<'a> {
     pub state: &'a mut WriterState,

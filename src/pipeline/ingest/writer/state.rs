@@ -8,17 +8,16 @@ use tokio::task::JoinHandle;
 
 use crate::config::Config;
 use crate::core::alert_decision::Late;
-use crate::core::id::Id;
 use crate::core::judge::{Rule, State, Status, Verdict};
-use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::AlertCache;
 use crate::pipeline::diagnoses::models::ModelCache;
 use crate::pipeline::hooks::HookCache;
 use crate::pipeline::ingest::admit::Memory;
 use crate::pipeline::ingest::judge::{Judge, Verdicts};
+use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::StoreJob;
 use crate::pipeline::{Actor, Calibration, Guard, Reply, Submission};
-use crate::store::{Changes, Store, Writer, Written};
+use crate::store::{Writer, Written};
 use crate::system::Clock;
 use crate::telemetry;
 

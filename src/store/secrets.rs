@@ -90,27 +90,12 @@ fn shown(key: &LessSafeKey, place: String, hidden: &str) -> Option<String> {
 mod tests {
     use super::*;
     use crate::core::id::Id;
-    use crate::core::time::UtcMicros;
     use crate::store::tables::hook::HookRow;
+    use crate::store::tables::outbox_tests;
 
     fn hook() -> HookRow {
-        HookRow {
-            id: Id(7),
-            name: "pager".into(),
-            kind: "standard-webhooks".into(),
-            url: "https://example.org/token".into(),
-            authorization: Some("Bearer abc".into()),
-            secret: Some("whsec_new".into()),
-            old_secret: Some(("whsec_old".into(), UtcMicros(9))),
-            filter: "{}".into(),
-            batch: true,
-            expect: None,
-            enabled: true,
-            disabled_because: None,
-            created_at: UtcMicros(1),
-            changed_at: UtcMicros(1),
-            deleted_at: None,
-        }
+        let (url, authorization) = ("https://example.org/token".into(), Some("Bearer abc".into()));
+        HookRow { url, authorization, ..outbox_tests::hook(Id(7)) }
     }
 
     #[test]

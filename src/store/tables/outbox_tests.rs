@@ -54,7 +54,7 @@ fn step(id: Id, alert: Id) -> StepRow {
     }
 }
 
-fn hook(id: Id) -> HookRow {
+pub(in crate::store) fn hook(id: Id) -> HookRow {
     HookRow {
         id,
         name: "pager".into(),

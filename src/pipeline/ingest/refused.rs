@@ -8,45 +8,31 @@ use crate::wire::differences::Differences;
 #[derive(Debug, Clone, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum Refused {
-    Differs {
-        existing: Id,
-        differences: Differences,
-    },
-    KeyReused {
-        existing: Id,
-    },
-    GyroElsewhere {
-        existing: Id,
-        index: usize,
-        serial: String,
-    },
-    UnknownRecord {
-        id: Id,
-    },
-    UnknownBench {
-        id: Id,
-    },
-    AlreadyCorrected {
-        id: Id,
-        existing: Id,
-    },
-    NotSetAside {
-        id: Id,
-    },
+    /// It is there with other content.
+    Differs { existing: Id, differences: Differences },
+    /// The idempotency key was another item's.
+    KeyReused { existing: Id },
+    /// Another record holds this gyro at that instant; its place among the gyros that were sent.
+    GyroElsewhere { existing: Id, index: usize, serial: String },
+    /// There is no such record.
+    UnknownRecord { id: Id },
+    /// There is no such bench result.
+    UnknownBench { id: Id },
+    /// Something else was said of it before.
+    AlreadyCorrected { id: Id, existing: Id },
+    /// There is nothing to confirm.
+    NotSetAside { id: Id },
+    /// What is to stand in a record's place is of another IMU.
     AnotherImu,
-    TimeTaken {
-        existing: Id,
-        kind: Kind,
-    },
-    UnknownGyro {
-        serial: String,
-    },
-    UnknownStation {
-        name: String,
-    },
-    OtherStation {
-        station: String,
-    },
+    /// Another record counts at that time.
+    TimeTaken { existing: Id, kind: Kind },
+    /// There is no such gyro.
+    UnknownGyro { serial: String },
+    /// There is no such station.
+    UnknownStation { name: String },
+    /// The sender may send for another station alone.
+    OtherStation { station: String },
+    /// It could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
 }

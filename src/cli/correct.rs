@@ -76,7 +76,10 @@ impl Void {
                 },
                 other => other?,
             };
-            let standing = accepted(sent)?;
+            let standing = match sent {
+                Sent::Stored(answer) | Sent::Known(answer) => answer,
+                Sent::Refused(problem) => bail!(refused(&problem)),
+            };
             let id = standing["id"].as_str().unwrap_or(&self.id).to_owned();
             document::print(&said(message!("terminal_is_voided", id)))
         })
@@ -231,13 +234,6 @@ fn read(bytes: &[u8]) -> Result<(&'static str, &'static str, Value), String> {
 
 async fn post(service: &Service, route: String, body: String) -> Result<Sent, Trouble> {
     service.post(&route, JSON, Bytes::from(body)).await
-}
-
-fn accepted(sent: Sent) -> anyhow::Result<Value> {
-    match sent {
-        Sent::Stored(answer) | Sent::Known(answer) => Ok(answer),
-        Sent::Refused(problem) => bail!(refused(&problem)),
-    }
 }
 
 fn refused(problem: &ProblemBody) -> String {

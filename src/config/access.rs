@@ -4,7 +4,6 @@ use serde::Deserialize;
 
 use super::ConfigError;
 use super::error::{above_0, at_least_1};
-use crate::core::message::Message;
 
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -17,16 +16,11 @@ pub struct AccessConfig {
 
 impl AccessConfig {
     pub(super) fn check(&self) -> Result<(), ConfigError> {
-        let wrong = |key: &str, fault: Message| Err(ConfigError::of(format!("access.{key}"), fault));
-        if self.failures_per_minute == 0 {
-            return wrong("failures_per_minute", at_least_1(self.failures_per_minute));
-        }
-        if !(self.requests_per_second.is_finite() && self.requests_per_second >= 1.0) {
-            return wrong("requests_per_second", at_least_1(self.requests_per_second));
-        }
-        if !(self.session_hours > 0.0 && self.session_hours <= 24.0 * 366.0) {
-            return wrong("session_hours", above_0(24 * 366, self.session_hours));
-        }
-        Ok(())
+        let require = |holds, key: &str, fault| ConfigError::unless(holds, format!("access.{key}"), fault);
+        require(self.failures_per_minute > 0, "failures_per_minute", at_least_1(self.failures_per_minute))?;
+        let rate = self.requests_per_second;
+        require(rate.is_finite() && rate >= 1.0, "requests_per_second", at_least_1(rate))?;
+        let (hours, most) = (self.session_hours, 24 * 366);
+        require(hours > 0.0 && hours <= f64::from(most), "session_hours", above_0(most, hours))
     }
 }

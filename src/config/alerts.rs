@@ -5,7 +5,7 @@ use serde::Deserialize;
 use super::ConfigError;
 use super::error::{at_least_1, between};
 use crate::core::alert_decision::Policy;
-use crate::core::message::{Message, text};
+use crate::core::message::text;
 use crate::message;
 
 #[derive(Debug, Clone, Copy, Deserialize)]
@@ -25,22 +25,13 @@ impl AlertsConfig {
     }
 
     pub(super) fn check(&self) -> Result<(), ConfigError> {
-        let wrong = |key: &str, fault: Message| Err(ConfigError::of(format!("alerts.{key}"), fault));
-        if !(0.0..=1.0).contains(&self.resolve_below) {
-            return wrong("resolve_below", between(0.0, 1.0, self.resolve_below));
-        }
-        if self.resolve_after == 0 {
-            return wrong("resolve_after", at_least_1(self.resolve_after));
-        }
-        if !(0.01..=86400.0).contains(&self.tick_s) {
-            return wrong("tick_s", between(0.01, 86400.0, self.tick_s));
-        }
-        if !self.backfill_days.is_finite() {
-            return wrong("backfill_days", message!("not_finite", value = text(self.backfill_days)));
-        }
-        if self.backfill_days < 0.0 {
-            return wrong("backfill_days", message!("config_negative", value = text(self.backfill_days)));
-        }
-        Ok(())
+        let require = |holds, key: &str, fault| ConfigError::unless(holds, format!("alerts.{key}"), fault);
+        let Self { repeat_days: _, resolve_below, resolve_after, tick_s, backfill_days } = *self;
+        require((0.0..=1.0).contains(&resolve_below), "resolve_below", between(0.0, 1.0, resolve_below))?;
+        require(resolve_after > 0, "resolve_after", at_least_1(resolve_after))?;
+        require((0.01..=86400.0).contains(&tick_s), "tick_s", between(0.01, 86400.0, tick_s))?;
+        let days = text(backfill_days);
+        require(backfill_days.is_finite(), "backfill_days", message!("not_finite", value = days.clone()))?;
+        require(backfill_days >= 0.0, "backfill_days", message!("config_negative", value = days))
     }
 }

@@ -17,6 +17,10 @@ impl ConfigError {
         Self::Key { key: key.into(), fault }
     }
 
+    pub(super) fn unless(holds: bool, key: impl Into<String>, fault: Message) -> Result<(), Self> {
+        if holds { Ok(()) } else { Err(Self::of(key, fault)) }
+    }
+
     /// What is wrong, as a code with parameters.
     pub fn message(&self) -> Message {
         match self {

@@ -83,12 +83,8 @@ impl HooksConfig {
     }
 
     pub(super) fn check(&self) -> Result<(), ConfigError> {
-        let within = |key: &str, value: f64, most: f64| {
-            if value > 0.0 && value <= most {
-                return Ok(());
-            }
-            Err(ConfigError::of(format!("hooks.{key}"), above_0(most, value)))
-        };
+        let require = |holds, key: &str, fault| ConfigError::unless(holds, format!("hooks.{key}"), fault);
+        let within = |key: &str, value, most| require(value > 0.0 && value <= most, key, above_0(most, value));
         within("attempt_timeout_s", self.attempt_timeout_s, LONGEST_ATTEMPT_S)?;
         within("connect_timeout_s", self.connect_timeout_s, self.attempt_timeout_s)?;
         within("attempts_at_once", self.attempts_at_once as f64, 256.0)?;
@@ -97,23 +93,16 @@ impl HooksConfig {
         for (i, wait) in self.retry_waits_s.iter().enumerate() {
             within(&format!("retry_waits_s[{i}]"), *wait, LONGEST_WAIT.as_secs_f64())?;
         }
-        if !(0.0..=24.0 * 365.0).contains(&self.old_secret_hours) {
-            let fault = between(0.0, 24.0 * 365.0, self.old_secret_hours);
-            return Err(ConfigError::of("hooks.old_secret_hours", fault));
-        }
+        let (hours, most) = (self.old_secret_hours, 24.0 * 365.0);
+        require((0.0..=most).contains(&hours), "old_secret_hours", between(0.0, most, hours))?;
         // It may hold a password, so that it is not repeated.
-        if Proxies::parse(&self.proxy).is_err() {
-            return Err(ConfigError::of("hooks.proxy", message!("config_proxy")));
-        }
+        require(Proxies::parse(&self.proxy).is_ok(), "proxy", message!("config_proxy"))?;
         if let Err(error) = self.mailer(None) {
             let key = if matches!(error, MailError::From) { "hooks.mail_from" } else { "hooks.smtp_url" };
             return Err(ConfigError::of(key, error.message()));
         }
-        match self.external_url() {
-            Some(url) if !(url.starts_with("http://") || url.starts_with("https://")) => {
-                Err(ConfigError::of("hooks.external_url", message!("config_http", value = sent(url))))
-            }
-            _ => Ok(()),
-        }
+        let Some(url) = self.external_url() else { return Ok(()) };
+        let is_http = url.starts_with("http://") || url.starts_with("https://");
+        require(is_http, "external_url", message!("config_http", value = sent(url)))
     }
 }

@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use crate::core::judge::limits::{DriftLimits, Limit, LimitKey, Limits, Requirement};
 use crate::core::judge::{NoiseParameters, Verdict, requirement};
-use crate::core::message::{Message, text};
+use crate::core::message::text;
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::name::{Name, normal_form};
 use crate::core::separate::JudgedMethod;
@@ -148,11 +148,8 @@ impl Judging {
 
     /// The budget of D_I and D_S of the gyro `serial`, mounted in `imu`; the larger one where they have two.
     pub fn budget_of(&self, imu: &str, serial: &str) -> f64 {
-        let matching = self.overrides.iter().rev().filter(|o| o.matches(imu, serial));
-        matching
-            .filter_map(|o| o.budget)
-            .fold(None, |most: Option<f64>, b| Some(most.map_or(b, |m| m.max(b))))
-            .unwrap_or(self.budget)
+        let budgets = self.matching(imu, serial).filter_map(|(_, change)| change.budget);
+        budgets.reduce(f64::max).unwrap_or(self.budget)
     }
 
     /// Whether any gyro may become overdue.
@@ -167,50 +164,22 @@ impl Judging {
     }
 
     pub(super) fn check(&self) -> Result<(), ConfigError> {
-        let wrong = |key: String, fault: Message| Err(ConfigError::of(key, fault));
-        let negative = |value: f64| message!("config_negative", value = text(value));
-        if !(self.confidence > 0.5 && self.confidence < 1.0) {
-            return wrong("judging.confidence".into(), between(0.5, 1.0, self.confidence));
+        let require = |holds, key: &str, fault| ConfigError::unless(holds, format!("judging.{key}"), fault);
+        let between_half_and_1 = self.confidence > 0.5 && self.confidence < 1.0;
+        require(between_half_and_1, "confidence", between(0.5, 1.0, self.confidence))?;
+        let phi = self.noise.phi;
+        require((0.0..1.0).contains(&phi), "noise.phi", message!("config_from_0_below_1", value = text(phi)))?;
+        let BetweenStations { d_i, d_s } = self.between_stations;
+        let deviations =
+            [("noise.walk", self.noise.walk), ("between_stations.d_i", d_i), ("between_stations.d_s", d_s)];
+        for (key, sd) in deviations {
+            require(sd.is_finite() && sd >= 0.0, key, message!("config_negative", value = text(sd)))?;
         }
-        if !(0.0..1.0).contains(&self.noise.phi) {
-            return wrong("judging.noise.phi".into(), message!("config_from_0_below_1", value = text(self.noise.phi)));
-        }
-        if !(self.noise.walk.is_finite() && self.noise.walk >= 0.0) {
-            return wrong("judging.noise.walk".into(), negative(self.noise.walk));
-        }
-        for (key, sd) in [("d_i", self.between_stations.d_i), ("d_s", self.between_stations.d_s)] {
-            if !(sd.is_finite() && sd >= 0.0) {
-                return wrong(format!("judging.between_stations.{key}"), negative(sd));
-            }
-        }
-        if self.range_min_records < 2 {
-            return wrong(
-                "judging.range_min_records".into(),
-                message!("config_at_least", least = 2_usize, value = text(self.range_min_records)),
-            );
-        }
-        if let Some((key, fault)) = self.rules.fault() {
-            return wrong(format!("judging.rules.{key}"), fault);
-        }
+        let least = message!("config_at_least", least = 2_usize, value = text(self.range_min_records));
+        require(self.range_min_records >= 2, "range_min_records", least)?;
+        self.rules.check("judging.rules")?;
         for (i, change) in self.overrides.iter().enumerate() {
-            for (key, name) in [("imu", &change.imu), ("serial", &change.serial)] {
-                let read = name.as_deref().map(|name| Name::parse(name).and_then(|name| name.check_seen()));
-                if let Some(Err(why)) = read {
-                    return wrong(format!("judging.overrides[{i}].{key}"), why);
-                }
-            }
-            if let Some((key, fault)) = change.rules.fault() {
-                return wrong(format!("judging.overrides[{i}].rules.{key}"), fault);
-            }
-            if change.coefficient.is_some() && change.rules.closure.is_some() {
-                return wrong(format!("judging.overrides[{i}].rules.closure"), message!("config_of_whole_gyro"));
-            }
-            if change.coefficient.is_some() && change.requirement != SlotRequirements::default() {
-                return wrong(format!("judging.overrides[{i}].requirement"), message!("config_of_whole_gyro"));
-            }
-            if let Some(budget) = change.budget.filter(|b| !(b.is_finite() && *b > 0.0)) {
-                return wrong(format!("judging.overrides[{i}].budget"), message!("not_positive", value = text(budget)));
-            }
+            change.check(&format!("judging.overrides[{i}]"))?;
         }
         Ok(())
     }
@@ -221,6 +190,24 @@ fn interval(days: f64, place: Option<u16>) -> Option<Limit> {
 }
 
 impl Override {
+    /// `section` is where the override stands.
+    fn check(&self, section: &str) -> Result<(), ConfigError> {
+        let require = |holds, key: &str, fault| ConfigError::unless(holds, format!("{section}.{key}"), fault);
+        for (key, name) in [("imu", &self.imu), ("serial", &self.serial)] {
+            let read = name.as_deref().map(|name| Name::parse(name).and_then(|name| name.check_seen()));
+            if let Some(Err(why)) = read {
+                return Err(ConfigError::of(format!("{section}.{key}"), why));
+            }
+        }
+        self.rules.check(&format!("{section}.rules"))?;
+        let of_gyro = self.coefficient.is_none();
+        require(of_gyro || self.rules.closure.is_none(), "rules.closure", message!("config_of_whole_gyro"))?;
+        let unrequired = self.requirement == SlotRequirements::default();
+        require(of_gyro || unrequired, "requirement", message!("config_of_whole_gyro"))?;
+        let Some(budget) = self.budget else { return Ok(()) };
+        require(budget.is_finite() && budget > 0.0, "budget", message!("not_positive", value = text(budget)))
+    }
+
     fn matches(&self, imu: &str, serial: &str) -> bool {
         let is = |wanted: &Option<String>, name: &str| {
             wanted.as_deref().is_none_or(|wanted| normal_form(wanted) == normal_form(name))

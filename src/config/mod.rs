@@ -156,23 +156,17 @@ impl Server {
     }
 
     fn check(&self) -> Result<(), ConfigError> {
-        let wrong = |key: &str, fault: Message| Err(ConfigError::of(key, fault));
-        let beside = |member: &'static str| message!("missing_beside", member);
-        match (&self.tls_certificate, &self.tls_key) {
-            (Some(_), None) => return wrong("server.tls_key", beside("server.tls_certificate")),
-            (None, Some(_)) => return wrong("server.tls_certificate", beside("server.tls_key")),
-            _ => {}
-        }
-        if !self.plain_http.is_empty() && self.plain_http != PLAIN_HTTP {
-            return wrong("server.plain_http", message!("config_plain_http", wanted = PLAIN_HTTP));
-        }
+        let require = |holds, key: &str, fault| ConfigError::unless(holds, format!("server.{key}"), fault);
+        let (certificate, key) = (self.tls_certificate.is_some(), self.tls_key.is_some());
+        require(key || !certificate, "tls_key", message!("missing_beside", member = "server.tls_certificate"))?;
+        require(certificate || !key, "tls_certificate", message!("missing_beside", member = "server.tls_key"))?;
+        let is_agreed = self.plain_http.is_empty() || self.plain_http == PLAIN_HTTP;
+        require(is_agreed, "plain_http", message!("config_plain_http", wanted = PLAIN_HTTP))?;
         let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_~.".contains(c);
         let is_segment = |part: &str| !part.is_empty() && part != "." && part != ".." && part.chars().all(is_plain);
         let segments = self.base_path.strip_prefix('/').map(|rest| rest.split('/').all(is_segment));
-        if !self.base_path.is_empty() && segments != Some(true) {
-            return wrong("server.base_path", message!("config_base_path", value = sent(&self.base_path)));
-        }
-        Ok(())
+        let is_prefix = self.base_path.is_empty() || segments == Some(true);
+        require(is_prefix, "base_path", message!("config_base_path", value = sent(&self.base_path)))
     }
 }
 
@@ -324,9 +318,7 @@ impl Config {
             ("judging.remembered_records", self.judging.remembered_records as f64),
         ];
         for (key, value) in positive {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(ConfigError::of(key, message!("not_positive", value = text(value))));
-            }
+            ConfigError::unless(value.is_finite() && value > 0.0, key, message!("not_positive", value = text(value)))?;
         }
         self.server.check()?;
         self.database.check()?;

@@ -6,9 +6,10 @@ use std::sync::LazyLock;
 
 use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, Visitor};
 
+use super::ConfigError;
 use super::error::between;
 use crate::core::judge::{DriftLimits, Limit, LimitKey, Limits, Measured, Rule, ShiftLimits, TrendLimits};
-use crate::core::message::{Message, text};
+use crate::core::message::text;
 use crate::message;
 
 /// Limits in deg/(h g0). What is left out stays as the budget, or the layer before, has it.
@@ -150,29 +151,28 @@ impl RuleKeys {
         self.off.contains(&OffRule(rule))
     }
 
-    /// The first key whose value cannot be, and why.
-    pub(super) fn fault(&self) -> Option<(&'static str, Message)> {
+    /// `section` is where the keys stand.
+    pub(super) fn check(&self, section: &str) -> Result<(), ConfigError> {
+        let require = |holds, key: &str, fault| ConfigError::unless(holds, format!("{section}.{key}"), fault);
         let others = [
             ("shift", self.shift),
             ("closure", self.closure),
             ("trend", self.trend),
             ("trend_horizon_days", self.trend_horizon_days),
         ];
-        let limits = self.limits.iter().map(|(rule, value)| (rule.name(), Some(*value)));
-        for (key, value) in limits.chain(others) {
-            if let Some(value) = value.filter(|value| !(value.is_finite() && *value > 0.0)) {
-                return Some((key, message!("not_positive", value = text(value))));
-            }
+        let others = others.into_iter().filter_map(|(key, value)| Some((key, value?)));
+        for (key, value) in self.limits.iter().map(|(rule, value)| (rule.name(), *value)).chain(others) {
+            require(value.is_finite() && value > 0.0, key, message!("not_positive", value = text(value)))?;
         }
-        if let Some(confidence) = self.trend_confidence.filter(|c| !(*c > 0.5 && *c < 1.0)) {
-            return Some(("trend_confidence", between(0.5, 1.0, confidence)));
+        if let Some(confidence) = self.trend_confidence {
+            let fault = between(0.5, 1.0, confidence);
+            require(confidence > 0.5 && confidence < 1.0, "trend_confidence", fault)?;
         }
-        let baseline = self.fixed_baseline?;
-        if !baseline.value.is_finite() {
-            return Some(("fixed_baseline.value", message!("not_finite", value = text(baseline.value))));
-        }
-        let sd = baseline.sd.filter(|sd| !(sd.is_finite() && *sd >= 0.0))?;
-        Some(("fixed_baseline.sd", message!("config_negative", value = text(sd))))
+        let Some(FixedBaseline { value, sd }) = self.fixed_baseline else { return Ok(()) };
+        require(value.is_finite(), "fixed_baseline.value", message!("not_finite", value = text(value)))?;
+        let sd = sd.unwrap_or(0.0);
+        let fault = message!("config_negative", value = text(sd));
+        require(sd.is_finite() && sd >= 0.0, "fixed_baseline.sd", fault)
     }
 }
 

@@ -91,11 +91,9 @@ fn the_earliest_time_may_be_a_date() {
 
 #[test]
 fn the_last_matching_override_wins() {
-    let file = tempfile::Builder::new().suffix(".toml").tempfile().unwrap();
     let text = "[[judging.overrides]]\nimu = \"IMU-1\"\nbudget = 0.03\n\
                 [[judging.overrides]]\nserial = \"A\"\ncoefficient = \"D_S\"\nbudget = 0.04\n";
-    std::fs::write(file.path(), text).unwrap();
-    let judging = Config::load(&[file.path().to_path_buf()], []).unwrap().judging;
+    let judging = judging_of(text).unwrap();
     let limits = judging.limits("IMU-1", "A");
     assert_eq!(said(limits.d_i.of(Rule::Step)), Some((0.03, "judging.overrides[0].budget".to_owned())));
     assert_eq!(said(limits.d_s.of(Rule::Step)), Some((0.04, "judging.overrides[1].budget".to_owned())));

@@ -180,11 +180,11 @@ pub fn follow(
 
 /// As [`follow`], where what is found late is not told like the rest.
 pub fn hear(earlier: Option<&Alert>, verdict: &Verdict, arrival: &Arrival, policy: &Policy) -> Decision {
-    let Arrival { record_at, now, muted_until, inhibited, .. } = *arrival;
+    let Arrival { now, muted_until, inhibited, .. } = *arrival;
     let firing = earlier.filter(|alert| alert.status == Status::Firing);
     let alert = match (firing, verdict.severity()) {
-        (Some(alert), _) => go_on(alert, verdict, record_at, now, policy),
-        (None, Some(severity)) => begin(earlier, verdict, severity, record_at, now),
+        (Some(alert), _) => go_on(alert, verdict, arrival, policy),
+        (None, Some(severity)) => begin(earlier, verdict, severity, arrival),
         (None, None) => return Decision { alert: earlier.copied(), action: Action::Silent },
     };
     let hushed = hush(&alert, verdict, arrival, policy);
@@ -294,13 +294,8 @@ pub fn silence(alert: &Alert, until: Option<UtcMicros>) -> Alert {
 }
 
 /// A silence, and what the world believes, outlive the episode that they began in; an acknowledgement does not.
-fn begin(
-    earlier: Option<&Alert>,
-    verdict: &Verdict,
-    severity: Severity,
-    record_at: UtcMicros,
-    now: UtcMicros,
-) -> Alert {
+fn begin(earlier: Option<&Alert>, verdict: &Verdict, severity: Severity, arrival: &Arrival) -> Alert {
+    let Arrival { record_at, now, .. } = *arrival;
     let since = match (verdict.rule, verdict.finding) {
         // A gyro is overdue from the interval on, which is the limit.
         (Rule::Overdue, _) => record_at.plus_days(verdict.limit),
@@ -324,7 +319,8 @@ fn begin(
     }
 }
 
-fn go_on(alert: &Alert, verdict: &Verdict, record_at: UtcMicros, now: UtcMicros, policy: &Policy) -> Alert {
+fn go_on(alert: &Alert, verdict: &Verdict, arrival: &Arrival, policy: &Policy) -> Alert {
+    let Arrival { record_at, now, .. } = *arrival;
     let another_campaign = alert.record_at != record_at || alert.within == 0;
     // A requirement is judged without a history: that a second campaign says the same shows only here.
     let of_requirement = verdict.rule == Rule::Requirement;

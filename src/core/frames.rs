@@ -105,6 +105,16 @@ impl Rotation<Nav, Body> {
         let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
         [q.w, q.i, q.j, q.k].map(|c| sign * c)
     }
+
+    /// The vertical in body axes: the direction of the specific force at rest.
+    pub fn up(&self) -> Vector3<f64> {
+        (*self * Vector::new(Vector3::z())).0
+    }
+}
+
+/// Angle between two directions, radians; accurate near 0 and 180 deg, where arccos is not.
+pub(crate) fn angle_between(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+    a.cross(b).norm().atan2(a.dot(b))
 }
 
 impl<A, B> Mul<Vector<A>> for Rotation<A, B> {

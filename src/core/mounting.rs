@@ -80,6 +80,12 @@ impl Triad {
         self.input.cross(&self.spin)
     }
 
+    /// S and O, carried along by the smallest rotation that takes I to `input`, a unit vector less than 180 deg away.
+    pub(crate) fn carried_to(&self, input: &Vector3<f64>) -> [Vector3<f64>; 2] {
+        let half = (self.input + input) / (1.0 + self.input.dot(input));
+        [self.spin, self.output()].map(|axis| axis - half * input.dot(&axis))
+    }
+
     /// Rows I, S, O: turns body coordinates into gyro coordinates.
     pub fn mat_gyro_body(&self) -> Matrix3<f64> {
         Matrix3::from_rows(&[self.input.transpose(), self.spin.transpose(), self.output().transpose()])

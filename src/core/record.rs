@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::fault::Faults;
+use super::frames::angle_between;
 use super::mounting::{Geometry, Slot};
 use super::time::UtcMicros;
 use crate::core::message::{Message, figure, text};
@@ -88,7 +89,7 @@ impl Plausibility {
         let direction = e / norm;
         let angle_from = |slot| {
             let input = geometry.triad(slot)?.input();
-            Some(direction.cross(&input).norm().atan2(direction.dot(&input)))
+            Some(angle_between(&direction, &input))
         };
         let Some(angle) = angle_from(slot).filter(|angle| *angle > self.max_misalignment) else { return Ok(()) };
         let others = Slot::ALL.into_iter().filter_map(|slot| Some((slot, angle_from(slot)?)));

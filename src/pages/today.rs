@@ -491,7 +491,7 @@ mod tests {
     #[test]
     fn a_window_is_told_while_it_reaches_into_the_time_that_is_asked_for_and_a_step_since_it_came() {
         let day = |day: i64| UtcMicros(day * UtcMicros::DAY);
-        let size = Shared { value: 0.0038, sd: 0.0002, gyros: 18, imus: 6 };
+        let size = Shared { value: 0.0038, sd: 0.0002, gyros: 18, imus: 6, ..Shared::default() };
         let mut figures = StationFigures {
             name: "ST-2".into(),
             records: 200,

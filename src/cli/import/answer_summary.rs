@@ -34,16 +34,12 @@ impl fmt::Display for AnswerSummary<'_> {
             .filter_map(|verdict| Some((Status::from_name(text(verdict, "status"))?, verdict)))
             .collect();
         let of_status = |status: Status| word(&status.word().code);
-        let counts: Vec<String> = Status::ALL
-            .into_iter()
-            .rev()
-            .map(|status| (status, verdicts.iter().filter(|(other, _)| *other == status).count()))
-            .filter(|(_, count)| *count > 0)
-            .map(|(status, count)| {
-                let count = count.to_string();
-                said(message!("terminal_counted", count, status = of_status(status)))
-            })
-            .collect();
+        let counted = |status: Status| {
+            let count = verdicts.iter().filter(|(other, _)| *other == status).count();
+            let said = || said(message!("terminal_counted", count = count.to_string(), status = of_status(status)));
+            (count > 0).then(said)
+        };
+        let counts: Vec<String> = Status::ALL.into_iter().rev().filter_map(counted).collect();
         if !counts.is_empty() {
             writeln!(f, "  {}", said(message!("terminal_verdicts", counts = list(counts))))?;
         }

@@ -181,11 +181,9 @@ impl<'a> Importer<'a> {
     }
 
     fn decide(&mut self, line: u64, text: &[u8], answer: ImportLineAnswer) -> Result<(), Trouble> {
-        let why = || {
-            answer
-                .error
-                .as_ref()
-                .map_or_else(|| format!("status {}", answer.status), |p| refusal(p, text, self.of_table))
+        let why = match &answer.error {
+            Some(problem) => refusal(problem, text, self.of_table),
+            None => format!("status {}", answer.status),
         };
         match answer.status {
             200 | 201 => {
@@ -194,14 +192,11 @@ impl<'a> Importer<'a> {
                     (self.tell)(Event::Noted { line, note: &note.detail });
                 }
             }
-            401 | 403 => return Err(Trouble::stop(StatusCode::from_u16(answer.status).ok(), why())),
+            401 | 403 => return Err(Trouble::stop(StatusCode::from_u16(answer.status).ok(), why)),
             408 | 425 | 429 | 500.. => {
-                return Err(Trouble::Again { why: format!("line {line}: {}", why()), after: None });
+                return Err(Trouble::Again { why: format!("line {line}: {why}"), after: None });
             }
-            _ => {
-                let why = why();
-                self.refuse(Some(line), why);
-            }
+            _ => self.refuse(Some(line), why),
         }
         Ok(())
     }

@@ -281,8 +281,7 @@ impl Folder {
 
     /// Moves a file whose fate is known; one that changed meanwhile stays, to be sent as it is now.
     fn conclude(&mut self, name: &OsStr, fate: Fate) -> anyhow::Result<()> {
-        let sent_as = self.waiting.get(name).map(|w| w.stamp);
-        if matches!(fate, Fate::Unfinished) || self.dir.stamp(name) != sent_as {
+        if self.dir.stamp(name) != self.waiting.get(name).map(|w| w.stamp) {
             return Ok(());
         }
         let shown = name.to_string_lossy();
@@ -302,7 +301,7 @@ impl Folder {
                 let refused = word("terminal_file_refused");
                 say(&format!("{shown}: {refused}\n{}", reasons.trim_end()));
             }
-            Fate::Unfinished => {}
+            Fate::Unfinished => return Ok(()),
         }
         self.waiting.remove(name);
         Ok(())

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, bail};
 use bytes::Bytes;
 use serde::de::DeserializeOwned;
+use serde_json::Value;
 
 use crate::cli::client::{Connection, JSON, Sent, Service, Trouble};
 use crate::cli::common::{block_on, progress};
@@ -74,14 +75,9 @@ impl FleetArgs {
 
     /// Of the summary of the same campaigns.
     fn query(&self) -> String {
-        let mut query = url::form_urlencoded::Serializer::new(String::new());
         let all = [("imu", &self.imu), ("station", &self.station), ("since", &self.since), ("until", &self.until)];
-        for (name, value) in all {
-            if let Some(value) = value {
-                query.append_pair(name, value);
-            }
-        }
-        query.finish()
+        let stated = all.into_iter().filter_map(|(name, value)| Some((name, value.as_ref()?)));
+        url::form_urlencoded::Serializer::new(String::new()).extend_pairs(stated).finish()
     }
 }
 
@@ -100,7 +96,8 @@ async fn all(fleet: &FleetArgs, service: &Service, format: Format) -> anyhow::Re
         let (id, count) = (ended.job.id, ended.job.counts.canceled);
         bail!(said(message!("terminal_order_canceled", id, count)));
     }
-    let summary: SummaryBody = ask(service, &format!("/v1/diagnoses/summary?{}", fleet.query())).await?;
+    let route = format!("/v1/diagnoses/summary?{}", fleet.query());
+    let summary: SummaryBody = patiently(async || service.ask(&route).await).await?;
     format.show(&summary, || tables(&summary))?;
     match ended.job.counts.failed {
         0 => Ok(()),
@@ -111,15 +108,11 @@ async fn all(fleet: &FleetArgs, service: &Service, format: Format) -> anyhow::Re
 /// Begins an order, or finds the one that is being worked off.
 async fn order(fleet: &FleetArgs, service: &Service) -> anyhow::Result<JobDetailBody> {
     let body = Bytes::from(serde_json::to_vec(&fleet.which())?);
-    let begun = Instant::now();
-    let answer = loop {
-        match service.post("/v1/diagnoses", JSON, body.clone()).await {
-            Ok(Sent::Stored(answer) | Sent::Known(answer)) => break answer,
-            Ok(Sent::Refused(problem)) => bail!(problem.detail),
-            Err(trouble) => wait(trouble, begun).await?,
-        }
+    let post = async || match service.post("/v1/diagnoses", JSON, body.clone()).await? {
+        Sent::Stored(answer) | Sent::Known(answer) => Ok(answer),
+        Sent::Refused(problem) => Err(Trouble::stop(None, problem.detail)),
     };
-    serde_json::from_value(answer).with_context(|| word("terminal_foreign_answer"))
+    patiently(post).await
 }
 
 /// Until the order has ended, also over a restart of the service.
@@ -138,15 +131,15 @@ async fn follow(service: &Service, mut order: JobDetailBody) -> anyhow::Result<J
         }
         tokio::time::sleep(STEP).await;
         let goes_on = || said(message!("terminal_order_goes_on", id = order.job.id.clone()));
-        order = ask(service, &path).await.with_context(goes_on)?;
+        order = patiently(async || service.ask(&path).await).await.with_context(goes_on)?;
     }
 }
 
 /// Asks until there is an answer, as long as that can help.
-async fn ask<T: DeserializeOwned>(service: &Service, route: &str) -> anyhow::Result<T> {
+async fn patiently<T: DeserializeOwned>(ask: impl AsyncFn() -> Result<Value, Trouble>) -> anyhow::Result<T> {
     let begun = Instant::now();
     let answer = loop {
-        match service.ask(route).await {
+        match ask().await {
             Ok(answer) => break answer,
             Err(trouble) => wait(trouble, begun).await?,
         }

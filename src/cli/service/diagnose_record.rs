@@ -5,6 +5,7 @@ use crate::cli::document::{self, Format, table_of, verdict};
 use crate::cli::errors::{said, word};
 use crate::core::diagnose::closures;
 use crate::core::message::list;
+use crate::core::record::GyroParameters;
 use crate::core::separate::{separate, stated_covariance};
 use crate::message;
 use crate::wire::closure::ClosureBody;
@@ -14,15 +15,11 @@ use crate::wire::time;
 /// Prints the diagnosis of a record.
 pub fn run(bytes: &[u8], format: Format) -> anyhow::Result<()> {
     let record = parse_record(bytes, &settings::plausibility()?)?;
-    let separations = record
-        .gyros
-        .iter()
-        .map(|gyro| {
-            let covariance = stated_covariance(gyro);
-            separate(&record.geometry, gyro.slot, &gyro.e, &gyro.g, covariance.as_ref()).map(|s| (gyro.slot, s))
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    let answer = ClosureBody::from(&closures(separations.iter().map(|(slot, s)| (*slot, s))));
+    let separated = |gyro: &GyroParameters| {
+        separate(&record.geometry, gyro.slot, &gyro.e, &gyro.g, stated_covariance(gyro).as_ref())
+    };
+    let separations = record.gyros.iter().map(separated).collect::<Result<Vec<_>, _>>()?;
+    let answer = ClosureBody::from(&closures(separations.iter().map(|s| (s.slot, s))));
     let head = said(message!(
         "terminal_calibrated_by",
         imu = record.imu.to_string(),

@@ -91,8 +91,7 @@ fn required(record: &Record, gyro: &GyroParameters, judging: &Judging) -> Requir
 
 fn separate_all(record: &Record) -> Result<Vec<Separation>, Faults> {
     let one = |(i, gyro): (usize, &GyroParameters)| {
-        let covariance = stated_covariance(gyro);
-        separate(&record.geometry, gyro.slot, &gyro.e, &gyro.g, covariance.as_ref())
+        separate(&record.geometry, gyro.slot, &gyro.e, &gyro.g, stated_covariance(gyro).as_ref())
             .map_err(|why| Fault { pointer: format!("/gyros/{i}"), message: why.message() }.into())
     };
     record.gyros.iter().enumerate().map(one).collect()

@@ -211,10 +211,14 @@ fn an_event_that_resets_the_rule_resolves_the_alert() {
     assert_eq!(reset(&decision.alert.unwrap(), day(2.0)).action, Action::Silent);
 }
 
+/// A record comes in on its own day.
+fn on(at: f64) -> Arrival {
+    Arrival { record_at: day(at), now: day(at), late: Late::Told, muted_until: None, inhibited: false }
+}
+
 /// A record of one day comes in on another.
 fn heard(alert: Option<&Alert>, verdict: &Verdict, record_at: f64, now: f64, late: Late) -> Decision {
-    let arrival = Arrival { record_at: day(record_at), now: day(now), late, muted_until: None, inhibited: false };
-    hear(alert, verdict, &arrival, &POLICY)
+    hear(alert, verdict, &Arrival { now: day(now), late, ..on(record_at) }, &POLICY)
 }
 
 #[test]
@@ -334,14 +338,8 @@ fn a_hook_hears_the_end_of_what_it_heard_fire_and_nothing_of_what_it_did_not() {
 
 #[test]
 fn a_silence_of_many_holds_back_as_that_of_one_does_and_is_gone_at_its_end() {
-    let arrival = |now: f64, until: f64| Arrival {
-        record_at: day(now),
-        now: day(now),
-        late: Late::Quiet,
-        muted_until: Some(day(until)),
-        inhibited: false,
-    };
-    let muted = hear(None, &exceeded(), &arrival(0.0, 20.0), &POLICY);
+    let arrival = Arrival { late: Late::Quiet, muted_until: Some(day(20.0)), ..on(0.0) };
+    let muted = hear(None, &exceeded(), &arrival, &POLICY);
     let alert = muted.alert.unwrap();
     assert_eq!((muted.action, alert.standing(day(19.0))), (Action::Silent, Standing::Silenced));
     assert_eq!(tick(&alert, day(19.9), &POLICY), Decision { alert: Some(alert), action: Action::Silent });
@@ -435,14 +433,7 @@ mod properties {
 
 #[test]
 fn what_a_station_explains_is_told_when_it_does_not_any_more_and_ends_as_ever() {
-    let arrival = |at: f64, inhibited: bool| Arrival {
-        record_at: day(at),
-        now: day(at),
-        late: Late::Told,
-        muted_until: None,
-        inhibited,
-    };
-    let fired = hear(None, &exceeded(), &arrival(0.0, true), &POLICY);
+    let fired = hear(None, &exceeded(), &Arrival { inhibited: true, ..on(0.0) }, &POLICY);
     let alert = fired.alert.unwrap();
     assert_eq!((fired.action, alert.standing(day(0.0)), alert.told), (Action::Silent, Standing::Inhibited, None));
     assert_eq!(tick(&alert, day(30.0), &POLICY).action, Action::Silent, "no repeats");
@@ -451,10 +442,10 @@ fn what_a_station_explains_is_told_when_it_does_not_any_more_and_ends_as_ever() 
     let told = inhibit(&alert, false, day(5.0));
     assert_eq!((told.action, told.alert.unwrap().standing(day(5.0))), (Action::Fire, Standing::Firing));
     // A record that the station does not explain.
-    assert_eq!(hear(Some(&alert), &confirmed(), &arrival(7.0, false), &POLICY).action, Action::Fire);
+    assert_eq!(hear(Some(&alert), &confirmed(), &on(7.0), &POLICY).action, Action::Fire);
     // Told before the station was found: no word meanwhile, and its end is told at once.
     let known = inhibit(&told.alert.unwrap(), true, day(6.0));
     assert_eq!((known.action, known.alert.unwrap().standing(day(6.0))), (Action::Silent, Standing::Inhibited));
-    let over = hear(known.alert.as_ref(), &within(0.001), &arrival(8.0, false), &POLICY);
+    let over = hear(known.alert.as_ref(), &within(0.001), &on(8.0), &POLICY);
     assert_eq!((over.action, over.alert.unwrap().inhibited), (Action::Resolve, false));
 }

@@ -116,6 +116,7 @@ struct BenchScale {
 
 struct BenchProblem<'a> {
     campaign: &'a Campaign,
+    method: BenchMethod,
     triad: Triad,
     sd: Vec<f64>,
     squares: bool,
@@ -134,20 +135,20 @@ pub fn calibrate_bench(campaign: &Campaign) -> Result<BenchCalibration, NotFitte
     let gyro = campaign.gyros.first().ok_or(NotFitted::NotABench)?;
     let triad = campaign.geometry.triad(gyro.slot).ok_or(NotFitted::NoAxes(gyro.slot.name()))?;
     let squares = campaign.terms().contains(Term::GSquared);
-    let problem = BenchProblem { campaign, triad, sd: weights_sd(campaign, 0), squares };
-    let scale = problem.scale(method, gyro.known_e)?;
-    problem.fit(method, &scale)
+    let problem = BenchProblem { campaign, method, triad, sd: weights_sd(campaign, 0), squares };
+    let scale = problem.scale(gyro.known_e)?;
+    problem.fit(&scale)
 }
 
 impl BenchProblem<'_> {
-    fn scale(&self, method: BenchMethod, known_e: Option<Vector3<f64>>) -> Result<BenchScale, NotFitted> {
+    fn scale(&self, known_e: Option<Vector3<f64>>) -> Result<BenchScale, NotFitted> {
         let held = |e| BenchScale { source: ScaleSource::Held, held: Some(e), fitted: Vec::new() };
         if let Some(e) = known_e {
             return Ok(held(e));
         }
         let input = self.triad.input();
         let fit_along = |fitted: Vec<Vector3<f64>>| BenchScale { source: ScaleSource::Fitted, held: None, fitted };
-        if method == BenchMethod::TorqueFeedback {
+        if self.method == BenchMethod::TorqueFeedback {
             let whole = fit_along(vec![Vector3::x(), Vector3::y(), Vector3::z()]);
             let single = fit_along(vec![input]);
             return [whole, single].into_iter().find(|scale| self.determines_scale(scale)).ok_or(NotFitted::NoScale);
@@ -156,7 +157,7 @@ impl BenchProblem<'_> {
         if !self.determines_scale(&along_input) {
             return Err(NotFitted::NoServoSign);
         }
-        let found = self.fit(method, &along_input)?;
+        let found = self.fit(&along_input)?;
         let answer = found.e.dot(&input);
         let sd = found.noise.covariance_scale().map_or(f64::INFINITY, f64::sqrt) * self.scale_sd(&along_input);
         let off = answer.abs() - 1.0;
@@ -170,27 +171,25 @@ impl BenchProblem<'_> {
     }
 
     fn determines_scale(&self, scale: &BenchScale) -> bool {
-        let (design, _) = self.design(scale, &self.axes(self.triad.input()));
-        let rows = design.nrows();
-        let factor = Factor::new(design, &self.sd);
-        rows > factor.rank() && (0..scale.fitted.len()).all(|i| factor.determines_parameter(i))
+        let factor = self.nominal_factor(scale);
+        self.sd.len() > factor.rank() && (0..scale.fitted.len()).all(|i| factor.determines_parameter(i))
     }
 
     /// Standard deviation of the first column's parameter for the weights as given.
     fn scale_sd(&self, scale: &BenchScale) -> f64 {
+        self.nominal_factor(scale).covariance()[(0, 0)].max(0.0).sqrt()
+    }
+
+    /// Of the design on the nominal axes.
+    fn nominal_factor(&self, scale: &BenchScale) -> Factor {
         let (design, _) = self.design(scale, &self.axes(self.triad.input()));
-        Factor::new(design, &self.sd).covariance()[(0, 0)].max(0.0).sqrt()
+        Factor::new(design, &self.sd)
     }
 
     /// Rows I^, S^, O^: the stated triad carried along by the smallest rotation of its input axis to `input`.
     fn axes(&self, input: Vector3<f64>) -> Matrix3<f64> {
-        let half = (self.triad.input() + input) / (1.0 + self.triad.input().dot(&input));
-        let carried = |axis: Vector3<f64>| axis - half * input.dot(&axis);
-        Matrix3::from_rows(&[
-            input.transpose(),
-            carried(self.triad.spin()).transpose(),
-            carried(self.triad.output()).transpose(),
-        ])
+        let [spin, output] = self.triad.carried_to(&input);
+        Matrix3::from_rows(&[input.transpose(), spin.transpose(), output.transpose()])
     }
 
     /// Columns: the fitted rates, 1, a_I, a_S and, where they are asked for and seen, the squares (as their
@@ -227,19 +226,17 @@ impl BenchProblem<'_> {
         dwells.iter().map(|d| (axes * d.specific_force_g0).xy().norm_squared()).sum::<f64>() / dwells.len() as f64
     }
 
-    fn fit(&self, method: BenchMethod, scale: &BenchScale) -> Result<BenchCalibration, NotFitted> {
-        // With E fitted, its direction carries the axes; one more pass suffices, as the axes move by arc-minutes.
-        let mut e = scale.held.unwrap_or_else(|| self.triad.input());
-        let passes = if scale.fitted.len() == 3 { 2 } else { 1 };
+    fn fit(&self, scale: &BenchScale) -> Result<BenchCalibration, NotFitted> {
+        let e = scale.held.unwrap_or_else(|| self.triad.input());
         let mut solved = self.solve(scale, &e)?;
-        for _ in 1..passes {
-            e = solved.e;
-            if !e.norm().is_normal() {
+        // With E fitted, its direction carries the axes; one more pass suffices, as the axes move by arc-minutes.
+        if scale.fitted.len() == 3 {
+            if !solved.e.norm().is_normal() {
                 return Err(NotFitted::NoScale);
             }
-            solved = self.solve(scale, &e)?;
+            solved = self.solve(scale, &solved.e)?;
         }
-        self.finish(method, scale, solved)
+        self.finish(scale, solved)
     }
 
     fn solve(&self, scale: &BenchScale, direction: &Vector3<f64>) -> Result<BenchSolution, NotFitted> {
@@ -287,12 +284,7 @@ impl BenchProblem<'_> {
         found
     }
 
-    fn finish(
-        &self,
-        method: BenchMethod,
-        scale: &BenchScale,
-        solved: BenchSolution,
-    ) -> Result<BenchCalibration, NotFitted> {
+    fn finish(&self, scale: &BenchScale, solved: BenchSolution) -> Result<BenchCalibration, NotFitted> {
         let BenchSolution { e, axes, form, fit, y, aliases } = solved;
         let groups = repeats(&self.campaign.dwells);
         let has_sem = self.campaign.states_errors();
@@ -304,7 +296,7 @@ impl BenchProblem<'_> {
         let k = e.norm() * if e.dot(&self.triad.input()) < 0.0 { -1.0 } else { 1.0 };
         let first = scale.fitted.len();
         if let Some(c) = covariance.as_ref().filter(|_| first > 0)
-            && method == BenchMethod::TorqueFeedback
+            && self.method == BenchMethod::TorqueFeedback
             && k.abs() < LEAST_SCALE_TO_NOISE * c.view((0, 0), (first, first)).trace().max(0.0).sqrt()
         {
             return Err(NotFitted::NoScale);
@@ -344,7 +336,7 @@ impl BenchProblem<'_> {
             return Err(NotFitted::NoScale);
         }
         Ok(BenchCalibration {
-            method,
+            method: self.method,
             e,
             scale_source: scale.source,
             axes,

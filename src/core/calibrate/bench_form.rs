@@ -2,8 +2,7 @@
 
 use nalgebra::Vector3;
 
-/// Spread of a_I^2 + a_S^2 (standard deviation over mean) below which it counts as constant.
-const CONSTANT_FORCE_SPREAD: f64 = 0.02;
+use super::design::mean_if_constant;
 
 /// How the squares a_I^2, a_S^2 stand in the design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,11 +17,8 @@ impl Squares {
     /// Which squares the dwells' specific forces (g0, along I, S, O) tell apart: both, or the difference alone where
     /// a_I^2 + a_S^2 is constant within 2 %.
     pub fn seen_in(forces: &[Vector3<f64>]) -> Self {
-        let n = forces.len() as f64;
-        let sums = || forces.iter().map(|a| a.x * a.x + a.y * a.y);
-        let mean = sums().sum::<f64>() / n;
-        let variance = sums().map(|s| (s - mean).powi(2)).sum::<f64>() / n;
-        if variance.sqrt() <= CONSTANT_FORCE_SPREAD * mean { Self::Difference } else { Self::Both }
+        let squared = forces.iter().map(|a| a.x * a.x + a.y * a.y);
+        if mean_if_constant(squared).is_some() { Self::Difference } else { Self::Both }
     }
 
     fn count(self) -> usize {

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::core::campaign::Dwell;
 use crate::core::model::{Term, Terms};
 
-/// Spread of |a|^2 (standard deviation over mean) below which it counts as constant.
+/// Spread of |a|^2, or of a_I^2 + a_S^2 (standard deviation over mean) below which it counts as constant.
 ///
 /// Two per cent of |a| is what a static dwell may be off the site's gravity (measured specific force is accepted),
 /// and what differs by less is rounding or accelerometer noise. To fit along it would be to fit noise.
@@ -59,7 +59,7 @@ impl Design {
             terms.push_row(&dwell.specific_force_g0, &dwell.rate_arcsec_s, &mut rows);
         }
         let full = DMatrix::from_row_iterator(dwells.len(), p, rows);
-        let squared = squared_force_if_constant(dwells);
+        let squared = mean_if_constant(dwells.iter().map(|d| d.specific_force_g0.norm_squared()));
         match (squared, terms.contains(Term::Bias) && terms.contains(Term::GSquared)) {
             (Some(squared), true) => Self::gauged(full, terms, squared),
             _ => Self { terms, reduced: full, expand: DMatrix::identity(p, p), gauge: None },
@@ -85,11 +85,10 @@ pub fn first_column(terms: Terms, wanted: Term) -> usize {
     terms.iter().take_while(|&term| term != wanted).map(Term::columns).sum()
 }
 
-/// Mean of |a|^2 in g0^2, where it is the same in all dwells.
-fn squared_force_if_constant(dwells: &[Dwell]) -> Option<f64> {
-    let n = dwells.len() as f64;
-    let squared = || dwells.iter().map(|d| d.specific_force_g0.norm_squared());
-    let mean = squared().sum::<f64>() / n;
-    let variance = squared().map(|s| (s - mean).powi(2)).sum::<f64>() / n;
+/// Mean over the dwells of what their squared force comes to, g0^2, where it is the same in all.
+pub(super) fn mean_if_constant(squared: impl ExactSizeIterator<Item = f64> + Clone) -> Option<f64> {
+    let n = squared.len() as f64;
+    let mean = squared.clone().sum::<f64>() / n;
+    let variance = squared.map(|s| (s - mean).powi(2)).sum::<f64>() / n;
     (variance.sqrt() <= CONSTANT_FORCE_SPREAD * mean).then_some(mean)
 }

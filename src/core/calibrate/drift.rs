@@ -15,7 +15,8 @@ use crate::message;
 const LEAST_SCALE_TO_NOISE: f64 = 10.0;
 
 /// Why a fitted gyro has no drift coefficients in deg/(h g0).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum NotSeparated {
     NoDrift,
     NoScale,
@@ -30,15 +31,6 @@ impl From<Unseparable> for NotSeparated {
         Self::Unseparable(why)
     }
 }
-
-/// For logs, in no language.
-impl std::fmt::Display for NotSeparated {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.message().fmt(f)
-    }
-}
-
-impl std::error::Error for NotSeparated {}
 
 impl NotSeparated {
     /// The reason as a code with parameters.

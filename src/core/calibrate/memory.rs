@@ -178,12 +178,8 @@ pub enum NoiseDeparture {
     Memory(Memory, f64),
 }
 
-/// What the noise is, by weight.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct DepartureWeights {
-    /// Kinds with their probabilities; white noise as stated has the rest.
-    pub kinds: Vec<(NoiseDeparture, f64)>,
-}
+/// What the noise is: kinds with their probabilities; white noise as stated has the rest.
+pub type DepartureWeights = Vec<(NoiseDeparture, f64)>;
 
 impl FittedGyro<'_> {
     fn deviations(&self) -> DVector<f64> {
@@ -241,7 +237,7 @@ pub(super) fn weigh(
     let white = gyros.iter().zip(&d).map(|(gyro, d)| gyro.independent(d, stated)).collect::<Option<Vec<_>>>();
     let Some(white) = white.filter(|_| gyros.iter().all(|gyro| gyro.dof > LEAST_DOF && gyro.residuals.norm() > 0.0))
     else {
-        return DepartureWeights::default();
+        return Vec::new();
     };
     let usual: Vec<f64> = d.iter().map(|d| median_of(d.iter().copied()).unwrap_or(1.0)).collect();
     // Without standard errors the duration is in the variances, and the rate along the input axis.
@@ -297,7 +293,7 @@ pub(super) fn weigh(
             *covariance += own * (weight(*log) * (k + rss[j]) / (nu - 2.0));
         }
     }
-    DepartureWeights { kinds: likely.into_iter().map(|(kind, log, _)| (kind, weight(log))).collect() }
+    likely.into_iter().map(|(kind, log, _)| (kind, weight(log))).collect()
 }
 
 /// Degrees of freedom from which on a memory is looked for.
@@ -362,7 +358,7 @@ mod tests {
                 dof,
             };
             let mut covariance = [Some(DMatrix::identity(3, 3))];
-            assert_eq!(weigh(&course, &[fitted], &mut covariance, true), DepartureWeights::default());
+            assert_eq!(weigh(&course, &[fitted], &mut covariance, true), []);
             assert_eq!(covariance, [Some(DMatrix::identity(3, 3))]);
         }
     }
@@ -469,8 +465,8 @@ mod tests {
             let mut mixed: Vec<_> = plain.iter().cloned().map(Some).collect();
             let found = weigh(&course, &gyros, &mut mixed, stated);
             let (kinds, covariances) = by_matrices(&course, &gyros, &plain, stated);
-            assert_eq!(found.kinds.len(), kinds.len());
-            for ((kind, weight), (expected, of_matrices)) in found.kinds.iter().zip(&kinds) {
+            assert_eq!(found.len(), kinds.len());
+            for ((kind, weight), (expected, of_matrices)) in found.iter().zip(&kinds) {
                 assert_eq!(kind, expected);
                 assert!((weight / of_matrices - 1.0).abs() < 1e-7, "{kind:?}: {weight} is not {of_matrices}");
             }

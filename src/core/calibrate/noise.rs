@@ -28,8 +28,7 @@ use statrs::function::gamma::ln_gamma;
 
 use crate::core::campaign::repeats::PureError;
 use crate::core::named::named;
-use crate::core::numerics::tails;
-use crate::core::numerics::tails::chi2_tail;
+use crate::core::numerics::tails::{chi2_tail, f_tail};
 
 /// Weight of the stated standard errors against repeats: as much as four repeats. A station's standard errors are
 /// right to some 35 % (1/sqrt(2 x 4)) before any repeat is seen.
@@ -121,9 +120,7 @@ impl NoiseScale {
         let unseen = if self.source == NoiseSource::Sem { 3.0 * self.sem_scatter.powi(2) } else { 0.0 };
         (self.dof > 2.0).then_some(f * f * t_variance(self.dof) * (1.0 + unseen))
     }
-}
 
-impl NoiseScale {
     /// Chance of residuals as large as these if the model is right: against the standard errors as stated
     /// (chi-square), or against repeats, with what is stated where there is that (F).
     pub fn p_value(&self, evidence: &Evidence) -> Option<f64> {
@@ -132,6 +129,20 @@ impl NoiseScale {
             NoiseSource::None => None,
             _ => mean_squares_tail(evidence.lack_of_fit(), self.repeated),
         }
+    }
+
+    /// Where residuals exceed the noise (p < 0.001), the Birge ratio R = sqrt(chi2/dof)/f (Phys. Rev. 40, 1932) says by
+    /// how much: 1 - 1/f^2 of the variance where f is that ratio itself, R^2 - 1 beside it where f is of repeats.
+    /// `is_other_noise`: what exceeds it is noise of another kind, and in the variance as such.
+    pub fn share(&self, evidence: &Evidence, is_other_noise: bool) -> Share {
+        let (statistical, discrepancy) = match (self.source, self.p_value(evidence), self.factor, evidence.residual) {
+            (_, None, ..) | (_, _, None, _) | (.., None) => (1.0, None),
+            (_, Some(p), ..) if p >= BEYOND_CHANCE && self.source != NoiseSource::SemAndResiduals => (1.0, Some(0.0)),
+            _ if is_other_noise => (1.0, Some(0.0)),
+            (NoiseSource::SemAndResiduals, _, Some(f), _) => (1.0 / (f * f), Some(1.0 - 1.0 / (f * f))),
+            (_, _, Some(f), Some((squared, _))) => (1.0, Some((squared / (f * f) - 1.0).max(0.0))),
+        };
+        Share { statistical, discrepancy }
     }
 }
 
@@ -146,22 +157,6 @@ pub struct Share {
     pub statistical: f64,
     /// In the variance already where the two add up to one, beside it otherwise. None where nothing tests the fit.
     pub discrepancy: Option<f64>,
-}
-
-impl NoiseScale {
-    /// Where residuals exceed the noise (p < 0.001), the Birge ratio R = sqrt(chi2/dof)/f (Phys. Rev. 40, 1932) says by
-    /// how much: 1 - 1/f^2 of the variance where f is that ratio itself, R^2 - 1 beside it where f is of repeats.
-    /// `is_other_noise`: what exceeds it is noise of another kind, and in the variance as such.
-    pub fn share(&self, evidence: &Evidence, is_other_noise: bool) -> Share {
-        let (statistical, discrepancy) = match (self.source, self.p_value(evidence), self.factor, evidence.residual) {
-            (_, None, ..) | (_, _, None, _) | (.., None) => (1.0, None),
-            (_, Some(p), ..) if p >= BEYOND_CHANCE && self.source != NoiseSource::SemAndResiduals => (1.0, Some(0.0)),
-            _ if is_other_noise => (1.0, Some(0.0)),
-            (NoiseSource::SemAndResiduals, _, Some(f), _) => (1.0 / (f * f), Some(1.0 - 1.0 / (f * f))),
-            (_, _, Some(f), Some((squared, _))) => (1.0, Some((squared / (f * f) - 1.0).max(0.0))),
-        };
-        Share { statistical, discrepancy }
-    }
 }
 
 /// Relative scatter of standard errors given with their dwells' durations: the standard deviation of
@@ -299,7 +294,7 @@ pub fn overstated(chi2: f64, dof: usize) -> Option<f64> {
 pub fn mean_squares_tail(numerator: (f64, f64), denominator: (f64, f64)) -> Option<f64> {
     let ratio = (numerator.0 / numerator.1) / (denominator.0 / denominator.1);
     let are_there = numerator.1 > 0.0 && denominator.1 > 0.0 && denominator.0 > 0.0 && !ratio.is_nan();
-    are_there.then(|| tails::f_tail(ratio, numerator.1, denominator.1))
+    are_there.then(|| f_tail(ratio, numerator.1, denominator.1))
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ const SHARED: f64 = 1e-3;
 /// Whether the noise is said to be other than white, independent and as stated.
 pub(super) fn is_other(found: &DepartureWeights) -> bool {
     let weight = |memory: bool| -> f64 {
-        let of_kind = found.kinds.iter().filter(|(kind, _)| matches!(kind, NoiseDeparture::Memory(..)) == memory);
+        let of_kind = found.iter().filter(|(kind, _)| matches!(kind, NoiseDeparture::Memory(..)) == memory);
         of_kind.map(|(_, weight)| weight).sum()
     };
     weight(true) > CERTAIN || weight(false) > CERTAIN
@@ -26,7 +26,7 @@ pub(super) fn is_other(found: &DepartureWeights) -> bool {
 /// What the residuals of a fit say.
 pub(super) fn report(found: &DepartureWeights, gyros: &[GyroCalibration]) -> NoiseFound {
     let certain = |of_kind: &dyn Fn(&NoiseDeparture) -> bool| {
-        let those = found.kinds.iter().filter(|(kind, _)| of_kind(kind));
+        let those = found.iter().filter(|(kind, _)| of_kind(kind));
         let probability: f64 = those.clone().map(|(_, weight)| weight).sum();
         let likeliest = those.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(kind, _)| *kind);
         likeliest.filter(|_| probability > CERTAIN).map(|kind| (kind, probability))

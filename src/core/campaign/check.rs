@@ -2,11 +2,9 @@
 //!
 //! Places are JSON pointers with the wire names; a CSV reader maps them to lines and columns.
 
-use nalgebra::Vector3;
-
 use super::{Campaign, CampaignGyro, Dwell, Phase, Site};
 use crate::core::fault::Faults;
-use crate::core::frames::Vector;
+use crate::core::frames::angle_between;
 use crate::core::message::{figure, text};
 use crate::core::mounting::Geometry;
 use crate::core::record::Plausibility;
@@ -174,8 +172,7 @@ fn check_force(i: usize, dwell: &Dwell, site: Option<&Site>, limits: &CampaignLi
     if let Some(attitude) = dwell.attitude
         && force > 0.0
     {
-        let up = (attitude * Vector::new(Vector3::z())).0;
-        let angle = up.cross(&dwell.specific_force_g0).norm().atan2(up.dot(&dwell.specific_force_g0));
+        let angle = angle_between(&attitude.up(), &dwell.specific_force_g0);
         if angle > limits.attitude {
             faults.push(
                 format!("/dwells/{i}/attitude"),

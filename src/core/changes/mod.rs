@@ -46,8 +46,8 @@ pub use answer::{
 };
 pub use due::DriftBudget;
 pub use noise::Process;
-pub use reproducibility::{FleetStations, Shared, Spread, StationColumn, StationFigures, stations};
-pub use station::CoursePoint;
+pub use reproducibility::{FleetStations, Spread, StationColumn, StationFigures, stations};
+pub use station::{CoursePoint, Shared};
 
 /// Stated standard deviations of a gyro without peers count for nothing where successive records scatter by so many.
 const DISBELIEVED: f64 = 3.0;
@@ -252,7 +252,7 @@ fn place_steps(series: &RecordSeries, course: &mut StationCourse) {
 /// the `k`th part in another form. A gyro that ages or steps by itself hardly alters them.
 fn misfit(series: &RecordSeries, course: &StationCourse, k: usize, form: StationForm) -> f64 {
     let left = |row: &series::Observation| {
-        let of_part = |(i, (part, common)): (usize, &(CoursePart, station::SharedCourse))| {
+        let of_part = |(i, (part, common)): (usize, &(CoursePart, Shared))| {
             let part = if i == k { CoursePart { form, ..*part } } else { *part };
             common.value * part.at(row.station, row.at, row.years)
         };
@@ -263,11 +263,7 @@ fn misfit(series: &RecordSeries, course: &StationCourse, k: usize, form: Station
 }
 
 /// What the gyro's own records say of a part, beside a level: estimate and standard deviation.
-fn own_estimate(
-    series: &RecordSeries,
-    part: &CoursePart,
-    taken: &[(CoursePart, station::SharedCourse)],
-) -> Option<(f64, f64)> {
+fn own_estimate(series: &RecordSeries, part: &CoursePart, taken: &[(CoursePart, Shared)]) -> Option<(f64, f64)> {
     let rows = series.rows.iter().map(|row| {
         let of = |part: &CoursePart| part.at(row.station, row.at, row.years);
         let known: f64 = taken.iter().map(|(part, common)| common.value * of(part)).sum();

@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::{DMatrix, DVector};
 
 use super::series::robust;
-use super::station::{HUBER, SharedCourse, StationCell};
+use super::station::{HUBER, Shared, StationCell};
 use crate::core::numerics::normal_equations::{NormalEquations, Solution};
 
 /// The fit with one set of weights.
@@ -25,7 +25,7 @@ struct FittedOffsets {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Offsets {
     /// By station, against `reference`.
-    pub by_station: BTreeMap<usize, SharedCourse>,
+    pub by_station: BTreeMap<usize, Shared>,
     /// What their own uncertainty adds to their variance about their mean, that of the reference included.
     pub of_spread: f64,
 }
@@ -46,11 +46,10 @@ pub(super) fn offsets(cells: &[StationCell], reference: usize, compared: &[bool]
     let mut excess = 1.0;
     for _ in 0..8 {
         let Some(fitted) = fit(&cells, &weights, &places) else { return found };
-        let pulls: Vec<f64> =
-            fitted.residuals.iter().zip(&cells).map(|(r, cell)| r.abs() * cell.weight.sqrt()).collect();
+        let pulls = fitted.residuals.iter().zip(&cells).map(|(r, cell)| r.abs() * cell.weight.sqrt());
         let of_fit = (cells.len() as f64 / freedom.max(1) as f64).sqrt();
-        excess = if freedom < 2 { 1.0 } else { (of_fit * robust(&mut pulls.clone()).unwrap_or(1.0)).max(1.0) };
-        for ((weight, pull), cell) in weights.iter_mut().zip(&pulls).zip(&cells) {
+        excess = if freedom < 2 { 1.0 } else { (of_fit * robust(pulls.clone()).unwrap_or(1.0)).max(1.0) };
+        for ((weight, pull), cell) in weights.iter_mut().zip(pulls).zip(&cells) {
             *weight = cell.weight * (HUBER * excess / pull.max(f64::MIN_POSITIVE)).min(1.0);
         }
     }
@@ -70,7 +69,7 @@ pub(super) fn offsets(cells: &[StationCell], reference: usize, compared: &[bool]
     for (station, place) in &places {
         let here: Vec<&StationCell> = cells.iter().filter(|cell| cell.station == *station).collect();
         let noise = excess * excess * fitted.covariance[(*place, *place)];
-        let common = SharedCourse {
+        let common = Shared {
             value: fitted.offsets[*place],
             sd: noise.max(sandwich[(*place, *place)]).sqrt(),
             gyros: here.len(),

@@ -15,7 +15,7 @@ use crate::core::time::UtcMicros;
 use super::answer::{GyroHistory, HistoryEntry, StationForm};
 use super::offsets::{Offsets, offsets};
 use super::series::robust;
-use super::station::{CoursePart, CoursePoint, OF_SCALE, SharedCourse, StationCourse, TAKEN};
+use super::station::{CoursePart, CoursePoint, OF_SCALE, Shared, StationCourse};
 
 /// Points of a station's course, at most.
 const POINTS: usize = 60;
@@ -27,28 +27,6 @@ pub(super) const OF_SUCCESSIVE: f64 = 1.43;
 pub struct Spread {
     pub sd: f64,
     pub interval: [f64; 2],
-}
-
-/// An estimate and its standard deviation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shared {
-    pub value: f64,
-    pub sd: f64,
-    pub gyros: usize,
-    pub imus: usize,
-}
-
-impl Shared {
-    /// Whether a drift of this size would be taken for more than chance.
-    pub fn is_beyond_chance(&self) -> bool {
-        self.value.abs() > TAKEN * self.sd
-    }
-}
-
-impl From<&SharedCourse> for Shared {
-    fn from(common: &SharedCourse) -> Self {
-        Self { value: common.value, sd: common.sd, gyros: common.gyros, imus: common.imus }
-    }
 }
 
 /// One coefficient at one station.
@@ -213,7 +191,7 @@ fn compared(fleet: &[GyroHistory], names: &[&str], reference: usize) -> Vec<bool
 fn of_station(
     [raw, course]: [&StationCourse; 2],
     station: usize,
-    offset: Option<SharedCourse>,
+    offset: Option<Shared>,
     repeatability: Option<Spread>,
 ) -> StationColumn {
     let part = CoursePart { station, form: StationForm::Drift };
@@ -221,10 +199,9 @@ fn of_station(
     let drift = taken.or_else(|| course.estimate(&part));
     let (mut steps, mut windows) = (Vec::new(), Vec::new());
     for (part, common) in course.taken.iter().filter(|(part, _)| part.station == station) {
-        let shared = Shared::from(common);
         match part.form {
-            StationForm::Step(at) => steps.push((at, shared)),
-            StationForm::Between(from, until) => windows.push(([from, until], shared)),
+            StationForm::Step(at) => steps.push((at, *common)),
+            StationForm::Between(from, until) => windows.push(([from, until], *common)),
             StationForm::Offset | StationForm::Drift => {}
         }
     }
@@ -232,8 +209,8 @@ fn of_station(
     windows.sort_by_key(|(between, _)| *between);
     StationColumn {
         repeatability,
-        offset: offset.as_ref().map(Shared::from),
-        drift: drift.as_ref().map(Shared::from),
+        offset,
+        drift,
         drifts: taken.is_some(),
         steps,
         windows,
@@ -252,8 +229,7 @@ fn by_gyro(course: &StationCourse, station: usize) -> Option<Spread> {
     if count < 3 {
         return None;
     }
-    let mut pulls: Vec<f64> = each.iter().map(|one| (one.value - common).abs() * one.information.sqrt()).collect();
-    let scale = robust(&mut pulls)?;
+    let scale = robust(each.iter().map(|one| (one.value - common).abs() * one.information.sqrt()))?;
     let power = each.iter().map(|one| one.information * (1.0 + one.shares)).sum::<f64>() / count as f64;
     let beyond = |scale: f64| ((scale * scale - 1.0).max(0.0) / power).sqrt();
     let factor = (1.96 * OF_SCALE / (count as f64).sqrt()).exp();
@@ -269,7 +245,7 @@ fn repeatability(fleet: &[GyroHistory], station: &str, column: usize) -> Option<
         differences.extend(here.windows(2).map(|pair| (pair[1] - pair[0]).abs() / std::f64::consts::SQRT_2));
     }
     let count = differences.len();
-    let sd = robust(&mut differences).filter(|_| count > 2)?;
+    let sd = robust(differences).filter(|_| count > 2)?;
     let factor = (1.96 * OF_SUCCESSIVE / (count as f64).sqrt()).exp();
     Some(Spread { sd, interval: [sd / factor, sd * factor] })
 }

@@ -14,7 +14,7 @@ use super::candidates::{self, CandidateCause};
 use super::closure;
 use super::noise::{self, NoiseCovariance, Process};
 use super::series::RecordSeries;
-use super::station::{CoursePart, SharedCourse, StationCourse};
+use super::station::{CoursePart, Shared, StationCourse};
 
 /// Adjusted significance below which a cause is named.
 const SIGNIFICANCE: f64 = 0.005;
@@ -154,6 +154,36 @@ pub(super) struct NewestLevel {
     pub ages: bool,
 }
 
+/// What the models are fitted to.
+#[derive(Clone)]
+struct SearchedRows {
+    years: Vec<f64>,
+    y: Vec<f64>,
+    /// Of each row, in units of `unit^2`.
+    variance: Vec<f64>,
+    /// Columns whose coefficient is known with a variance.
+    known: Vec<(Vec<f64>, f64)>,
+}
+
+impl SearchedRows {
+    fn fitted(&self, taken: &[CandidateCause], prior: NoisePrior) -> FittedRows {
+        let models = noise::models(&self.years, &self.variance, &self.known);
+        FittedRows::of(models, &self.y, &columns(taken), prior)
+    }
+
+    /// Of the rows whose regressor is not known the variance is larger by what it would have done there; `per_unit` is
+    /// the candidate's coefficient in units of a record's standard deviation.
+    fn inflate(&mut self, candidate: &CandidateCause, per_unit: f64) {
+        for k in &candidate.missing {
+            self.variance[*k] += per_unit * per_unit * candidate.spread;
+        }
+    }
+}
+
+fn columns(taken: &[CandidateCause]) -> Vec<&[f64]> {
+    taken.iter().map(|candidate| &*candidate.column).collect()
+}
+
 pub(super) struct CauseSearch<'a> {
     pub series: &'a RecordSeries,
     pub marks: &'a [Mark],
@@ -170,26 +200,28 @@ impl CauseSearch<'_> {
     /// the records allow no model of white noise.
     pub fn answer(&self) -> Option<SearchResult> {
         let series = self.series;
-        let y = series.column(|row| row.y);
-        let mut variance = series.column(|row| row.variance);
         let scale = series.unit * series.scatter.of_stated;
-        let known: Vec<(Vec<f64>, f64)> =
-            (self.course.taken.iter()).map(|(part, common)| (self.column(part), (common.sd / scale).powi(2))).collect();
+        let known = self.course.taken.iter().map(|(part, common)| (self.column(part), (common.sd / scale).powi(2)));
+        let mut rows = SearchedRows {
+            years: series.column(|row| row.years),
+            y: series.column(|row| row.y),
+            variance: series.column(|row| row.variance),
+            known: known.collect(),
+        };
         let mut pool = candidates::all(series, self.marks, self.coefficient, self.reference, self.course);
         let kinds = kinds(&pool);
         let mut taken: Vec<CandidateCause> = Vec::new();
         let mut named: Vec<NamedCause> = Vec::new();
         let mut open: Vec<f64> = Vec::new();
-        let models = noise::models(&series.column(|row| row.years), &variance, &known);
-        if models.first()?.process != Process::White {
+        let mut fitted = rows.fitted(&taken, self.prior);
+        if fitted.models.first()?.process != Process::White {
             return None;
         }
-        let mut fitted = FittedRows::of(models, &y, &[], self.prior);
         let mut white = whitened(&fitted, &pool);
         let mut rejected;
         loop {
             let trials: Vec<Option<CandidateTrial>> = (pool.iter().zip(&white))
-                .map(|(candidate, white)| self.trial(&fitted, &y, &variance, &known, &taken, candidate, white, kinds))
+                .map(|(candidate, white)| self.trial(&fitted, &rows, &taken, candidate, white, kinds))
                 .collect();
             let lead = (named.len() < MOST_CAUSES).then(|| self.lead(&pool, &trials)).flatten();
             rejected = self.rejected(&pool, &trials);
@@ -205,35 +237,32 @@ impl CauseSearch<'_> {
                 held_out: None,
                 p_value_adjusted: trial.p_white.max(trial.p_wandering),
             });
-            if !candidate.missing.is_empty() {
-                inflate(&mut variance, &candidate, trial.value / scale);
-            }
+            rows.inflate(&candidate, trial.value / scale);
             pool.retain(|other| other.column != candidate.column);
             taken.push(candidate);
-            let models = noise::models(&series.column(|row| row.years), &variance, &known);
-            let columns: Vec<&[f64]> = taken.iter().map(|c| &*c.column).collect();
-            fitted = FittedRows::of(models, &y, &columns, self.prior);
+            fitted = rows.fitted(&taken, self.prior);
             white = whitened(&fitted, &pool);
         }
-        let columns: Vec<&[f64]> = taken.iter().map(|c| &*c.column).collect();
+        let columns = columns(&taken);
+        let y = &rows.y;
         let mut levels = Vec::new();
         // What is not told apart in one fit keeps the estimates that it was named with, and has no level.
-        if let Some((estimates, level)) = self.together(&fitted, &y, &taken) {
-            levels = self.levels((&fitted, level), &y, &taken, &pool);
+        if let Some((estimates, level)) = self.together(&fitted, y, &taken) {
+            levels = self.levels((&fitted, level), y, &taken, &pool);
             for (cause, (value, sd)) in named.iter_mut().zip(estimates) {
                 cause.estimate = CauseEstimate { value, sd, ..cause.estimate.clone() };
             }
         }
         let noise_variance = fitted.variance(fitted.squares[0]);
-        let stated: Vec<f64> = variance.iter().map(|v| v * noise_variance).collect();
+        let stated: Vec<f64> = rows.variance.iter().map(|v| v * noise_variance).collect();
         for (k, cause) in named.iter_mut().enumerate() {
-            cause.held_out = closure::held_out(&y, &stated, &columns, k, open[k]);
+            cause.held_out = closure::held_out(y, &stated, &columns, k, open[k]);
         }
         let (best, model) = fitted.best();
         let gain = 2.0 * (best - fitted.white());
         let remaining_p_value = if gain > 0.0 { (1.5 * chi2_tail(gain, 1).unwrap_or(1.0)).min(1.0) } else { 1.0 };
         let wander = (remaining_p_value < REMAINS).then(|| self.wander(&fitted, model, remaining_p_value));
-        let mut stations = self.stations_named(&y, &stated, &columns);
+        let mut stations = self.stations_named(y, &stated, &columns);
         stations.append(&mut named);
         Some(SearchResult { named: stations, rejected, wander, excess: fitted.excess(), remaining_p_value, levels })
     }
@@ -242,13 +271,10 @@ impl CauseSearch<'_> {
         self.series.column(|row| part.at(row.station, row.at, row.years))
     }
 
-    #[expect(clippy::too_many_arguments, reason = "the parts of one linear model")]
     fn trial(
         &self,
         fitted: &FittedRows,
-        y: &[f64],
-        variance: &[f64],
-        known: &[(Vec<f64>, f64)],
+        rows: &SearchedRows,
         taken: &[CandidateCause],
         candidate: &CandidateCause,
         white: &[Vec<f64>],
@@ -258,13 +284,10 @@ impl CauseSearch<'_> {
         let (fit, white) = if candidate.missing.is_empty() {
             (fitted, white)
         } else {
-            // Of the rows whose regressor is not known the variance is larger by what it would have done there.
             let (value, _) = along(fitted, 0, &white[0])?;
-            let mut variance = variance.to_vec();
-            inflate(&mut variance, candidate, value / (self.series.unit * self.series.scatter.of_stated));
-            let models = noise::models(&self.series.column(|row| row.years), &variance, known);
-            let columns: Vec<&[f64]> = taken.iter().map(|c| &*c.column).collect();
-            let fit = FittedRows::of(models, y, &columns, self.prior);
+            let mut rows = rows.clone();
+            rows.inflate(candidate, value / (self.series.unit * self.series.scatter.of_stated));
+            let fit = rows.fitted(taken, self.prior);
             let white = whitened(&fit, std::slice::from_ref(candidate)).remove(0);
             own = (fit, white);
             (&own.0, &*own.1)
@@ -347,7 +370,7 @@ impl CauseSearch<'_> {
     }
 
     /// What the other gyros, or those of the same IMU, say against a station.
-    fn denied(&self, candidate: &CandidateCause, trial: &CandidateTrial) -> Option<SharedCourse> {
+    fn denied(&self, candidate: &CandidateCause, trial: &CandidateTrial) -> Option<Shared> {
         let part = candidate.part?;
         if let Some(others) = self.course.estimate(&part) {
             let sd = trial.sd.hypot(others.sd).hypot(others.between);
@@ -468,8 +491,7 @@ impl CauseSearch<'_> {
         for other in pool.iter().filter(|candidate| ages(candidate)) {
             let mut taken = taken.to_vec();
             taken[place] = other.clone();
-            let columns: Vec<&[f64]> = taken.iter().map(|candidate| &*candidate.column).collect();
-            let another = FittedRows::of(fitted.models.clone(), y, &columns, self.prior);
+            let another = FittedRows::of(fitted.models.clone(), y, &columns(&taken), self.prior);
             let gain = another.best().0 - fitted.best().0;
             if -2.0 * gain <= EQUALLY_GOOD {
                 let level = self.together(&another, y, &taken).map(|(_, level)| level);
@@ -494,7 +516,7 @@ impl CauseSearch<'_> {
 
     /// Whether the gyros that share a station's drift do not go on alike where they are elsewhere: then they do not all age
     /// so. Where none of them is, that is not known.
-    fn is_parted_from_ageing(&self, station: usize, drift: &SharedCourse) -> bool {
+    fn is_parted_from_ageing(&self, station: usize, drift: &Shared) -> bool {
         let elsewhere = self.course.slope_elsewhere(station, self.series);
         elsewhere.is_some_and(|slope| (drift.value - slope.value).abs() > SEEN * slope.sd.hypot(drift.sd))
     }
@@ -514,11 +536,7 @@ impl CauseSearch<'_> {
             let may_age = part.form == StationForm::Drift && !self.is_parted_from_ageing(part.station, common);
             out.push(NamedCause {
                 cause: ChangeCause::Station,
-                class: if may_age {
-                    vec![ChangeCause::Ageing, ChangeCause::Station]
-                } else {
-                    vec![ChangeCause::Station]
-                },
+                class: may_age.then_some(ChangeCause::Ageing).into_iter().chain([ChangeCause::Station]).collect(),
                 tie,
                 estimate: CauseEstimate { name: "k", value: common.value, sd: common.sd, unit: part.form.unit() },
                 held_out: closure::held_out_known(y, variance, columns, &column, common.value),
@@ -540,12 +558,6 @@ fn along(fitted: &FittedRows, m: usize, white: &[f64]) -> Option<(f64, f64)> {
 
 fn whitened(fitted: &FittedRows, pool: &[CandidateCause]) -> Vec<Vec<Vec<f64>>> {
     pool.iter().map(|c| fitted.models.iter().map(|model| model.whiten(&c.column)).collect()).collect()
-}
-
-fn inflate(variance: &mut [f64], candidate: &CandidateCause, per_unit: f64) {
-    for k in &candidate.missing {
-        variance[*k] += per_unit * per_unit * candidate.spread;
-    }
 }
 
 fn estimate(candidate: &CandidateCause, value: f64, sd: f64) -> CauseEstimate {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::core::judge::Mark;
 use crate::core::mounting::Slot;
-use crate::core::numerics::median::{median, median_of};
+use crate::core::numerics::median::median_of;
 use crate::core::numerics::normal::SD_OF_MEDIAN;
 use crate::core::time::UtcMicros;
 
@@ -47,14 +47,14 @@ pub(super) fn scatter_of(entries: &[HistoryEntry], column: usize) -> RecordScatt
     }
     stated.retain(|one: &f64| one.is_finite());
     let count = stated.len() as f64;
-    let seen = robust(&mut stated).unwrap_or(1.0);
+    let seen = robust(stated).unwrap_or(1.0);
     let of_stated = ((count * seen * seen + 4.0) / (count + 4.0)).sqrt();
-    RecordScatter { absolute: robust(&mut plain).unwrap_or(0.0), of_stated }
+    RecordScatter { absolute: robust(plain).unwrap_or(0.0), of_stated }
 }
 
 /// Standard deviation of normal figures from the median of their absolute values.
-pub(super) fn robust(absolute: &mut [f64]) -> Option<f64> {
-    Some(SD_OF_MEDIAN * median(absolute)?)
+pub(super) fn robust(absolute: impl IntoIterator<Item = f64>) -> Option<f64> {
+    Some(SD_OF_MEDIAN * median_of(absolute)?)
 }
 
 #[derive(Debug, Clone)]
@@ -157,13 +157,9 @@ impl RecordSeries {
             let same = differences.iter().all(|d| *d > 0.0) || differences.iter().all(|d| *d < 0.0);
             if same { differences.into_iter().min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0) } else { 0.0 }
         };
-        let to_left: Vec<f64> = (1..n)
-            .map(|k| {
-                let (a, b) = (&self.rows[k - 1], &self.rows[k]);
-                (b.y - a.y).abs() / (a.variance + b.variance).sqrt()
-            })
-            .collect();
-        let sd = robust(&mut to_left.clone()).unwrap_or(0.0).max(1e-12);
+        let pull = |pair: &[Observation]| (pair[1].y - pair[0].y).abs() / (pair[0].variance + pair[1].variance).sqrt();
+        let to_left = self.rows.windows(2).map(pull);
+        let sd = robust(to_left).unwrap_or(0.0).max(1e-12);
         let found: Vec<(usize, f64, f64)> = (0..n)
             .map(|k| (k, apart(k), sd * (1.5 * self.rows[k].variance).sqrt()))
             .filter(|(_, deviation, sd)| deviation.abs() > OUTLYING * sd)

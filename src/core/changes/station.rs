@@ -66,8 +66,8 @@ impl CoursePart {
 }
 
 /// What gyros share of a part, deg/(h g0), and a year for a drift.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct SharedCourse {
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Shared {
     pub value: f64,
     pub sd: f64,
     pub gyros: usize,
@@ -75,10 +75,15 @@ pub(super) struct SharedCourse {
     /// How the gyros differ beyond their noise at the least (95 %), standard deviation.
     pub between: f64,
     /// By how much the sum of squares falls.
-    pub(super) gain: f64,
+    pub gain: f64,
 }
 
-impl SharedCourse {
+impl Shared {
+    /// Whether a drift of this size would be taken for more than chance.
+    pub fn is_beyond_chance(&self) -> bool {
+        self.value.abs() > TAKEN * self.sd
+    }
+
     /// |value|/sd; zero where the standard deviation is unknown.
     pub fn significance(&self) -> f64 {
         if self.sd > 0.0 { self.value.abs() / self.sd } else { 0.0 }
@@ -137,7 +142,7 @@ pub(super) struct StationCourse {
     /// Median scatter of the peers.
     pub scatter: Option<RecordScatter>,
     stations: usize,
-    pub taken: Vec<(CoursePart, SharedCourse)>,
+    pub taken: Vec<(CoursePart, Shared)>,
 }
 
 impl StationCourse {
@@ -197,7 +202,7 @@ impl StationCourse {
     }
 
     /// What the peers and the gyro itself do in a year at other stations than one, beside the steps there.
-    pub fn slope_elsewhere(&self, station: usize, own: &RecordSeries) -> Option<SharedCourse> {
+    pub fn slope_elsewhere(&self, station: usize, own: &RecordSeries) -> Option<Shared> {
         let mut each: Vec<(usize, f64, f64)> = Vec::new();
         let mut add = |imu: usize, rows: &[PeerRecord]| {
             let slope = slope_beside_steps(rows).filter(|_| rows[0].station != station);
@@ -298,7 +303,7 @@ impl StationCourse {
     }
 
     /// What the peers say of a part beside what is taken; none where no peer can tell.
-    pub fn estimate(&self, part: &CoursePart) -> Option<SharedCourse> {
+    pub fn estimate(&self, part: &CoursePart) -> Option<Shared> {
         let each: Vec<(usize, f64, f64)> = self
             .at(part.station)
             .filter_map(|peer| own(part, &peer.rows).map(|(b, info)| (peer.imu, b, info)))
@@ -312,7 +317,7 @@ impl StationCourse {
     pub fn take(
         &mut self,
         reference: usize,
-        is_borne_out: impl Fn(&CoursePart, &SharedCourse, &[(CoursePart, SharedCourse)]) -> bool,
+        is_borne_out: impl Fn(&CoursePart, &Shared, &[(CoursePart, Shared)]) -> bool,
     ) {
         self.take_what_explains_most(reference, is_borne_out);
         self.widen();
@@ -321,7 +326,7 @@ impl StationCourse {
     fn take_what_explains_most(
         &mut self,
         reference: usize,
-        is_borne_out: impl Fn(&CoursePart, &SharedCourse, &[(CoursePart, SharedCourse)]) -> bool,
+        is_borne_out: impl Fn(&CoursePart, &Shared, &[(CoursePart, Shared)]) -> bool,
     ) {
         let mut drifting = self.clone();
         self.take_one_by_one(reference, &is_borne_out);
@@ -329,8 +334,8 @@ impl StationCourse {
             return;
         }
         drifting.take_drifts();
-        let is_told = |(k, (part, common)): (usize, &(CoursePart, SharedCourse))| {
-            let others: Vec<(CoursePart, SharedCourse)> =
+        let is_told = |(k, (part, common)): (usize, &(CoursePart, Shared))| {
+            let others: Vec<(CoursePart, Shared)> =
                 drifting.taken.iter().enumerate().filter(|(other, _)| *other != k).map(|(_, one)| *one).collect();
             drifting.is_shared(part, common) && is_borne_out(part, common, &others)
         };
@@ -378,7 +383,7 @@ impl StationCourse {
     fn take_one_by_one(
         &mut self,
         reference: usize,
-        is_borne_out: &impl Fn(&CoursePart, &SharedCourse, &[(CoursePart, SharedCourse)]) -> bool,
+        is_borne_out: &impl Fn(&CoursePart, &Shared, &[(CoursePart, Shared)]) -> bool,
     ) {
         let mut refused: Vec<CoursePart> = Vec::new();
         // Where a drift or a step is refused, instants are found that follow it for a while.
@@ -412,7 +417,7 @@ impl StationCourse {
 
     /// Whether it is what the gyros share: a window that one IMU tells is its own where few others stand by, and the gyros
     /// do not differ in it as those that age each by itself do. They may differ in an offset: gyro x station.
-    fn is_shared(&self, part: &CoursePart, common: &SharedCourse) -> bool {
+    fn is_shared(&self, part: &CoursePart, common: &Shared) -> bool {
         let is_told = match part.form {
             StationForm::Between(..) => common.imus > 1 || self.imus_at(part.station) > 2,
             StationForm::Drift | StationForm::Step(_) => true,
@@ -482,7 +487,7 @@ impl StationCourse {
     }
 
     /// The best instants of a step or a window among those about its own.
-    fn refined(&self, part: CoursePart, common: SharedCourse) -> (CoursePart, SharedCourse) {
+    fn refined(&self, part: CoursePart, common: Shared) -> (CoursePart, Shared) {
         let instants = self.instants(part.station);
         let reach = instants.len().div_ceil(INSTANTS).max(1);
         match part.form {
@@ -504,9 +509,9 @@ impl StationCourse {
         instants: &[UtcMicros],
         at: UtcMicros,
         reach: usize,
-        found: (CoursePart, SharedCourse),
+        found: (CoursePart, Shared),
         form: impl Fn(UtcMicros) -> StationForm,
-    ) -> (CoursePart, SharedCourse) {
+    ) -> (CoursePart, Shared) {
         let (mut best, mut k) = (found, instants.partition_point(|instant| *instant < at));
         let mut stride = reach.div_ceil(ABOUT);
         loop {
@@ -597,7 +602,7 @@ impl StationCourse {
 
 /// Whether the gyro's own estimate lets the part be taken out of its records: beside one IMU it must agree, and beside
 /// more it must not be nothing where they show something.
-pub(super) fn is_borne_out(common: &SharedCourse, own: Option<(f64, f64)>) -> bool {
+pub(super) fn is_borne_out(common: &Shared, own: Option<(f64, f64)>) -> bool {
     let Some((value, sd)) = own else { return common.imus > 1 };
     let apart = (value - common.value).abs() / sd.hypot(common.sd);
     let is_nothing = value.abs() < AGREES * sd;
@@ -609,7 +614,7 @@ pub(super) fn is_borne_out(common: &SharedCourse, own: Option<(f64, f64)>) -> bo
 }
 
 /// The gain of a part, less what the best of many gains by chance.
-fn rated((part, common): &(CoursePart, SharedCourse)) -> f64 {
+fn rated((part, common): &(CoursePart, Shared)) -> f64 {
     common.gain - by_chance(part.form)
 }
 
@@ -621,7 +626,7 @@ fn by_chance(form: StationForm) -> f64 {
     }
 }
 
-fn is_taken((part, common): &(CoursePart, SharedCourse)) -> bool {
+fn is_taken((part, common): &(CoursePart, Shared)) -> bool {
     common.significance() > threshold(part)
 }
 
@@ -700,7 +705,7 @@ fn slope_beside_steps(rows: &[PeerRecord]) -> Option<(f64, f64)> {
 }
 
 /// The robust mean of estimates (IMU, estimate, 1/variance).
-fn combined(each: &[(usize, f64, f64)]) -> Option<SharedCourse> {
+fn combined(each: &[(usize, f64, f64)]) -> Option<Shared> {
     if each.is_empty() {
         return None;
     }
@@ -748,7 +753,7 @@ fn combined(each: &[(usize, f64, f64)]) -> Option<SharedCourse> {
     let noise = excess * excess / weights;
     let sandwich = by_imu.iter().map(|(_, sum)| sum * sum).sum::<f64>() / (weights * weights);
     let sandwich = if imus > 2 { sandwich * imus as f64 / (imus - 1) as f64 } else { 2.0 * sandwich };
-    Some(SharedCourse {
+    Some(Shared {
         value,
         sd: noise.max(sandwich).sqrt(),
         gyros: each.len(),

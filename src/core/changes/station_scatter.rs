@@ -23,7 +23,7 @@ pub(super) fn of_stations<'a>(histories: &[&'a GyroHistory], column: usize) -> B
     for history in histories {
         let mut own = differences(&history.entries, column);
         if own.len() > 1 {
-            let scatter = robust(&mut own.values().flatten().copied().collect::<Vec<f64>>()).unwrap_or(0.0);
+            let scatter = robust(own.values().flatten().copied()).unwrap_or(0.0);
             for (station, some) in own.iter_mut().filter(|_| scatter > 0.0) {
                 at.entry(station).or_default().extend(some.iter().map(|one| one / scatter));
             }
@@ -33,11 +33,10 @@ pub(super) fn of_stations<'a>(histories: &[&'a GyroHistory], column: usize) -> B
     let mut left: Vec<&str> = at.iter().filter(|(_, some)| some.len() >= FEWEST).map(|(name, _)| *name).collect();
     while left.len() > 1 {
         let apart = left.iter().enumerate().filter_map(|(k, station)| {
-            let mut others: Vec<f64> =
-                left.iter().filter(|one| *one != station).flat_map(|one| &at[one]).copied().collect();
-            let mut here = at[station].clone();
-            let sd = OF_SUCCESSIVE * (1.0 / here.len() as f64 + 1.0 / others.len() as f64).sqrt();
-            let ratio = robust(&mut here)? / robust(&mut others)?;
+            let others = left.iter().filter(|one| *one != station).flat_map(|one| &at[one]).copied();
+            let here = &at[station];
+            let sd = OF_SUCCESSIVE * (1.0 / here.len() as f64 + 1.0 / others.clone().count() as f64).sqrt();
+            let ratio = robust(here.iter().copied())? / robust(others)?;
             let significance = ratio.ln().abs() / sd;
             (ratio.is_finite() && significance > BEYOND_CHANCE).then_some((significance, k, ratio))
         });
@@ -72,7 +71,7 @@ pub(super) fn weighed(history: &GyroHistory, factors: &[BTreeMap<&str, f64>; 3])
         let factor = |station: &str| factors.get(station).copied().unwrap_or(1.0);
         let all = differences(&history.entries, column);
         let even = all.iter().flat_map(|(station, some)| some.iter().map(|one| one / factor(station)));
-        let scatter = robust(&mut even.collect::<Vec<f64>>());
+        let scatter = robust(even);
         for entry in &mut weighed.entries {
             let sd = entry.d[column].sd.filter(|sd| *sd > 0.0).or(scatter);
             entry.d[column].sd = sd.map(|sd| sd * factor(&entry.station));

@@ -320,16 +320,22 @@ fn peers(fleet: &mut Fleet, imus: usize, records: usize) -> Vec<GyroHistory> {
     all
 }
 
+/// A gyro of another IMU than its [`peers`], and those.
+fn gyro_and_peers(seed: u64, imus: usize, records: usize) -> (GyroHistory, Vec<GyroHistory>) {
+    let mut fleet = Fleet::seeded(seed);
+    let others = peers(&mut fleet, imus, records);
+    let mut gyro = fleet.gyro(records);
+    in_imu(&mut gyro, 0);
+    (gyro, others)
+}
+
 #[test]
 fn a_station_that_drifts_or_is_re_levelled_is_not_blamed_on_the_gyro() {
     let drift = |k: usize, entry: &HistoryEntry| if &*entry.station == "ST-1" { 3e-4 * k as f64 } else { 0.0 };
     let step = |k: usize, entry: &HistoryEntry| if &*entry.station == "ST-1" && k >= 12 { 6e-3 } else { 0.0 };
     let changes: [&dyn Fn(usize, &HistoryEntry) -> f64; 2] = [&drift, &step];
     for (seed, what) in (20..26).flat_map(|seed| changes.map(|change| (seed, change))) {
-        let mut fleet = Fleet::seeded(seed);
-        let mut others = peers(&mut fleet, 5, 24);
-        let mut gyro = fleet.gyro(24);
-        in_imu(&mut gyro, 0);
+        let (mut gyro, mut others) = gyro_and_peers(seed, 5, 24);
         for one in others.iter_mut().chain([&mut gyro]) {
             change(one, 0, what);
         }
@@ -436,13 +442,10 @@ fn a_station_that_was_off_for_a_fortnight_is_dated_by_the_records_within_it() {
 
 #[test]
 fn one_peer_that_ages_does_not_make_the_station_drift() {
-    let mut fleet = Fleet::seeded(30);
-    let mut others = peers(&mut fleet, 1, 24);
+    let (gyro, mut others) = gyro_and_peers(30, 1, 24);
     for peer in &mut others {
         change(peer, 0, |k, _| 1e-3 * k as f64);
     }
-    let mut gyro = fleet.gyro(24);
-    in_imu(&mut gyro, 0);
     let answer = of(&gyro, &others, Coefficient::DI);
     assert_eq!(answer.verdict, HistoryVerdict::NoChange, "{answer:?}");
 }
@@ -464,11 +467,8 @@ fn stated_standard_deviations_weigh_the_records() {
 
 #[test]
 fn a_noisy_station_that_does_not_say_so_weighs_as_it_scatters() {
-    let mut fleet = Fleet::seeded(311);
+    let (gyro, mut all) = gyro_and_peers(311, 5, 30);
     let mut noise = Fleet::seeded(312);
-    let mut all = peers(&mut fleet, 5, 30);
-    let mut gyro = fleet.gyro(30);
-    in_imu(&mut gyro, 0);
     all.push(gyro);
     for one in &mut all {
         for (k, entry) in one.entries.iter_mut().enumerate() {
@@ -492,10 +492,7 @@ fn a_noisy_station_that_does_not_say_so_weighs_as_it_scatters() {
 
 #[test]
 fn a_step_after_which_no_other_imu_was_there_may_be_the_stations() {
-    let mut fleet = Fleet::seeded(313);
-    let mut others = peers(&mut fleet, 5, 24);
-    let mut gyro = fleet.gyro(24);
-    in_imu(&mut gyro, 0);
+    let (mut gyro, mut others) = gyro_and_peers(313, 5, 24);
     for one in others.iter_mut().chain([&mut gyro]) {
         one.entries.iter_mut().for_each(|entry| entry.station = "ST-1".into());
     }
@@ -586,10 +583,7 @@ fn ten_thousand_records_and_records_of_one_instant_get_an_answer() {
 
 #[test]
 fn gyros_that_only_ever_moved_together_tell_the_stations_apart_and_not_their_own_steps() {
-    let mut fleet = Fleet::seeded(37);
-    let mut others = peers(&mut fleet, 4, 24);
-    let mut gyro = fleet.gyro(24);
-    in_imu(&mut gyro, 0);
+    let (mut gyro, mut others) = gyro_and_peers(37, 4, 24);
     for one in others.iter_mut().chain([&mut gyro]) {
         for (k, entry) in one.entries.iter_mut().enumerate() {
             entry.station = if k >= 12 { "ST-2".into() } else { "ST-1".into() };

@@ -55,7 +55,7 @@ impl Position {
     /// f = g C up. At rest w = C Omega [0, cos L, sin L]; over whole turns about the vertical the part towards north
     /// averages to zero, and w = (turn + Omega sin L) C up.
     pub fn commanded(&self, site: &Site) -> (Vector3<f64>, Vector3<f64>) {
-        let up = (self.attitude * Vector::new(Vector3::z())).0;
+        let up = self.up();
         let earth = site.earth_rate();
         let rate = match self.phase() {
             Phase::Static => (self.attitude * earth).0,
@@ -75,7 +75,7 @@ impl Position {
 
     /// Body coordinates of the vertical, pointing up.
     pub fn up(&self) -> Vector3<f64> {
-        (self.attitude * Vector::new(Vector3::z())).0
+        self.attitude.up()
     }
 }
 
@@ -117,7 +117,7 @@ impl Table {
 
     /// Rate about the vertical, counter-clockwise from above, of axes that turn at these rates, at these angles.
     pub fn turn(&self, (outer, inner): (f64, f64), (outer_rate, inner_rate): (f64, f64)) -> f64 {
-        let up = (self.attitude(outer, inner) * Vector::new(Vector3::z())).0;
+        let up = self.attitude(outer, inner).up();
         outer_rate * self.outer.normalize().z + inner_rate * self.inner.normalize().dot(&up)
     }
 }

@@ -11,7 +11,6 @@ use super::intervals::{Found, Interval, Search, find};
 use super::noise::{Noise, octaves};
 use super::programme::{Position, Seen, Table, align, attitude, clock_offset, exchanged, twenty_four};
 use crate::core::campaign::Site;
-use crate::core::frames::Vector;
 
 /// White noise of standard deviation `white` a sample, and flicker h/f made of Gauss-Markov processes, two an octave,
 /// from a few samples to much more than the log: each has variance h ln(sqrt 2) of an octave's half.
@@ -273,8 +272,8 @@ fn a_table_turns_the_body_as_its_axes_say() {
     let zero = attitude(Vector3::z(), Vector3::y()).unwrap();
     let table = Table { outer: Vector3::y(), inner: Vector3::z(), zero };
     let up = |outer: f64, inner: f64| {
-        let up = table.attitude(outer.to_radians(), inner.to_radians()) * Vector::new(Vector3::z());
-        [up.0.x, up.0.y, up.0.z].map(|c| c.round() as i32)
+        let up = table.attitude(outer.to_radians(), inner.to_radians()).up();
+        [up.x, up.y, up.z].map(|c| c.round() as i32)
     };
     assert_eq!(up(0.0, 0.0), [0, 0, 1]);
     // Turned by +90 deg about north, body Z points east, and -X points up.

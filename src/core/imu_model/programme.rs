@@ -1,6 +1,6 @@
 //! What a campaign, measured or to be measured, asks of the model: columns, noise, and what the model knows for it.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::columns::columns;
 use super::identified::{Identified, ModelGyro};
@@ -209,13 +209,13 @@ fn outside(model: &Identified, campaign: &Campaign, setting: &Setting, notes: &m
     }
     let fastest = setting.rate.iter().map(|w| w.norm()).fold(0.0, f64::max);
     if fastest > FASTER * model.validity.rate_arcsec_s {
-        let slow = |rate: &nalgebra::Vector3<f64>| rate.norm() <= FASTER * model.validity.rate_arcsec_s;
+        let slow = |rate: &Vector3<f64>| rate.norm() <= FASTER * model.validity.rate_arcsec_s;
         seen.iter_mut().zip(&setting.rate).for_each(|(seen, rate)| *seen &= slow(rate));
         let (seen, now) = (figure(model.validity.rate_arcsec_s, 0), figure(fastest, 0));
         notes.push(message!("rate_outside_model", seen, now));
     }
-    let is_new = |force: &&nalgebra::Vector3<f64>| {
-        let along = |known: &nalgebra::Vector3<f64>| known.dot(force) / force.norm();
+    let is_new = |force: &&Vector3<f64>| {
+        let along = |known: &Vector3<f64>| known.dot(force) / force.norm();
         force.norm() > 0.0 && model.validity.directions.iter().all(|known| along(known) < NEW_DIRECTION)
     };
     seen.iter_mut().zip(&setting.force).for_each(|(seen, force)| *seen &= !is_new(&force));
@@ -260,12 +260,12 @@ impl Knowledge {
             let entry = adopted.effect.entry();
             let places = model.of_effect(e);
             if entry.scope == Scope::Common && !same_station {
-                places.iter().for_each(|place| knowledge.forget(*place, 0.0));
+                places.iter().for_each(|place| knowledge.set(*place, 0.0, 0.0));
             }
             if entry.parameter == Parameter::Period {
                 for pair in places.chunks(2) {
                     let power: f64 = pair.iter().map(|p| knowledge.values[*p].powi(2)).sum();
-                    pair.iter().for_each(|place| knowledge.forget(*place, 0.5 * power));
+                    pair.iter().for_each(|place| knowledge.set(*place, 0.0, 0.5 * power));
                 }
             }
         }
@@ -289,16 +289,14 @@ impl Knowledge {
         self.values -= &gain * (self.values.select_rows(places) - values);
         let told = &gain * self.covariance.select_rows(places);
         self.covariance -= told;
-        for (i, place) in places.iter().enumerate() {
-            self.covariance.row_mut(*place).fill(0.0);
-            self.covariance.column_mut(*place).fill(0.0);
-            self.values[*place] = values[i];
+        for (place, value) in places.iter().zip(values) {
+            self.set(*place, *value, 0.0);
         }
     }
 
-    /// A coefficient of which nothing but a variance about zero is known.
-    fn forget(&mut self, place: usize, variance: f64) {
-        self.values[place] = 0.0;
+    /// A coefficient whose error has nothing in common with any other's.
+    fn set(&mut self, place: usize, value: f64, variance: f64) {
+        self.values[place] = value;
         self.covariance.row_mut(place).fill(0.0);
         self.covariance.column_mut(place).fill(0.0);
         self.covariance[(place, place)] = variance;

@@ -8,7 +8,7 @@ use crate::core::time::UtcMicros;
 
 mod window;
 
-pub(super) use window::{Points, Window};
+pub(super) use window::{Point, Window};
 
 /// Length of a cell. Cells are fixed weeks (counted from 1970-01-01T00:00Z); an event that restarts the control rules
 /// ends one early.
@@ -42,15 +42,14 @@ pub(super) struct Cell {
 
 impl Cell {
     fn of(sample: &Sample) -> Self {
-        let column = |i: usize| sample.d[i];
         Self {
             first: sample.at,
             last: sample.at,
             station: Some(sample.station),
             records: 1,
             days: 0.0,
-            values: [0, 1].map(|i| column(i).value),
-            variances: [0, 1].map(|i| column(i).sd.map(|sd| sd * sd)),
+            values: [0, 1].map(|i| sample.d[i].value),
+            variances: [0, 1].map(|i| sample.d[i].sd.map(|sd| sd * sd)),
         }
     }
 
@@ -69,6 +68,18 @@ impl Cell {
     /// Mean time in days since its first record, and mean figure.
     pub fn mean(&self, column: usize) -> (f64, f64) {
         (self.days / f64::from(self.records), self.values[column] / f64::from(self.records))
+    }
+
+    /// Seen from a record at `now`.
+    fn point(&self, column: usize, now: UtcMicros) -> Point {
+        let (days, x) = self.mean(column);
+        Point {
+            first: self.first,
+            t: (self.first.days_since(now) + days) / DAYS_A_YEAR,
+            station: self.station,
+            x,
+            sd: self.variances[column].map(|variance| variance.sqrt() / f64::from(self.records)),
+        }
     }
 
     /// Whether all of its records, and all that belong to it, come before `at`.
@@ -144,10 +155,10 @@ mod tests {
         let cells = cells(&samples(&[(700 * DAY, 3.0), (702 * DAY, 3.5)]), &[]);
         let window = Window::of(&cells, UtcMicros(710 * DAY));
         assert_eq!(cells.len(), 1);
-        assert!((window.t[0] - (-9.0 / DAYS_A_YEAR)).abs() < 1e-15, "days 700 and 702, seen from day 710");
-        assert_eq!(window.x[0][0], 3.25);
-        assert!((window.sd[0][0].unwrap() - 0.1 / 2.0_f64.sqrt()).abs() < 1e-15);
-        assert_eq!(window.sd[1][0], None, "one standard deviation is missing");
+        assert!((window.column(0)[0].t - (-9.0 / DAYS_A_YEAR)).abs() < 1e-15, "days 700 and 702, seen from day 710");
+        assert_eq!(window.column(0)[0].x, 3.25);
+        assert!((window.column(0)[0].sd.unwrap() - 0.1 / 2.0_f64.sqrt()).abs() < 1e-15);
+        assert_eq!(window.column(1)[0].sd, None, "one standard deviation is missing");
     }
 
     #[test]

@@ -15,6 +15,24 @@ pub(crate) struct Conformity {
 }
 
 impl Conformity {
+    /// Of a figure that is taken as it stands.
+    pub fn certain(is_beyond: bool) -> Self {
+        Self { state: if is_beyond { State::Exceeded } else { State::Within }, probability: None }
+    }
+
+    /// Of a figure that lies beyond its limit or not, from the probability that the true value does: uncertainty alone
+    /// exceeds nothing.
+    pub fn by_probability(is_beyond: bool, probability: f64, confidence: f64) -> Self {
+        let state = if is_beyond && probability >= confidence {
+            State::Exceeded
+        } else if !is_beyond && probability <= 1.0 - confidence {
+            State::Within
+        } else {
+            State::Indeterminate
+        };
+        Self { state, probability: Some(probability) }
+    }
+
     /// The verdict that is `undecided` without it, on `value`.
     pub fn of(self, value: Measured, undecided: Verdict) -> Verdict {
         let Self { state, probability } = self;
@@ -33,13 +51,10 @@ pub(crate) fn beyond(difference: Measured, limit: f64, confidence: f64) -> Confo
 /// is.
 pub(crate) fn outside(figure: Measured, low: f64, high: f64, confidence: f64) -> Conformity {
     let Measured { value, sd } = figure;
-    let Some(sd) = sd.filter(|&sd| sd > 0.0) else {
-        let state = if value < low || value > high { State::Exceeded } else { State::Within };
-        return Conformity { state, probability: None };
-    };
-    let probability = (normal_cdf((value - high) / sd) + normal_cdf((low - value) / sd)).min(1.0);
     let is_outside = value < low || value > high;
-    Conformity { state: by_probability(is_outside, probability, confidence), probability: Some(probability) }
+    let Some(sd) = sd.filter(|&sd| sd > 0.0) else { return Conformity::certain(is_outside) };
+    let probability = (normal_cdf((value - high) / sd) + normal_cdf((low - value) / sd)).min(1.0);
+    Conformity::by_probability(is_outside, probability, confidence)
 }
 
 /// Two figures, the lower one first, and what each belongs to.
@@ -107,28 +122,10 @@ pub(crate) fn widest<T: Copy>(
 /// both are the same formula.
 pub(crate) fn range_beyond(range: Measured, n: usize, limit: f64, confidence: f64) -> Conformity {
     let excess = range.value - limit;
-    let Some(sd) = range.sd.filter(|&sd| sd > 0.0) else {
-        return Conformity { state: plain(range.value, limit), probability: None };
-    };
+    let Some(sd) = range.sd.filter(|&sd| sd > 0.0) else { return Conformity::certain(range.value > limit) };
     let inside = normal_cdf(excess / sd) + normal_cdf((-limit - range.value) / sd);
     let probability = if excess <= 0.0 { inside } else { 1.0 - 0.5 * (1.0 - range_cdf(excess / sd * SQRT_2, n)) };
-    Conformity { state: by_probability(excess > 0.0, probability, confidence), probability: Some(probability) }
-}
-
-pub(crate) fn plain(value: f64, limit: f64) -> State {
-    if value > limit { State::Exceeded } else { State::Within }
-}
-
-/// The state of a figure that lies beyond its limit or not, from the probability that the true value does:
-/// uncertainty alone exceeds nothing.
-pub(crate) fn by_probability(is_beyond: bool, probability: f64, confidence: f64) -> State {
-    if is_beyond && probability >= confidence {
-        State::Exceeded
-    } else if !is_beyond && probability <= 1.0 - confidence {
-        State::Within
-    } else {
-        State::Indeterminate
-    }
+    Conformity::by_probability(excess > 0.0, probability, confidence)
 }
 
 #[cfg(test)]

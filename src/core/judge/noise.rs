@@ -43,12 +43,12 @@ impl NoiseParameters {
     }
 
     /// Covariance of two weighted sums by the walk, each of weights that add up to zero; `t` in years. O(n).
-    pub(super) fn of_walk(&self, t: &[f64], u: &[f64], w: &[f64]) -> f64 {
+    pub(super) fn of_walk(&self, t: impl Fn(usize) -> f64, u: &[f64], w: &[f64]) -> f64 {
         let (mut after_u, mut after_w, mut sum) = (0.0, 0.0, 0.0);
-        for i in (1..t.len()).rev() {
+        for i in (1..u.len()).rev() {
             after_u += u[i];
             after_w += w[i];
-            sum += (t[i] - t[i - 1]) * after_u * after_w;
+            sum += (t(i) - t(i - 1)) * after_u * after_w;
         }
         self.walk * self.walk * sum
     }
@@ -83,18 +83,9 @@ impl ScatterPrior {
     ///
     /// No smaller than a twentieth of the budget: less does not matter. No smaller than what the stations state of
     /// their own, the median over all cells or over the newest three.
-    pub fn of(budget: f64, stated: &[Option<f64>]) -> Self {
-        let middle = |of: &[Option<f64>]| {
-            let mut known = [0.0; super::cells::CELLS];
-            let mut n = 0;
-            for sd in of.iter().flatten() {
-                known[n] = *sd;
-                n += 1;
-            }
-            median(&mut known[..n]).unwrap_or(0.0)
-        };
-        let newest = &stated[stated.len().saturating_sub(3)..];
-        Self { scatter: budget / 10.0, least: (budget / 20.0).max(middle(stated)).max(middle(newest)) }
+    pub fn of(budget: f64, stated: impl DoubleEndedIterator<Item = Option<f64>> + Clone) -> Self {
+        let (newest, all) = (middle(stated.clone().rev().take(3)), middle(stated));
+        Self { scatter: budget / 10.0, least: (budget / 20.0).max(all).max(newest) }
     }
 
     /// s^2 from squares of residuals that stand for so many independent ones.
@@ -102,6 +93,17 @@ impl ScatterPrior {
         let expected = WEIGHT * self.scatter * self.scatter;
         ((expected + squares) / (WEIGHT + degrees_of_freedom.max(1.0))).max(self.least * self.least)
     }
+}
+
+/// Median of the standard deviations that are stated.
+fn middle(stated: impl Iterator<Item = Option<f64>>) -> f64 {
+    let mut known = [0.0; super::cells::CELLS];
+    let mut n = 0;
+    for sd in stated.flatten() {
+        known[n] = sd;
+        n += 1;
+    }
+    median(&mut known[..n]).unwrap_or(0.0)
 }
 
 #[cfg(test)]
@@ -122,18 +124,18 @@ mod tests {
             }
         }
         assert!((noise.of_scatter(&u, &w) - scatter).abs() < 1e-12);
-        assert!((noise.of_walk(&t, &u, &w) - walk).abs() < 1e-15);
+        assert!((noise.of_walk(|i| t[i], &u, &w) - walk).abs() < 1e-15);
         let mean = [1.0 / 7.0; 7];
         assert!((noise.inflation(7) - 7.0 * noise.of_scatter(&mean, &mean)).abs() < 1e-12);
     }
 
     #[test]
     fn scatter_is_drawn_towards_what_is_expected_and_never_below_what_is_stated() {
-        let prior = ScatterPrior::of(0.01, &[Some(1e-4), None, Some(3e-4), Some(2e-4)]);
+        let prior = ScatterPrior::of(0.01, [Some(1e-4), None, Some(3e-4), Some(2e-4)].into_iter());
         assert_eq!((prior.scatter, prior.least), (1e-3, 5e-4));
         assert!((prior.variance(0.0, 5.0) - 0.5e-6).abs() < 1e-18, "half of the expected variance");
         assert!((prior.variance(9e-6 * 45.0, 45.0) - (5e-6 + 405e-6) / 50.0).abs() < 1e-15);
-        let noisy = ScatterPrior::of(0.01, &[Some(1e-4), Some(1e-4), Some(1e-4), Some(0.2), Some(0.3)]);
+        let noisy = ScatterPrior::of(0.01, [Some(1e-4), Some(1e-4), Some(1e-4), Some(0.2), Some(0.3)].into_iter());
         assert_eq!(noisy.least, 0.2, "the newest three decide too");
     }
 }

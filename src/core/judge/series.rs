@@ -165,12 +165,6 @@ impl From<Vec<Sample>> for Series {
     }
 }
 
-impl From<&[Sample]> for Series {
-    fn from(samples: &[Sample]) -> Self {
-        samples.to_vec().into()
-    }
-}
-
 impl Deref for Series {
     type Target = [Sample];
 
@@ -242,7 +236,7 @@ mod tests {
             series.insert(late.collect::<BTreeMap<_, _>>().into_iter().rev().map(|(at, value)| sample(at, value)));
             series.forget((forgotten * values.len() as f64) as usize);
             prop_assert!(series.is_sorted_by_key(|there| there.at));
-            let anew = Series::from(&series[..]);
+            let anew = Series::from(series.to_vec());
             let [a, b] = ends.map(|end| (end * series.len() as f64) as usize);
             let (start, end) = (a.min(b), a.max(b) + 1);
             for column in 0..COLUMNS {

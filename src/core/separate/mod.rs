@@ -10,6 +10,7 @@ pub mod rigid;
 
 use nalgebra::Vector3;
 
+use super::frames::angle_between;
 use super::mounting::{Geometry, Slot};
 use super::record::GyroParameters;
 use crate::core::named::named;
@@ -141,11 +142,6 @@ pub fn stated_covariance(gyro: &GyroParameters) -> Option<CovarianceEg> {
         of_g += ratio * ratio.transpose() * input.dot(&along);
     }
     Some(covariance)
-}
-
-/// Angle between two unit vectors, radians; accurate near 0 and 180 deg, where arccos is not.
-fn angle_between(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
-    a.cross(b).norm().atan2(a.dot(b))
 }
 
 /// d|E| = I^ . dE.

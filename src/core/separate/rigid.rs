@@ -33,10 +33,8 @@ pub struct Rigid {
 
 impl Rigid {
     pub(crate) fn of(gyro: &Normalised, triad: &Triad, covariance: Option<&CovarianceEg>) -> Self {
-        let (n, u, y) = (triad.input(), gyro.input, gyro.y);
-        let half = (n + u) / (1.0 + n.dot(&u));
-        let spin_axis = triad.spin() - half * u.dot(&triad.spin());
-        let output_axis = triad.output() - half * u.dot(&triad.output());
+        let (u, y) = (gyro.input, gyro.y);
+        let [spin_axis, output_axis] = triad.carried_to(&u);
         let covariance = covariance.map(|eg| {
             let jacobian = jacobian(gyro, triad, [&spin_axis, &output_axis]);
             let c = jacobian * eg * jacobian.transpose();

@@ -9,7 +9,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-use super::Happening;
+use super::happening::{Happening, bench_body, gyro_body, record_body};
 use crate::core::bench::BenchMethod;
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::time::UtcMicros;
@@ -204,16 +204,11 @@ fn station(imu: usize, day: f64) -> &'static str {
 fn record(imu: usize, day: f64, at: UtcMicros, gyros: &[Gyro], seats: &[Stay], rng: &mut ChaCha8Rng) -> RecordBody {
     let station = station(imu, day);
     let seated = seats.iter().filter(|seat| seat.imu == imu && (seat.from..seat.to).contains(&day));
+    let geometry = GeometryBody::Named(NamedGeometry::Skewed);
     RecordBody {
-        imu: format!("IMU-{:02}", imu + 1),
-        station: station.into(),
-        calibrated_at: time::format(at),
-        geometry: GeometryBody::Named(NamedGeometry::Skewed),
         gyros: seated.map(|seat| parameters(seat, &gyros[seat.gyro], station, day, rng)).collect(),
         temperature_c: Some(rounded(45.0 + normal(rng, 0.05), 1e2)),
-        campaign: None,
-        operator: None,
-        note: None,
+        ..record_body(format!("IMU-{:02}", imu + 1), station, at, geometry)
     }
 }
 
@@ -231,15 +226,9 @@ fn parameters(seat: &Stay, gyro: &Gyro, station: &str, day: f64, rng: &mut ChaCh
     let e = (gyro.scale * input).map(|x| rounded(x + normal(rng, E_SD), 1e7));
     let g = (gyro.scale * (d_i * input + d_s * spin) + noise).map(|x| rounded(x, 1e6));
     GyroBody {
-        slot: seat.slot,
-        serial: gyro.serial.clone(),
-        e_pulse_per_arcsec: e.into(),
-        g_pulse_per_s_g0: Some(g.into()),
-        g_deg_per_h_g0: None,
-        p_pulse_per_s_g02: None,
-        bias_pulse_per_s: None,
         e_sd: Some(Vector3::repeat(E_SD).into()),
         g_sd: Some(Vector3::repeat(rounded(g_sd, 1e7)).into()),
+        ..gyro_body(seat.slot, &gyro.serial, e, g)
     }
 }
 
@@ -252,20 +241,9 @@ fn bench(
     rng: &mut ChaCha8Rng,
 ) -> BenchBody {
     let later = if method == BenchMethod::TorqueFeedback { 0.0 } else { 0.3 };
-    let [d_i, d_s] = gyro.drift(number, day).map(|d| rounded(d + normal(rng, 4e-4), 1e6));
-    BenchBody {
-        serial: gyro.serial.clone(),
-        station: "BENCH-1".into(),
-        measured_at: time::format(instant(first_day, day + later)),
-        method,
-        d_i_deg_per_h_g0: d_i,
-        d_s_deg_per_h_g0: d_s,
-        d_i_sd: Some(4e-4),
-        d_s_sd: Some(4e-4),
-        temperature_c: None,
-        operator: None,
-        note: None,
-    }
+    let drift = gyro.drift(number, day).map(|d| rounded(d + normal(rng, 4e-4), 1e6));
+    let body = bench_body(&gyro.serial, "BENCH-1", instant(first_day, day + later), drift);
+    BenchBody { method, d_i_sd: Some(4e-4), d_s_sd: Some(4e-4), ..body }
 }
 
 /// To the minute: nobody writes down more.

@@ -5,16 +5,11 @@
 //! its D_I and D_S at one pulse per arc second, and their axes are stated one by one, for Tables 3 and 4 are required
 //! of the geometry `skewed`.
 
-use nalgebra::Vector3;
-
-use super::Happening;
-use crate::core::bench::BenchMethod;
+use super::happening::{Happening, bench_body, gyro_body, record_body};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::time::UtcMicros;
-use crate::wire::bench::BenchBody;
 use crate::wire::geometry::{GeometryBody, NamedGeometry};
 use crate::wire::record::{GyroBody, RecordBody};
-use crate::wire::time;
 
 /// Tables 3 and 4: E in pulse/arcsec, G in pulse/(s g0).
 const TABLES_3_4: [([f64; 3], [f64; 3]); 3] = [
@@ -39,12 +34,12 @@ pub fn happenings(today: UtcMicros) -> Vec<Happening> {
     let calibrated = today.plus_days(-DAYS_AGO[1]);
     let printed = Slot::ALL.map(|slot| {
         let (e, g) = TABLES_3_4[slot.index()];
-        gyro(slot, TABLES_3_4_SERIALS[slot.index()], e.into(), g.into())
+        gyro_body(slot, TABLES_3_4_SERIALS[slot.index()], e.into(), g.into())
     });
     let nominal = Slot::ALL.map(|slot| {
         let [_, [d_i, d_s], _] = TABLE_5[slot.index()];
         let triad = Geometry::Skewed.triad(slot).expect("the skewed geometry names every slot");
-        gyro(slot, TABLE_5_SERIALS[slot.index()], triad.input(), d_i * triad.input() + d_s * triad.spin())
+        gyro_body(slot, TABLE_5_SERIALS[slot.index()], triad.input(), d_i * triad.input() + d_s * triad.spin())
     });
     let stated = Geometry::Custom(Slot::ALL.map(|slot| Geometry::Skewed.triad(slot)));
     let mut happenings = vec![
@@ -53,7 +48,8 @@ pub fn happenings(today: UtcMicros) -> Vec<Happening> {
     ];
     for (column, days) in [(0, DAYS_AGO[0]), (2, DAYS_AGO[2])] {
         for slot in 0..3 {
-            happenings.push(bench(TABLE_5_SERIALS[slot], today.plus_days(-days), TABLE_5[slot][column]));
+            let (serial, drift) = (TABLE_5_SERIALS[slot], TABLE_5[slot][column]);
+            happenings.push(Happening::Bench(bench_body(serial, "BENCH-PAPER", today.plus_days(-days), drift)));
         }
     }
     happenings
@@ -61,44 +57,8 @@ pub fn happenings(today: UtcMicros) -> Vec<Happening> {
 
 fn record(imu: &str, calibrated: UtcMicros, geometry: GeometryBody, gyros: [GyroBody; 3]) -> Happening {
     Happening::Record(Box::new(RecordBody {
-        imu: imu.into(),
-        station: "ST-PAPER".into(),
-        calibrated_at: time::format(calibrated),
-        geometry,
         gyros: gyros.into(),
-        temperature_c: None,
-        campaign: None,
-        operator: None,
         note: Some("doi 10.11918/j.issn.0367-6234.2015.01.015".into()),
+        ..record_body(imu.into(), "ST-PAPER", calibrated, geometry)
     }))
-}
-
-fn gyro(slot: Slot, serial: &str, e: Vector3<f64>, g: Vector3<f64>) -> GyroBody {
-    GyroBody {
-        slot,
-        serial: serial.into(),
-        e_pulse_per_arcsec: e.into(),
-        g_pulse_per_s_g0: Some(g.into()),
-        g_deg_per_h_g0: None,
-        p_pulse_per_s_g02: None,
-        bias_pulse_per_s: None,
-        e_sd: None,
-        g_sd: None,
-    }
-}
-
-fn bench(serial: &str, at: UtcMicros, [d_i, d_s]: [f64; 2]) -> Happening {
-    Happening::Bench(BenchBody {
-        serial: serial.into(),
-        station: "BENCH-PAPER".into(),
-        measured_at: time::format(at),
-        method: BenchMethod::TorqueFeedback,
-        d_i_deg_per_h_g0: d_i,
-        d_s_deg_per_h_g0: d_s,
-        d_i_sd: None,
-        d_s_sd: None,
-        temperature_c: None,
-        operator: None,
-        note: None,
-    })
 }

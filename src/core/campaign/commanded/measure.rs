@@ -2,9 +2,8 @@
 
 use super::{EARTH, Symptom};
 use crate::core::campaign::{Campaign, Dwell, Phase};
-use crate::core::frames::Vector;
+use crate::core::frames::angle_between;
 use crate::core::numerics::median::median_of;
-use nalgebra::Vector3;
 
 /// By how much |w| and w.f/|f| of a static dwell may be off, arcsec/s: printed digits, and measured specific force some
 /// arc-minutes off.
@@ -54,10 +53,7 @@ impl Measure {
             vertical,
             across: (w - vertical * up).norm(),
             force: f.norm(),
-            tilt: dwell.attitude.filter(|_| f.norm() > 0.0).map(|c| {
-                let stated = (c * Vector::new(Vector3::z())).0;
-                stated.cross(f).norm().atan2(stated.dot(f))
-            }),
+            tilt: dwell.attitude.filter(|_| f.norm() > 0.0).map(|c| angle_between(&c.up(), f)),
             off: dwell.attitude.zip(earth).map(|(c, earth)| (w - (c * earth).0).norm()),
         }
     }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::SQRT_2;
 
-use crate::core::judge::cells::{Points, Window};
+use crate::core::judge::cells::{Point, Window};
 use crate::core::judge::coefficient::Coefficient;
 use crate::core::judge::decide::{Conformity, beyond};
 use crate::core::judge::history::History;
@@ -42,7 +42,7 @@ impl<'a> Case<'a> {
     }
 
     /// The weekly means that the control rules look at, of D_I or D_S.
-    pub fn points(&self) -> Points<'a> {
+    pub fn points(&self) -> &'a [Point] {
         self.window.column(self.column)
     }
 

@@ -1,7 +1,7 @@
 //! `rms_successive`: root mean square of successive differences, the criterion that Apollo's gyros were watched by.
 
 use super::Case;
-use crate::core::judge::decide::{Conformity, by_probability, plain};
+use crate::core::judge::decide::Conformity;
 use crate::core::judge::limits::{Limit, RMS_RECORDS};
 use crate::core::judge::sample::{Measured, Sample};
 use crate::core::judge::{Finding, Rule, Verdict};
@@ -37,11 +37,11 @@ pub(crate) fn rms_successive(case: &Case<'_>, limit: Limit) -> Verdict {
         Some(noise) if noise.variance > 0.0 => {
             let excess = rms * rms - noise.explained - (limit.value / (FACTOR * scale)).powi(2);
             let probability = normal_cdf(excess / noise.variance.sqrt());
-            let state = by_probability(excess > 0.0, probability, case.limits.confidence);
+            let outcome = Conformity::by_probability(excess > 0.0, probability, case.limits.confidence);
             let sd = if rms > 0.0 { noise.variance.sqrt() / (2.0 * rms) } else { noise.explained.sqrt() };
-            (Conformity { state, probability: Some(probability) }, Some(FACTOR * sd * scale))
+            (outcome, Some(FACTOR * sd * scale))
         }
-        _ => (Conformity { state: plain(FACTOR * rms * scale, limit.value), probability: None }, None),
+        _ => (Conformity::certain(FACTOR * rms * scale > limit.value), None),
     };
     let finding = Finding::RmsSuccessive {
         since: window[0].at,

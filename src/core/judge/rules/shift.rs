@@ -2,7 +2,7 @@
 
 use super::Case;
 use crate::core::judge::cells::CELLS;
-use crate::core::judge::decide::{Conformity, plain};
+use crate::core::judge::decide::Conformity;
 use crate::core::judge::limits::{Limit, ShiftLimits};
 use crate::core::judge::noise::ScatterPrior;
 use crate::core::judge::sample::Measured;
@@ -33,9 +33,11 @@ pub(crate) fn shift(case: &Case<'_>, limits: &ShiftLimits) -> Verdict {
         return case.too_few(Rule::Shift, limits.least, points.len(), SHIFT_MIN_CELLS);
     }
     let (noise, budget, n) = (&case.limits.noise, limits.budget, points.len());
-    let prior = ScatterPrior::of(budget, points.sd);
+    let prior = ScatterPrior::of(budget, points.iter().map(|point| point.sd));
     let k = n - NEWEST;
-    let (before, newest) = points.x.split_at(k);
+    let mut x = [0.0; CELLS];
+    x.iter_mut().zip(points).for_each(|(x, point)| *x = point.x);
+    let (before, newest) = x[..n].split_at(k);
     let mut sorted = [0.0; CELLS];
     let mut middle = |values: &[f64]| {
         sorted[..values.len()].copy_from_slice(values);
@@ -54,24 +56,24 @@ pub(crate) fn shift(case: &Case<'_>, limits: &ShiftLimits) -> Verdict {
     weights[k..n].fill(1.0 / NEWEST as f64);
     let weights = &weights[..n];
     let scatter = noise.of_scatter(weights, weights) + noise.median_excess();
-    let between = case.of_stations(points.stations.iter().copied().zip(weights.iter().copied()));
-    let sd = (variance * scatter + noise.of_walk(points.t, weights, weights)).sqrt().hypot(between.unwrap_or(0.0));
+    let between = case.of_stations(points.iter().map(|point| point.station).zip(weights.iter().copied()));
+    let sd =
+        (variance * scatter + noise.of_walk(|i| points[i].t, weights, weights)).sqrt().hypot(between.unwrap_or(0.0));
     let level = center + mean;
     let departure = Measured { value: now - level, sd: Some(sd) };
     let limit = Limit { value: limits.least.value.max(STANDARD_DEVIATIONS * sd), ..limits.least };
-    let state = match plain(departure.value.abs(), limit.value) {
+    let mut outcome = Conformity::certain(departure.value.abs() > limit.value);
+    if outcome.state == State::Within && limit.value > budget {
         // Noise so large that not even a change by the whole budget would show.
-        State::Within if limit.value > budget => State::Indeterminate,
-        state => state,
-    };
+        outcome.state = State::Indeterminate;
+    }
     let finding = Finding::Shift {
         level,
         before: k,
-        since: points.first[k],
+        since: points[k].first,
         now,
         scatter: variance.sqrt(),
         least: limits.least.value,
     };
-    case.verdict(Rule::Shift, limit, departure, Conformity { state, probability: None }, finding)
-        .between_stations(between)
+    case.verdict(Rule::Shift, limit, departure, outcome, finding).between_stations(between)
 }

@@ -8,7 +8,7 @@ use crate::core::judge::decide::Conformity;
 use crate::core::judge::limits::TrendLimits;
 use crate::core::judge::noise::ScatterPrior;
 use crate::core::judge::sample::Measured;
-use crate::core::judge::{Finding, Rule, State, Verdict};
+use crate::core::judge::{Finding, Rule, Verdict};
 use line::{Line, LinePrediction};
 
 /// Cells that a slope is taken over, the longest first: a course that bends within one is looked at over the next.
@@ -37,20 +37,19 @@ pub(crate) fn trend(case: &Case<'_>, limits: &TrendLimits, fixed: Option<Measure
         Ok(level) => level,
         Err(have) => return case.too_few(Rule::Trend, limit, have, LEVEL_RECORDS),
     };
-    let (noise, prior) = (&case.limits.noise, ScatterPrior::of(limit.value, points.sd));
+    let (noise, prior) = (&case.limits.noise, ScatterPrior::of(limit.value, points.iter().map(|point| point.sd)));
     let now = case.now().at;
     let nothing = |deviation: f64, step| {
         let cells = points.len().min(longest);
-        let finding = Finding::NoTrend { cells, since: points.newest(cells).first[0], step };
-        let outcome = Conformity { state: State::Within, probability: None };
-        case.verdict(Rule::Trend, limit, Measured::exact(deviation), outcome, finding)
+        let finding = Finding::NoTrend { cells, since: points[points.len() - cells].first, step };
+        case.verdict(Rule::Trend, limit, Measured::exact(deviation), Conformity::certain(false), finding)
     };
     let straight = TREND_CELLS.iter().filter(|n| **n <= points.len()).find_map(|n| {
-        let line = Line::through(points.newest(*n), noise, prior, case.between_stations());
+        let line = Line::through(&points[points.len() - n..], noise, prior, case.between_stations());
         let flat = *n == longest && !line.has_slope(limits.confidence);
         (flat || line.bend().abs() <= STRAIGHT).then_some(line)
     });
-    let Some(line) = straight else { return nothing(points.x[points.len() - 1] - level.level.value, None) };
+    let Some(line) = straight else { return nothing(points[points.len() - 1].x - level.level.value, None) };
     if !line.has_slope(limits.confidence) {
         return nothing(line.now() - level.level.value, None);
     }

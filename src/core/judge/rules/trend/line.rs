@@ -2,7 +2,7 @@
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::core::judge::cells::{CELLS, DAYS_A_YEAR, Points};
+use crate::core::judge::cells::{CELLS, DAYS_A_YEAR, Point};
 use crate::core::judge::noise::{NoiseParameters, ScatterPrior};
 use crate::core::judge::rules::baseline::BaselineLevel;
 use crate::core::judge::sample::{BASELINE_RECORDS, Measured};
@@ -27,14 +27,12 @@ pub(super) struct Line<'a> {
     noise: &'a NoiseParameters,
     /// Standard deviation of what one station adds.
     between: f64,
-    stations: [Option<u32>; CELLS],
     /// Cells that it was asked of.
     cells: usize,
-    n: usize,
     first: UtcMicros,
-    times: [UtcMicros; CELLS],
-    t: Weights,
-    x: Weights,
+    /// The first `n` are those that were not left out.
+    points: [Point; CELLS],
+    n: usize,
     mean_t: f64,
     /// Sum of squared times about their mean.
     spread: f64,
@@ -51,17 +49,14 @@ pub(super) struct Line<'a> {
 impl<'a> Line<'a> {
     /// Least squares through the points, the outliers among them left out. `prior` is on the variance of their scatter,
     /// `between` the standard deviation of one station's offset, deg/(h g0).
-    pub fn through(points: Points<'_>, noise: &'a NoiseParameters, prior: ScatterPrior, between: f64) -> Self {
+    pub fn through(points: &[Point], noise: &'a NoiseParameters, prior: ScatterPrior, between: f64) -> Self {
         let mut line = Self {
             noise,
             between,
-            stations: [None; CELLS],
             cells: points.len(),
+            first: points[0].first,
+            points: [points[0]; CELLS],
             n: points.len(),
-            first: points.first[0],
-            times: [points.first[0]; CELLS],
-            t: [0.0; CELLS],
-            x: [0.0; CELLS],
             mean_t: 0.0,
             spread: 0.0,
             mean_x: 0.0,
@@ -70,10 +65,7 @@ impl<'a> Line<'a> {
             freedom: 0.0,
             bend: 0.0,
         };
-        line.stations[..points.len()].copy_from_slice(points.stations);
-        line.times[..points.len()].copy_from_slice(points.first);
-        line.t[..points.len()].copy_from_slice(points.t);
-        line.x[..points.len()].copy_from_slice(points.x);
+        line.points[..points.len()].copy_from_slice(points);
         line.fit();
         for _ in 0..MOST_LEFT_OUT {
             let Some(outlier) = line.outlier(prior) else { break };
@@ -85,17 +77,21 @@ impl<'a> Line<'a> {
     }
 
     fn fit(&mut self) {
-        let n = self.n as f64;
-        let (t, x) = (&self.t[..self.n], &self.x[..self.n]);
-        self.mean_t = t.iter().sum::<f64>() / n;
-        self.mean_x = x.iter().sum::<f64>() / n;
-        self.spread = t.iter().map(|t| (t - self.mean_t).powi(2)).sum();
-        let product: f64 = t.iter().zip(x).map(|(t, x)| (t - self.mean_t) * (x - self.mean_x)).sum();
+        let (points, n) = (&self.points[..self.n], self.n as f64);
+        self.mean_t = points.iter().map(|one| one.t).sum::<f64>() / n;
+        self.mean_x = points.iter().map(|one| one.x).sum::<f64>() / n;
+        self.spread = points.iter().map(|one| (one.t - self.mean_t).powi(2)).sum();
+        let product: f64 = points.iter().map(|one| (one.t - self.mean_t) * (one.x - self.mean_x)).sum();
         self.slope = if self.spread > 0.0 { product / self.spread } else { 0.0 };
     }
 
     fn residual(&self, i: usize) -> f64 {
-        self.x[i] - self.mean_x - self.slope * (self.t[i] - self.mean_t)
+        self.points[i].x - self.mean_x - self.slope * self.since_mean(i)
+    }
+
+    /// Of a cell's time from the mean of all.
+    fn since_mean(&self, i: usize) -> f64 {
+        self.points[i].t - self.mean_t
     }
 
     fn squares(&self) -> f64 {
@@ -106,7 +102,7 @@ impl<'a> Line<'a> {
     fn outlier(&self, prior: ScatterPrior) -> Option<usize> {
         let (n, squares) = (self.n as f64, self.squares());
         let off = |i: usize| {
-            let leverage = 1.0 / n + (self.t[i] - self.mean_t).powi(2) / self.spread;
+            let leverage = 1.0 / n + self.since_mean(i).powi(2) / self.spread;
             let own = self.residual(i).powi(2) / (1.0 - leverage).max(1e-6);
             let rest = ((squares - own).max(0.0) / (n - 3.0).max(1.0)).max(prior.least * prior.least);
             own / rest
@@ -116,10 +112,7 @@ impl<'a> Line<'a> {
     }
 
     fn leave_out(&mut self, i: usize) {
-        self.t.copy_within(i + 1..self.n, i);
-        self.x.copy_within(i + 1..self.n, i);
-        self.times.copy_within(i + 1..self.n, i);
-        self.stations.copy_within(i + 1..self.n, i);
+        self.points.copy_within(i + 1..self.n, i);
         self.n -= 1;
     }
 
@@ -132,7 +125,7 @@ impl<'a> Line<'a> {
         self.variance = prior.variance(self.squares(), independent);
         self.freedom = n + 3.0;
         let bend = self.bend_weights();
-        let value: f64 = bend.iter().zip(&self.x[..self.n]).map(|(w, x)| w * x).sum();
+        let value: f64 = bend.iter().zip(&self.points[..self.n]).map(|(w, point)| w * point.x).sum();
         let variance = self.variance_of(&bend);
         self.bend = if variance > 0.0 { value / variance.sqrt() } else { 0.0 };
     }
@@ -146,7 +139,7 @@ impl<'a> Line<'a> {
     fn slope_weights(&self) -> Weights {
         let mut weights = [0.0; CELLS];
         if self.spread > 0.0 {
-            (0..self.n).for_each(|i| weights[i] = (self.t[i] - self.mean_t) / self.spread);
+            (0..self.n).for_each(|i| weights[i] = self.since_mean(i) / self.spread);
         }
         weights
     }
@@ -160,11 +153,11 @@ impl<'a> Line<'a> {
 
     /// The part of t^2 that is orthogonal to 1 and t.
     fn bend_weights(&self) -> Weights {
-        let square = |i: usize| (self.t[i] - self.mean_t).powi(2);
+        let square = |i: usize| self.since_mean(i).powi(2);
         let mean = self.spread / self.n as f64;
-        let skew: f64 = (0..self.n).map(|i| (self.t[i] - self.mean_t) * square(i)).sum::<f64>() / self.spread;
+        let skew: f64 = (0..self.n).map(|i| self.since_mean(i) * square(i)).sum::<f64>() / self.spread;
         let mut weights = [0.0; CELLS];
-        (0..self.n).for_each(|i| weights[i] = square(i) - mean - skew * (self.t[i] - self.mean_t));
+        (0..self.n).for_each(|i| weights[i] = square(i) - mean - skew * self.since_mean(i));
         weights
     }
 
@@ -173,13 +166,13 @@ impl<'a> Line<'a> {
     }
 
     fn of_walk(&self, u: &Weights, w: &Weights) -> f64 {
-        self.noise.of_walk(&self.t[..self.n], &u[..self.n], &w[..self.n])
+        self.noise.of_walk(|i| self.points[i].t, &u[..self.n], &w[..self.n])
     }
 
     /// The cells' stations, each with a weight; nothing where stations do not differ.
     fn at_stations(&self, weights: &Weights) -> Vec<(Option<u32>, f64)> {
         let n = if self.between == 0.0 { 0 } else { self.n };
-        self.stations.iter().copied().zip(weights.iter().copied()).take(n).collect()
+        self.points.iter().map(|point| point.station).zip(weights.iter().copied()).take(n).collect()
     }
 
     /// What stations bring into two sums of figures, a covariance: those of a station share its offset. Nothing where
@@ -214,7 +207,7 @@ impl<'a> Line<'a> {
 
     /// From the oldest cell to the judged record, days.
     pub fn span_days(&self) -> f64 {
-        -self.t[0] * DAYS_A_YEAR
+        -self.points[0].t * DAYS_A_YEAR
     }
 
     /// How far the course bends, in standard deviations of that.
@@ -241,17 +234,17 @@ impl<'a> Line<'a> {
     /// First record of the cell at which a change of level explains the figures better (by least squares) than the
     /// line does.
     pub fn step_that_fits_better(&self) -> Option<UtcMicros> {
-        let (x, n) = (&self.x[..self.n], self.n as f64);
+        let n = self.n as f64;
         let explained_by_line = self.slope * self.slope * self.spread;
         // A step between two groups explains n1 n2/n (difference of their means)^2 = n/(n1 n2) (sum over one group)^2.
         let mut sum = 0.0;
         let explained_by_step = (1..self.n).map(|first| {
-            sum += x[first - 1] - self.mean_x;
+            sum += self.points[first - 1].x - self.mean_x;
             let n1 = first as f64;
             (sum * sum * n / (n1 * (n - n1)), first)
         });
         let best = explained_by_step.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        (best.0 > explained_by_line).then_some(self.times[best.1])
+        (best.0 > explained_by_line).then_some(self.points[best.1].first)
     }
 }
 
@@ -357,7 +350,7 @@ fn baseline_weights(line: &Line<'_>, level: &BaselineLevel, now: UtcMicros) -> (
     let Some(records) = level.records else { return (inside, apart) };
     let share = 1.0 / BASELINE_RECORDS as f64;
     for (place, at) in records.iter().map(|record| record.at).enumerate() {
-        let cell = line.times[..line.n].partition_point(|first| *first <= at);
+        let cell = line.points[..line.n].partition_point(|point| point.first <= at);
         match cell.checked_sub(1) {
             Some(cell) if at <= now => inside[cell] += share,
             _ => apart[place] = share,
@@ -418,14 +411,17 @@ mod tests {
         assert_eq!(falling.reaches(budget), rising.reaches(budget), "the side makes no difference");
     }
 
+    fn prior() -> ScatterPrior {
+        ScatterPrior { scatter: 1e-4, least: 1e-6 }
+    }
+
     #[test]
     fn a_straight_line_has_no_bend_at_uneven_times() {
         let noise = NoiseParameters { phi: 0.0, walk: 0.0, of_fleet: true };
         let t = [-9.0, -4.0, -2.0, -1.0, -0.5, 0.0];
         let bend = |x: fn(f64) -> f64| {
-            let (x, first, sd) = (t.map(x), [UtcMicros(0); 6], [None; 6]);
-            let points = Points { first: &first, t: &t, stations: &[Some(1); 12][..t.len()], x: &x, sd: &sd };
-            Line::through(points, &noise, ScatterPrior { least: 1e-6, ..ScatterPrior::of(1e-3, &sd) }, 0.0).bend
+            let points = t.map(|t| Point { first: UtcMicros(0), t, station: Some(1), x: x(t), sd: None });
+            Line::through(&points, &noise, prior(), 0.0).bend
         };
         assert!(bend(|t| 3.0 + 2.0 * t).abs() < 1e-6, "{}", bend(|t| 3.0 + 2.0 * t));
         assert!(bend(|t| 1e-2 * t * t) > 1.0 && bend(|t| -1e-2 * t * t) < -1.0);
@@ -437,14 +433,10 @@ mod tests {
         // deviations is known to fit between 4 sqrt((n - 3)/n) and 4 by the choice of `off`.
         let noise = NoiseParameters { phi: 0.0, walk: 0.0, of_fleet: true };
         let line = |off: f64| {
-            let n = 12;
-            let t: Vec<f64> = (0..n).map(|i| f64::from(i) - 11.0).collect();
-            let x: Vec<f64> =
-                (0..n).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 } + if i == 6 { off } else { 0.0 }).collect();
-            let first = vec![UtcMicros(0); 12];
-            let sd = vec![None; 12];
-            let points = Points { first: &first, t: &t, stations: &[Some(1); 12][..t.len()], x: &x, sd: &sd };
-            Line::through(points, &noise, ScatterPrior { least: 1e-6, ..ScatterPrior::of(1e-3, &sd) }, 0.0).n
+            let x = |i: i32| if i % 2 == 0 { 1.0 } else { -1.0 } + if i == 6 { off } else { 0.0 };
+            let point = |i| Point { first: UtcMicros(0), t: f64::from(i) - 11.0, station: Some(1), x: x(i), sd: None };
+            let points: Vec<Point> = (0..12).map(point).collect();
+            Line::through(&points, &noise, prior(), 0.0).n
         };
         // Through the eleven others by hand: their line and its residuals' sum of squares over n - 3 = 9.
         let others: Vec<(f64, f64)> =

@@ -4,7 +4,7 @@ use crate::core::diagnose::search::bayes_factor::{criterion, gains, of_gyro, sco
 use crate::core::diagnose::search::choice::Choice;
 use crate::core::diagnose::search::projections::Products;
 use crate::core::diagnose::search::stepwise::{Search, without};
-use crate::core::effects::Effect;
+use crate::core::effects::{Effect, Shape};
 
 /// Entries whose evidence comes within this of the adopted one (a Bayes factor of 20) belong to its class.
 const EVIDENCE_MARGIN: f64 = 3.0;
@@ -53,6 +53,22 @@ pub(crate) fn class(search: &Search, choices: &[Choice], i: usize) -> Vec<Effect
         own.entry().never_told_from.iter().filter(|effect| search.bank.kinds.iter().any(|(k, _)| k == *effect));
     class.extend(always.filter(|effect| !class.contains(effect)).copied().collect::<Vec<_>>());
     class
+}
+
+/// Another entry's form of part of the time, where one fits as well as choice `i` does: what few dwells carry may be
+/// either, and the name is in doubt.
+pub(crate) fn in_part(search: &Search, choices: &[Choice], i: usize) -> Option<Effect> {
+    let own = choices[i].kind;
+    let range_of = |effect| search.bank.kinds.iter().find(|(kind, _)| *kind == effect).map(|(_, range)| range.clone());
+    let (parts, of_own) = (range_of(Effect::PartTime)?, range_of(own)?);
+    let state = search.state(&without(choices, i));
+    let products = Products::of(search.bank, &state);
+    let seen = products.seen(&state);
+    let of_another = |k: &usize| !matches!(search.bank.hypotheses[*k].shape, Shape::Part { of, .. } if of == own);
+    // Of single hypotheses, each of which has its part of the time as one more coefficient.
+    let mut gains = parts.filter(of_another).map(|k| criterion(search.bank, k..k + 1, &seen) - 1.0);
+    let as_well = criterion(search.bank, of_own, &seen) - FIT_MARGIN;
+    gains.any(|gain| gain > as_well).then_some(Effect::PartTime)
 }
 
 /// The same for single gyros: what stands in for choice `i` in member `j` as far as that gyro alone can say, where

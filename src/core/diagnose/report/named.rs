@@ -85,7 +85,7 @@ pub(crate) fn named(search: &Search, found: &[Choice]) -> (Vec<Named>, Vec<Sign>
             class,
             wider_in,
             evidence: choice.evidence,
-            rival: choice.rival,
+            rival: choice.rival.or_else(|| indistinguishable::in_part(search, found, i)),
         });
     }
     crowded.extend(wandering(search, found));

@@ -70,18 +70,6 @@ impl Cell {
         (self.days / f64::from(self.records), self.values[column] / f64::from(self.records))
     }
 
-    /// Seen from a record at `now`.
-    fn point(&self, column: usize, now: UtcMicros) -> Point {
-        let (days, x) = self.mean(column);
-        Point {
-            first: self.first,
-            t: (self.first.days_since(now) + days) / DAYS_A_YEAR,
-            station: self.station,
-            x,
-            sd: self.variances[column].map(|variance| variance.sqrt() / f64::from(self.records)),
-        }
-    }
-
     /// Whether all of its records, and all that belong to it, come before `at`.
     pub fn ends_before(&self, at: UtcMicros, marks: &[Mark]) -> bool {
         self.last < at && !self.takes(at, marks)

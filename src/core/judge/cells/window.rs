@@ -1,6 +1,6 @@
 //! The cells that the control rules see at one record.
 
-use super::{CELLS, COLUMNS, Cell, looked_at};
+use super::{CELLS, COLUMNS, Cell, DAYS_A_YEAR, looked_at};
 use crate::core::judge::event::reset_before;
 use crate::core::judge::rule::Rule;
 use crate::core::judge::series::Series;
@@ -28,6 +28,20 @@ pub(in crate::core::judge) struct Point {
     pub sd: Option<f64>,
 }
 
+impl Point {
+    /// Seen from a record at `now`.
+    fn of(cell: &Cell, column: usize, now: UtcMicros) -> Self {
+        let (days, x) = cell.mean(column);
+        Self {
+            first: cell.first,
+            t: (cell.first.days_since(now) + days) / DAYS_A_YEAR,
+            station: cell.station,
+            x,
+            sd: cell.variances[column].map(|variance| variance.sqrt() / f64::from(cell.records)),
+        }
+    }
+}
+
 impl Window {
     /// At record `k`. Records after it have no part.
     pub fn at(samples: &Series, k: usize) -> Self {
@@ -52,7 +66,7 @@ impl Window {
         let nothing = Point { first: now, t: 0.0, station: None, x: 0.0, sd: None };
         let mut columns = [[nothing; CELLS]; COLUMNS];
         for (column, points) in columns.iter_mut().enumerate() {
-            points.iter_mut().zip(cells).for_each(|(point, cell)| *point = cell.point(column, now));
+            points.iter_mut().zip(cells).for_each(|(point, cell)| *point = Point::of(cell, column, now));
         }
         Self { len: cells.len(), columns }
     }

@@ -55,20 +55,19 @@ pub(crate) fn class(search: &Search, choices: &[Choice], i: usize) -> Vec<Effect
     class
 }
 
-/// Another entry's form of part of the time, where one fits as well as choice `i` does: what few dwells carry may be
-/// either, and the name is in doubt.
+/// What stands for another entry that acts in a part of the campaign, where that fits as well as choice `i` does: what
+/// few dwells carry may be either, and the name is in doubt.
 pub(crate) fn in_part(search: &Search, choices: &[Choice], i: usize) -> Option<Effect> {
-    let own = choices[i].kind;
-    let range_of = |effect| search.bank.kinds.iter().find(|(kind, _)| *kind == effect).map(|(_, range)| range.clone());
-    let (parts, of_own) = (range_of(Effect::PartTime)?, range_of(own)?);
+    let (bank, own) = (search.bank, choices[i].kind);
+    let (_, of_own) = bank.kinds.iter().find(|(kind, _)| *kind == own)?;
     let state = search.state(&without(choices, i));
-    let products = Products::of(search.bank, &state);
+    let products = Products::of(bank, &state);
     let seen = products.seen(&state);
-    let of_another = |k: &usize| !matches!(search.bank.hypotheses[*k].shape, Shape::Part { of, .. } if of == own);
-    // Of single hypotheses, each of which has its part of the time as one more coefficient.
-    let mut gains = parts.filter(of_another).map(|k| criterion(search.bank, k..k + 1, &seen) - 1.0);
-    let as_well = criterion(search.bank, of_own, &seen) - FIT_MARGIN;
-    gains.any(|gain| gain > as_well).then_some(Effect::PartTime)
+    let as_well = criterion(bank, of_own.clone(), &seen) - FIT_MARGIN;
+    let of_another = |k: &usize| matches!(bank.hypotheses[*k].shape, Shape::Part { of, .. } if of != own);
+    // Taken one by one, each has its part of the time as one more coefficient.
+    let fits_as_well = |k: &usize| criterion(bank, *k..*k + 1, &seen) - 1.0 > as_well;
+    (0..bank.hypotheses.len()).filter(of_another).find(fits_as_well).map(|k| bank.hypotheses[k].kind)
 }
 
 /// The same for single gyros: what stands in for choice `i` in member `j` as far as that gyro alone can say, where

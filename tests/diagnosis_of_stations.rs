@@ -4,7 +4,7 @@
 use gyrowatch::blindcheck::answer::Answer;
 use gyrowatch::blindcheck::kind::{CampaignKind, KindRow, row};
 use gyrowatch::core::augmented::Options;
-use gyrowatch::core::diagnose::{Variable, diagnose};
+use gyrowatch::core::diagnose::{Variable, Verdict, diagnose};
 use gyrowatch::simulate::outside::{FAMILIES, depends_on};
 use gyrowatch::wire;
 
@@ -95,6 +95,17 @@ fn what_acts_for_a_part_of_the_time_is_not_explained_as_a_whole() {
     let row = of("third");
     assert!(row.explained_as_whole.trials >= COUNT / 2, "the change can be seen in most: {row:?}");
     assert!(row.explained_as_whole.hits <= 1 && row.confident_wrong.hits <= 1, "{row:?}");
+}
+
+#[test]
+fn a_dwell_that_may_carry_all_of_what_acts_in_a_part_of_the_time_is_in_doubt() {
+    // Each was `explained`, by a bad dwell: the only fast one of the time in which the effect acted.
+    for number in [2, 6, 84, 192, 229] {
+        let simulated = CampaignKind::from_name("third").unwrap().campaign(99_001, number);
+        let diagnosis = diagnose(&simulated.campaign, &Options::default()).unwrap();
+        let signs: Vec<&str> = diagnosis.remaining.signs.iter().map(|sign| sign.kind).collect();
+        assert_eq!((diagnosis.verdict, signs), (Verdict::PartlyExplained, vec!["part_time"]), "{number}");
+    }
 }
 
 #[test]

@@ -97,7 +97,7 @@ impl Batch {
 
     /// As [`Batch::insert`], where the type of a row says which columns it has.
     pub fn enter<'a, T: Columns + 'a>(&mut self, all: impl IntoIterator<Item = &'a T>, on_conflict: OnConflict) {
-        self.insert(T::TABLE, T::COLUMNS, on_conflict, Rows::each(all, T::put_all));
+        self.insert(T::TABLE, T::COLUMNS, on_conflict, Rows::each(all, T::put));
     }
 
     /// Roughly how many pages of SQLite's log it takes.

@@ -2,12 +2,31 @@
 
 use std::sync::Arc;
 
-use super::error::{Result, StoreError};
-use super::rows::{AnyRow, CellKind, Column, Part, Row};
+use super::error::Result;
+use super::rows::{AnyRow, CellKind, Column, Found, Part, Row};
 use crate::core::id::Id;
 use crate::core::judge::Measured;
 use crate::core::named::Named;
 use crate::core::time::UtcMicros;
+
+/// `part! { Of { id, place } }`: what a type's members hold, beside one another in this order.
+macro_rules! part {
+    ($of:ident { $($member:ident),+ $(,)? }) => { part! { $of { $($member),+ } |error| error } };
+    ($of:ident { $($member:ident),+ } |$error:ident| $told:expr) => {
+        impl $crate::store::rows::Part for $of {
+            fn put(&self, row: &mut $crate::store::rows::Row<'_>) {
+                $(row.put(&self.$member);)+
+            }
+
+            fn get(
+                found: &mut $crate::store::rows::Found<'_, impl $crate::store::rows::AnyRow>,
+            ) -> $crate::store::error::Result<Self> {
+                let told = |$error: $crate::store::error::StoreError| $told;
+                Ok(Self { $($member: found.part().map_err(told)?),+ })
+            }
+        }
+    };
+}
 
 /// `columns! { Row in "table" { id, place: ["x", "y"] } }`: each member of a type with its columns, which is one of the
 /// same name unless others are given.
@@ -17,35 +36,23 @@ macro_rules! columns {
             const TABLE: &'static str = $table;
             const COLUMNS: &'static str =
                 concat!($(", ", columns!(@listed $member $($($column)+)?)),+).split_at(", ".len()).1;
-
-            fn put_all(&self, row: &mut $crate::store::rows::Row<'_>) {
-                $(row.put(&self.$member);)+
-            }
-
-            fn get_all(row: &impl $crate::store::rows::AnyRow) -> $crate::store::error::Result<Self> {
-                Ok(Self { $($member: row.part(&columns!(@names $member $($($column)+)?)).map_err(|error| error.of($table))?),+ })
-            }
         }
+
+        part! { $row { $($member),+ } |error| error.of($table) }
     };
     (@listed $member:ident) => { stringify!($member) };
     (@listed $member:ident $first:literal $($column:literal)*) => { concat!($first $(, ", ", $column)*) };
-    (@names $member:ident) => { [stringify!($member)] };
-    (@names $member:ident $($column:literal)+) => { [$($column),+] };
 }
 
-pub(super) use columns;
-
-fn damaged(column: &str) -> StoreError {
-    StoreError::Damaged(format!("unknown {column}"))
-}
+pub(super) use {columns, part};
 
 impl<C: Column> Part for C {
     fn put(&self, row: &mut Row<'_>) {
         self.put_one(row);
     }
 
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
-        Self::of(row.cell(columns[0])?).ok_or_else(|| damaged(columns[0]))
+    fn get(found: &mut Found<'_, impl AnyRow>) -> Result<Self> {
+        Self::of(found.cell()?).ok_or_else(|| found.unknown())
     }
 }
 
@@ -57,35 +64,32 @@ impl<C: Column> Part for Option<C> {
         }
     }
 
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
-        let stored: Option<C::Stored> = row.cell(columns[0])?;
-        stored.map(|stored| C::of(stored).ok_or_else(|| damaged(columns[0]))).transpose()
+    fn get(found: &mut Found<'_, impl AnyRow>) -> Result<Self> {
+        let stored: Option<C::Stored> = found.cell()?;
+        stored.map(|stored| C::of(stored).ok_or_else(|| found.unknown())).transpose()
     }
 }
 
-/// As many columns each.
 impl<P: Part, const N: usize> Part for [P; N] {
     fn put(&self, row: &mut Row<'_>) {
         self.iter().for_each(|part| part.put(row));
     }
 
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
-        let each = columns.len() / N;
-        let parts: Vec<P> = columns.chunks(each).map(|columns| P::get(row, columns)).collect::<Result<_, _>>()?;
-        parts.try_into().map_err(|_| damaged(columns[0]))
+    fn get(found: &mut Found<'_, impl AnyRow>) -> Result<Self> {
+        let parts: Vec<P> = (0..N).map(|_| found.part()).collect::<Result<_>>()?;
+        Ok(parts.try_into().unwrap_or_else(|_| unreachable!("there are as many")))
     }
 }
 
 macro_rules! tuple {
     ($($part:ident $place:tt),+) => {
-        /// One column each.
         impl<$($part: Part),+> Part for ($($part,)+) {
             fn put(&self, row: &mut Row<'_>) {
                 $(self.$place.put(row);)+
             }
 
-            fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
-                Ok(($(row.part(&columns[$place..=$place])?,)+))
+            fn get(found: &mut Found<'_, impl AnyRow>) -> Result<Self> {
+                Ok(($(found.part::<$part>()?,)+))
             }
         }
     };
@@ -122,9 +126,11 @@ column!(usize as i64, Integer: |value, row| _ = row.integer(*value as i64), |val
 column!(bool as i64, Integer: |value, row| _ = row.integer(i64::from(*value)), |value| Some(value != 0));
 column!(Id as i64, Integer: |value, row| _ = row.integer(value.0), |value| Some(Self(value)));
 column!(UtcMicros as i64, Integer: |value, row| _ = row.integer(value.0), |value| Some(Self(value)));
+column!(u64 as i64, Integer: |value, row| _ = row.integer(*value as i64), |value| value.try_into().ok());
 column!(f64 as f64, Real: |value, row| _ = row.real(*value), Some);
 column!(String as String, Text: |value, row| _ = row.text(value), Some);
 column!(Arc<str> as String, Text: |value, row| _ = row.text(value), |value| Some(value.into()));
+column!(Vec<u8> as Vec<u8>, Bytes: |value, row| _ = row.bytes(value), Some);
 
 impl<N: Named> Column for N {
     type Stored = String;
@@ -145,9 +151,8 @@ impl Part for [u8; 32] {
         row.bytes(self);
     }
 
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
-        let bytes: Vec<u8> = row.cell(columns[0])?;
-        bytes.try_into().map_err(|_| damaged(columns[0]))
+    fn get(found: &mut Found<'_, impl AnyRow>) -> Result<Self> {
+        found.cell::<Vec<u8>>()?.try_into().map_err(|_| found.unknown())
     }
 }
 
@@ -157,8 +162,8 @@ impl Part for Option<Measured> {
         row.put(&self.map(|measured| measured.value)).put(&self.and_then(|measured| measured.sd));
     }
 
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
-        let [value, sd]: [Option<f64>; 2] = row.part(columns)?;
+    fn get(found: &mut Found<'_, impl AnyRow>) -> Result<Self> {
+        let [value, sd]: [Option<f64>; 2] = found.part()?;
         Ok(value.map(|value| Measured { value, sd }))
     }
 }

@@ -6,16 +6,15 @@
 use std::future::ready;
 
 use futures::{Stream, TryStreamExt};
-use sqlx::encode::IsNull;
-use sqlx::error::BoxDynError;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
-use sqlx::postgres::PgArgumentBuffer;
-use sqlx::sqlite::SqliteArgumentsBuffer;
-use sqlx::{Database, Decode, Encode, Postgres, SqlSafeStr, Sqlite, SqlitePool, Type};
+use sqlx::{SqlSafeStr, SqlitePool};
 
 use super::error::Result;
 pub(super) use super::postgres::PgReaders;
+use super::rows::{AnyRow, Part};
 use crate::core::id::Id;
+use crate::core::named::Named;
+use crate::core::time::UtcMicros;
 
 /// Connections that read.
 #[derive(Debug, Clone)]
@@ -65,12 +64,9 @@ impl Readers {
     }
 }
 
-/// What `read` makes of each row as it comes. Rows in wait take many times the memory of what is made of them.
-pub(crate) async fn each<R, T>(
-    rows: impl Stream<Item = Result<R, sqlx::Error>>,
-    read: impl Fn(&R) -> Result<T>,
-) -> Result<Vec<T>> {
-    rows.err_into().and_then(|row| ready(read(&row))).try_collect().await
+/// What each row holds, read as it comes: rows in wait take many times the memory of what is made of them.
+pub(crate) async fn each<R: AnyRow, P: Part>(rows: impl Stream<Item = Result<R, sqlx::Error>>) -> Result<Vec<P>> {
+    rows.err_into().and_then(|row| ready(row.whole())).try_collect().await
 }
 
 /// Runs `$query` on whichever database `$readers` are of; in it `$db` is the pool.
@@ -83,32 +79,29 @@ macro_rules! on {
     };
 }
 
-/// `read!(store, query_as.fetch_all, sql, a, b)`: what a query with these parameters finds. With `all` and `first` each
-/// row is read by the list of its type's columns, see [`super::columns`].
+/// `read!(store, all, sql, a, b)`: what a query with these parameters finds, each row read as a [`Part`]; the `first` row
+/// if there is any, or the `one` that there is.
 macro_rules! read {
     ($store:expr, all, $sql:expr $(, $bound:expr)* $(,)?) => {
         $crate::store::db::on!($store.readers, db => {
-            let rows = sqlx::query($sql)$(.bind($bound))*.fetch(db);
-            $crate::store::db::each(rows, $crate::store::rows::Columns::get_all).await
+            $crate::store::db::each(sqlx::query($sql)$(.bind($crate::store::db::Bound::bound($bound)))*.fetch(db)).await
         })
     };
     ($store:expr, first, $sql:expr $(, $bound:expr)* $(,)?) => {
         $crate::store::db::on!($store.readers, db => {
-            let row = sqlx::query($sql)$(.bind($bound))*.fetch_optional(db).await?;
-            row.as_ref().map($crate::store::rows::Columns::get_all).transpose()
+            let row = sqlx::query($sql)$(.bind($crate::store::db::Bound::bound($bound)))*.fetch_optional(db).await?;
+            row.as_ref().map($crate::store::rows::AnyRow::whole).transpose()
         })
     };
-    ($store:expr, $query:ident.$fetch:ident, $sql:expr $(, $bound:expr)* $(,)?) => {
-        $crate::store::db::on!($store.readers, db => sqlx::$query($sql)$(.bind($bound))*.$fetch(db).await?)
+    ($store:expr, one, $sql:expr $(, $bound:expr)* $(,)?) => {
+        $crate::store::db::on!($store.readers, db => {
+            let row = sqlx::query($sql)$(.bind($crate::store::db::Bound::bound($bound)))*.fetch_one(db).await?;
+            $crate::store::rows::AnyRow::whole(&row)
+        })
     };
 }
 
 pub(super) use {on, read};
-
-/// Numbers of gyros, IMUs or stations as they were read.
-pub(crate) fn numbers(rows: Vec<Whole<u32>>) -> Vec<u32> {
-    rows.into_iter().map(|Whole(number)| number).collect()
-}
 
 /// What brings a schema up to date, of migrations by number and name.
 pub(super) fn migrator(migrations: &[(i64, &'static str, &'static str)]) -> Migrator {
@@ -128,50 +121,72 @@ pub(crate) fn asked<const N: usize>(first: usize, conditions: [(bool, &str); N])
     (first..).zip(conditions).map(one).collect::<Vec<_>>().join(" AND ")
 }
 
-/// A list for [`Readers::list`].
-pub(crate) fn list_of<'a>(ids: impl IntoIterator<Item = &'a Id>) -> String {
-    serde_json::Value::from_iter(ids.into_iter().map(|id| id.0)).to_string()
+/// What a parameter is bound as: whole numbers are 64 bits wide in the database.
+pub(crate) trait Bound {
+    type As;
+
+    fn bound(self) -> Self::As;
 }
 
-/// What `count(*)` finds.
-pub(crate) fn counted(count: i64) -> usize {
-    count.unsigned_abs() as usize
-}
+macro_rules! bound {
+    ($of:ty as $bound:ty: $as:expr) => {
+        impl Bound for $of {
+            type As = $bound;
 
-/// For `LIMIT` and `OFFSET`.
-pub(crate) fn at_most(rows: usize) -> i64 {
-    i64::try_from(rows).unwrap_or(i64::MAX)
-}
-
-/// A whole number that is narrower here than in the database, where all are 64 bits wide.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Whole<T>(pub T);
-
-macro_rules! whole {
-    ($database:ty, $buffer:ty) => {
-        impl<T> Type<$database> for Whole<T> {
-            fn type_info() -> <$database as Database>::TypeInfo {
-                <i64 as Type<$database>>::type_info()
-            }
-
-            fn compatible(found: &<$database as Database>::TypeInfo) -> bool {
-                <i64 as Type<$database>>::compatible(found)
-            }
-        }
-
-        impl<'r, T: TryFrom<i64, Error: std::error::Error + Send + Sync + 'static>> Decode<'r, $database> for Whole<T> {
-            fn decode(value: <$database as Database>::ValueRef<'r>) -> Result<Self, BoxDynError> {
-                Ok(Self(T::try_from(<i64 as Decode<$database>>::decode(value)?)?))
-            }
-        }
-
-        impl<'q, T: Copy + Into<i64>> Encode<'q, $database> for Whole<T> {
-            fn encode_by_ref(&self, buffer: &mut $buffer) -> Result<IsNull, BoxDynError> {
-                <i64 as Encode<'q, $database>>::encode(self.0.into(), buffer)
+            fn bound(self) -> $bound {
+                let bound: fn($of) -> $bound = $as;
+                bound(self)
             }
         }
     };
 }
 
-whole!(Sqlite, SqliteArgumentsBuffer);
-whole!(Postgres, PgArgumentBuffer);
+bound!(bool as bool: |value| value);
+bound!(i64 as i64: |value| value);
+bound!(f64 as f64: |value| value);
+bound!(String as String: |value| value);
+bound!(u32 as i64: i64::from);
+bound!(usize as i64: |value| value.try_into().unwrap_or(i64::MAX));
+bound!(Id as i64: |id| id.0);
+bound!(UtcMicros as i64: |at| at.0);
+
+impl<'a> Bound for &'a str {
+    type As = &'a str;
+
+    fn bound(self) -> &'a str {
+        self
+    }
+}
+
+impl<N: Named> Bound for N {
+    type As = &'static str;
+
+    fn bound(self) -> &'static str {
+        self.name()
+    }
+}
+
+impl<B: Bound> Bound for Option<B> {
+    type As = Option<B::As>;
+
+    fn bound(self) -> Option<B::As> {
+        self.map(B::bound)
+    }
+}
+
+/// A list for [`Readers::list`].
+impl<B: Bound<As = i64> + Copy> Bound for &[B] {
+    type As = String;
+
+    fn bound(self) -> String {
+        serde_json::Value::from_iter(self.iter().map(|one| one.bound())).to_string()
+    }
+}
+
+impl<B: Bound<As = i64> + Copy> Bound for &Vec<B> {
+    type As = String;
+
+    fn bound(self) -> String {
+        self.as_slice().bound()
+    }
+}

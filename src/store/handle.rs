@@ -70,7 +70,7 @@ impl Store {
 
     /// Whether the database answers.
     pub async fn ping(&self) -> Result<()> {
-        let _one: i32 = read!(self, query_scalar.fetch_one, "SELECT 1");
+        on!(self.readers, db => _ = sqlx::query("SELECT 1").fetch_one(db).await?);
         Ok(())
     }
 
@@ -79,16 +79,12 @@ impl Store {
     /// # Errors
     /// Where a database server does not say.
     pub async fn sizes(&self) -> Result<(u64, u64)> {
-        match (&self.place, &self.readers) {
-            (Place::File(file), _) => {
+        match &self.place {
+            Place::File(file) => {
                 let size = |path: &Path| std::fs::metadata(path).map_or(0, |found| found.len());
                 Ok((size(file), size(&lock::beside(file, "-wal"))))
             }
-            (Place::Server(_), readers) => {
-                let sql = "SELECT pg_database_size(current_database())";
-                let size: i64 = on!(*readers, db => sqlx::query_scalar(sql).fetch_one(db).await?);
-                Ok((size.unsigned_abs(), 0))
-            }
+            Place::Server(_) => Ok((read!(self, one, "SELECT pg_database_size(current_database())")?, 0)),
         }
     }
 

@@ -8,19 +8,15 @@ use rusqlite::CachedStatement;
 use rusqlite::types::{ToSqlOutput, ValueRef};
 use sqlx::postgres::PgRow;
 use sqlx::sqlite::SqliteRow;
-use sqlx::{AssertSqlSafe, Decode, Postgres, Row as _, Sqlite, Type};
+use sqlx::{AssertSqlSafe, Column as _, Decode, Postgres, Row as _, Sqlite, Type};
 
-use super::error::Result;
+use super::error::{Result, StoreError};
 
 /// A row of a table, made by [`columns`](super::columns).
-pub(crate) trait Columns: Sized {
+pub(crate) trait Columns: Part {
     const TABLE: &'static str;
     /// As SQL lists them.
     const COLUMNS: &'static str;
-
-    fn put_all(&self, row: &mut Row<'_>);
-
-    fn get_all(row: &impl AnyRow) -> Result<Self>;
 
     /// All columns, of which rows and in what order `then` says.
     fn select(then: &str) -> AssertSqlSafe<String> {
@@ -40,11 +36,11 @@ pub(crate) trait Column: Sized {
     fn of(stored: Self::Stored) -> Option<Self>;
 }
 
-/// What some columns hold together, often but one.
+/// What some columns beside one another hold together, often but one.
 pub(crate) trait Part: Sized {
     fn put(&self, row: &mut Row<'_>);
 
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self>;
+    fn get(found: &mut Found<'_, impl AnyRow>) -> Result<Self>;
 }
 
 /// The rows of one statement.
@@ -309,24 +305,64 @@ pub(crate) trait Stored:
 impl<T> Stored for T where T: Type<Sqlite> + for<'r> Decode<'r, Sqlite> + Type<Postgres> + for<'r> Decode<'r, Postgres> {}
 
 /// A row of either database.
-pub(crate) trait AnyRow: Sized {
-    /// The column may be in quotes: some names are words of SQL.
-    fn cell<T: Stored>(&self, column: &str) -> Result<T, sqlx::Error>;
+pub(crate) trait AnyRow {
+    fn cell<T: Stored>(&self, place: usize) -> Result<T, sqlx::Error>;
 
-    /// What some columns hold.
-    fn part<P: Part>(&self, columns: &[&'static str]) -> Result<P> {
-        P::get(self, columns)
+    /// Of a column.
+    fn name(&self, place: usize) -> &str;
+
+    /// What its columns hold, in their order.
+    fn whole<P: Part>(&self) -> Result<P>
+    where
+        Self: Sized,
+    {
+        P::get(&mut Found { row: self, next: 0 })
     }
 }
 
-impl AnyRow for SqliteRow {
-    fn cell<T: Stored>(&self, column: &str) -> Result<T, sqlx::Error> {
-        self.try_get(column.trim_matches('"'))
-    }
+macro_rules! any_row {
+    ($row:ty) => {
+        impl AnyRow for $row {
+            fn cell<T: Stored>(&self, place: usize) -> Result<T, sqlx::Error> {
+                self.try_get(place)
+            }
+
+            fn name(&self, place: usize) -> &str {
+                self.column(place).name()
+            }
+        }
+    };
 }
 
-impl AnyRow for PgRow {
-    fn cell<T: Stored>(&self, column: &str) -> Result<T, sqlx::Error> {
-        self.try_get(column.trim_matches('"'))
+any_row!(SqliteRow);
+any_row!(PgRow);
+
+/// A row that is read, column after column.
+pub(crate) struct Found<'r, R> {
+    row: &'r R,
+    next: usize,
+}
+
+impl<R: AnyRow> Found<'_, R> {
+    /// What the next columns hold.
+    pub fn part<P: Part>(&mut self) -> Result<P> {
+        P::get(self)
+    }
+
+    /// What the next column holds.
+    pub fn cell<T: Stored>(&mut self) -> Result<T, sqlx::Error> {
+        let cell = self.row.cell(self.next).map_err(|error| match error {
+            sqlx::Error::ColumnDecode { source, .. } => {
+                sqlx::Error::ColumnDecode { index: format!("{:?}", self.row.name(self.next)), source }
+            }
+            other => other,
+        });
+        self.next += 1;
+        cell
+    }
+
+    /// That the last column holds what it should not.
+    pub fn unknown(&self) -> StoreError {
+        StoreError::Damaged(format!("unknown {}", self.row.name(self.next - 1)))
     }
 }

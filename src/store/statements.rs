@@ -22,7 +22,7 @@ pub(super) fn batch_of(changes: &Changes) -> Batch {
         batch.add(&sqlite, &postgres, rows);
     }
     correction::withdraw(&changes.withdrawn, &mut batch);
-    record::insert(&changes.records, &mut batch);
+    batch.enter(&changes.records, OnConflict::Fail);
     record::pack(&changes.packed, &mut batch);
     set_aside::insert(&changes.set_aside, &mut batch);
     set_aside::confirm(&changes.confirmed, changes.history.iter(), &mut batch);

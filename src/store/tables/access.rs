@@ -2,7 +2,7 @@
 
 use sqlx::SqliteConnection;
 
-use super::{Batch, Columns, Id, OnConflict, Result, Rows, Store, UtcMicros, Whole, columns, on, read};
+use super::{AnyRow, Batch, Columns, Id, OnConflict, Result, Rows, Span, Store, UtcMicros, columns, part, read};
 use crate::core::access::{AuditEntry, AuditFilter, Role};
 
 /// A token, without its secret.
@@ -75,7 +75,7 @@ pub async fn tokens(store: &Store) -> Result<Vec<TokenRow>> {
 
 /// As [`tokens`], by a connection of one's own.
 pub(in crate::store) async fn tokens_of(reading: &mut SqliteConnection) -> Result<Vec<TokenRow>> {
-    sqlx::query(TokenRow::select("ORDER BY id")).fetch_all(reading).await?.iter().map(Columns::get_all).collect()
+    sqlx::query(TokenRow::select("ORDER BY id")).fetch_all(reading).await?.iter().map(AnyRow::whole).collect()
 }
 
 pub async fn sessions(store: &Store) -> Result<Vec<SessionRow>> {
@@ -84,7 +84,7 @@ pub async fn sessions(store: &Store) -> Result<Vec<SessionRow>> {
 
 /// One line of the audit trail.
 pub async fn audit_line(store: &Store, id: Id) -> Result<Option<AuditEntry>> {
-    read!(store, first, AuditEntry::select("WHERE id = $1"), id.0)
+    read!(store, first, AuditEntry::select("WHERE id = $1"), id)
 }
 
 /// Lines of the audit trail, newest first, those before `before`.
@@ -94,15 +94,8 @@ pub async fn audit(store: &Store, filter: &AuditFilter, before: Option<Id>, limi
              AND ($6 IS NULL OR subject = $6)
          ORDER BY id DESC LIMIT $7",
     );
-    on!(store.readers, db => {
-        let query = sqlx::query(sql)
-            .bind(before.map_or(i64::MAX, |id| id.0))
-            .bind(filter.from.map_or(i64::MIN, |at| at.0))
-            .bind(filter.to.map_or(i64::MAX, |at| at.0))
-            .bind(&filter.who)
-            .bind(&filter.action)
-            .bind(&filter.subject)
-            .bind(Whole(limit));
-        query.fetch_all(db).await?.iter().map(Columns::get_all).collect()
-    })
+    let AuditFilter { from, to, who, action, subject } = filter;
+    let (from, to) = (from.unwrap_or(Span::EVER.from), to.unwrap_or(Span::EVER.to));
+    let (who, action, subject) = (who.as_deref(), action.as_deref(), subject.as_deref());
+    read!(store, all, sql, before.map_or(i64::MAX, |id| id.0), from, to, who, action, subject, limit)
 }

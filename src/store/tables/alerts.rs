@@ -3,8 +3,8 @@
 use std::collections::{BTreeSet, HashMap};
 
 use super::{
-    AnyRow, AssertSqlSafe, Batch, Columns, Id, OnConflict, Part, Result, Row, Sql, Store, StoreError, UtcMicros, Whole,
-    asked, at_most, columns, counted, list_of, numbers, on, read,
+    AnyRow, AssertSqlSafe, Batch, Columns, Found, Id, OnConflict, Part, Result, Row, Sql, Store, StoreError, UtcMicros,
+    asked, columns, part, read,
 };
 use crate::core::alert_decision::{Alert, Hushed, LastNotification, Standing};
 use crate::core::alert_filter::AlertFilter;
@@ -19,15 +19,8 @@ pub struct Remark {
     pub at: UtcMicros,
 }
 
-impl Part for Remark {
-    fn put(&self, row: &mut Row<'_>) {
-        row.put(&self.by).put(&self.reason).put(&self.at);
-    }
-
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
-        let (by, reason, at) = row.part(columns)?;
-        Ok(Self { by, reason, at })
-    }
+part! {
+    Remark { by, reason, at }
 }
 
 impl Part for Option<Remark> {
@@ -37,9 +30,9 @@ impl Part for Option<Remark> {
         row.put(&said.map(|remark| remark.at));
     }
 
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
-        let is_there = row.part::<Option<UtcMicros>>(&columns[2..])?.is_some();
-        is_there.then(|| row.part(columns)).transpose()
+    fn get(found: &mut Found<'_, impl AnyRow>) -> Result<Self> {
+        let (by, reason, at): (Option<_>, Option<_>, Option<_>) = found.part()?;
+        Ok(by.zip(reason).zip(at).map(|((by, reason), at)| Remark { by, reason, at }))
     }
 }
 
@@ -131,14 +124,16 @@ columns! {
 
 impl Columns for AlertRow {
     const TABLE: &'static str = "alert";
-    const COLUMNS: &'static str = "id, gyro, station, imu, coefficient, rule, status, severity, since, fired_at, \
+    const COLUMNS: &'static str = "id, rule, gyro, station, imu, coefficient, status, severity, since, fired_at, \
         resolved_at, record_at, within, told_at, told_severity, acknowledged_by, acknowledged_reason, acknowledged_at, \
         silenced_by, silenced_reason, silenced_at, silenced_until, finding, hushed_at, digest, muted_by, muted_until, \
         inhibited_by";
+}
 
-    fn put_all(&self, row: &mut Row<'_>) {
+impl Part for AlertRow {
+    fn put(&self, row: &mut Row<'_>) {
         let Self { id, of, coefficient, rule, alert, acknowledged, silenced, muted, inhibited_by, finding } = self;
-        row.put(id).put(&of.gyro().or(of.batch())).put(&of.station()).put(&of.imu()).put(coefficient).put(rule);
+        row.put(id).put(rule).put(&of.gyro().or(of.batch())).put(&of.station()).put(&of.imu()).put(coefficient);
         row.put(&alert.status).put(&alert.severity).put(&alert.since).put(&alert.fired_at).put(&alert.resolved_at);
         row.put(&alert.record_at).put(&alert.within);
         row.put(&alert.told.map(|told| told.at)).put(&alert.told.map(|told| told.severity));
@@ -147,8 +142,8 @@ impl Columns for AlertRow {
         row.put(&muted.as_ref().map(|(silence, _)| *silence)).put(&alert.muted_until).put(inhibited_by);
     }
 
-    fn get_all(row: &impl AnyRow) -> Result<Self> {
-        alert(row).map_err(|error| error.of(Self::TABLE))
+    fn get(found: &mut Found<'_, impl AnyRow>) -> Result<Self> {
+        alert(found).map_err(|error| error.of(Self::TABLE))
     }
 }
 
@@ -161,55 +156,47 @@ fn select(conditions: &str) -> AssertSqlSafe<String> {
     AssertSqlSafe(format!("{SELECT} WHERE {conditions} ORDER BY alert.id"))
 }
 
-const SELECT: &str = "SELECT alert.id, gyro, alert.station, alert.imu, inhibited_by, coefficient, alert.rule, status, severity, fired_at, resolved_at, record_at, within, \
-     told_at, told_severity, acknowledged_by, acknowledged_reason, acknowledged_at, \
-     silenced_by, silenced_reason, silenced_at, silenced_until, finding, coalesce(since, fired_at) AS since, hushed_at, digest, \
-     muted_by, muted_until, silence.author AS muted_author, silence.reason AS muted_reason, silence.at AS muted_at \
+const SELECT: &str = "SELECT alert.id, alert.rule, gyro, alert.station, alert.imu, coefficient, status, severity, \
+     coalesce(since, fired_at) AS since, fired_at, resolved_at, record_at, within, told_at, told_severity, \
+     acknowledged_by, acknowledged_reason, acknowledged_at, silenced_by, silenced_reason, silenced_at, silenced_until, \
+     finding, hushed_at, digest, muted_by, muted_until, inhibited_by, \
+     silence.author AS muted_author, silence.reason AS muted_reason, silence.at AS muted_at \
      FROM alert LEFT JOIN silence ON silence.id = alert.muted_by";
 
-fn alert(row: &impl AnyRow) -> Result<AlertRow> {
-    let instant = |column: &'static str| row.part::<Option<UtcMicros>>(&[column]);
-    let rule: Rule = row.part(&["rule"])?;
-    let of: [Option<u32>; 3] = row.part(&["gyro", "station", "imu"])?;
-    let of = match of {
+/// Of what [`SELECT`] finds.
+fn alert(found: &mut Found<'_, impl AnyRow>) -> Result<AlertRow> {
+    let (id, rule) = found.part()?;
+    let of = match found.part::<[Option<u32>; 3]>()? {
         [Some(gyro), ..] if rule == Rule::BatchShift => AlertOf::Batch(gyro),
         [Some(gyro), ..] => AlertOf::Gyro(gyro),
         [_, Some(station), _] => AlertOf::Station(station),
         [.., Some(imu)] => AlertOf::Imu(imu),
         [None, None, None] => return Err(StoreError::Damaged("unknown subject".to_owned())),
     };
-    let digest: bool = row.part(&["digest"])?;
-    let muted_by: Option<Id> = row.part(&["muted_by"])?;
-    let muted: Option<Remark> = row.part(&["muted_author", "muted_reason", "muted_at"])?;
-    let inhibited_by: Option<Id> = row.part(&["inhibited_by"])?;
-    let acknowledged: Option<Remark> = row.part(&["acknowledged_by", "acknowledged_reason", "acknowledged_at"])?;
-    let told = instant("told_at")?.zip(row.part::<Option<Severity>>(&["told_severity"])?);
-    Ok(AlertRow {
-        id: row.part(&["id"])?,
-        of,
-        coefficient: row.part(&["coefficient"])?,
-        rule,
-        alert: Alert {
-            status: row.part(&["status"])?,
-            severity: row.part(&["severity"])?,
-            since: row.part(&["since"])?,
-            fired_at: row.part(&["fired_at"])?,
-            resolved_at: instant("resolved_at")?,
-            record_at: row.part(&["record_at"])?,
-            within: row.part(&["within"])?,
-            acknowledged: acknowledged.is_some(),
-            silenced_until: instant("silenced_until")?,
-            muted_until: instant("muted_until")?,
-            inhibited: inhibited_by.is_some(),
-            hushed: instant("hushed_at")?.map(|at| Hushed { at, digest }),
-            told: told.map(|(at, severity)| LastNotification { at, severity }),
-        },
-        acknowledged,
-        silenced: row.part(&["silenced_by", "silenced_reason", "silenced_at"])?,
-        muted: muted_by.zip(muted),
-        inhibited_by,
-        finding: row.part(&["finding"])?,
-    })
+    let (coefficient, status, severity) = found.part()?;
+    let ([since, fired_at], resolved_at, record_at, within) = found.part()?;
+    let (told_at, told_severity): (Option<UtcMicros>, Option<Severity>) = found.part()?;
+    let (acknowledged, silenced, silenced_until): (Option<Remark>, _, _) = found.part()?;
+    let (finding, hushed_at, digest): (_, Option<UtcMicros>, _) = found.part()?;
+    let (muted_by, muted_until): (Option<Id>, _) = found.part()?;
+    let (inhibited_by, muted): (Option<Id>, Option<Remark>) = found.part()?;
+    let alert = Alert {
+        status,
+        severity,
+        since,
+        fired_at,
+        resolved_at,
+        record_at,
+        within,
+        acknowledged: acknowledged.is_some(),
+        silenced_until,
+        muted_until,
+        inhibited: inhibited_by.is_some(),
+        hushed: hushed_at.map(|at| Hushed { at, digest }),
+        told: told_at.zip(told_severity).map(|(at, severity)| LastNotification { at, severity }),
+    };
+    let muted = muted_by.zip(muted);
+    Ok(AlertRow { id, of, coefficient, rule, alert, acknowledged, silenced, muted, inhibited_by, finding })
 }
 
 /// That it is no alert of the batch of its gyro.
@@ -233,7 +220,7 @@ enum Lookup {
     Other,
 }
 
-/// What a filter lets through: seven parameters, see the macro `bound`.
+/// What a filter lets through: seven parameters, see the macro `filtered`.
 fn conditions(store: &Store, filter: &AlertFilter, lookup: Lookup) -> String {
     let imu =
         store.readers.words(Sql { sqlite: "alert.finding->>'imu'", postgres: "CAST(alert.finding AS JSONB)->>'imu'" });
@@ -255,17 +242,12 @@ fn conditions(store: &Store, filter: &AlertFilter, lookup: Lookup) -> String {
     asked(1, conditions) + " AND $7 = $7"
 }
 
-macro_rules! bound {
-    ($query:expr, $filter:expr, $now:expr) => {
-        $query
-            .bind($filter.gyro.map(Whole))
-            .bind($filter.coefficient.map(Coefficient::name))
-            .bind($filter.rule.map(Rule::name))
-            .bind($filter.severity.map(Severity::name))
-            .bind($filter.imu.as_deref())
-            .bind($filter.standing.map(Standing::name))
-            .bind($now.0)
-    };
+macro_rules! filtered {
+    ($store:expr, $rows:ident, $sql:expr, $filter:expr, $now:expr $(, $bound:expr)* $(,)?) => {{
+        let AlertFilter { gyro, coefficient, rule, severity, imu, standing } = $filter;
+        let imu = imu.as_deref();
+        read!($store, $rows, $sql, *gyro, *coefficient, *rule, *severity, imu, *standing, $now $(, $bound)*)
+    }};
 }
 
 /// Alerts that a filter lets through at `now`, with identifiers below `before`, newest first.
@@ -278,11 +260,7 @@ pub async fn find(
 ) -> Result<Vec<AlertRow>> {
     let conditions = conditions(store, filter, Lookup::Other);
     let sql = AssertSqlSafe(format!("{SELECT} WHERE {conditions} AND alert.id < $8 ORDER BY alert.id DESC LIMIT $9"));
-    on!(store.readers, db => bound!(sqlx::query(sql), filter, now)
-        .bind(before.map_or(i64::MAX, |id| id.0))
-        .bind(Whole(limit))
-        .fetch_all(db)
-        .await?.iter().map(Columns::get_all).collect())
+    filtered!(store, all, sql, filter, now, before.map_or(i64::MAX, |id| id.0), limit)
 }
 
 /// Gyros with alerts that a filter lets through: those that stand worst first, or with `newest`, those whose newest
@@ -298,7 +276,7 @@ pub async fn gyros_found(
     let few = AssertSqlSafe(format!(
         "SELECT count(*) FROM (SELECT 1 FROM alert WHERE {conditions} AND {OF_ITSELF} LIMIT {FEW}) AS found"
     ));
-    let found: i64 = on!(store.readers, db => bound!(sqlx::query_scalar(few), filter, now).fetch_one(db).await?);
+    let found: i64 = filtered!(store, one, few, filter, now)?;
     // What many gyros have is soon found in the order of the fleet; what few have would be long in coming.
     let sql = AssertSqlSafe(match (newest, found < FEW) {
         (true, _) => format!(
@@ -316,11 +294,7 @@ pub async fn gyros_found(
              ORDER BY head.rank DESC, head.load DESC, head.serial LIMIT $8 OFFSET $9"
         ),
     });
-    Ok(numbers(on!(store.readers, db => bound!(sqlx::query_scalar(sql), filter, now)
-        .bind(at_most(limit))
-        .bind(at_most(skip))
-        .fetch_all(db)
-        .await?)))
+    filtered!(store, all, sql, filter, now, limit, skip)
 }
 
 /// Alerts below which their gyros are looked up and sorted.
@@ -330,11 +304,7 @@ const FEW: i64 = if cfg!(test) { 60 } else { 4000 };
 pub async fn found_of(store: &Store, filter: &AlertFilter, now: UtcMicros, gyros: &[u32]) -> Result<Vec<AlertRow>> {
     let conditions = conditions(store, filter, Lookup::Other);
     let sql = select(&format!("{conditions} AND alert.gyro IN {}", store.readers.list("$8")));
-    let gyros = serde_json::json!(gyros).to_string();
-    on!(store.readers, db => bound!(sqlx::query(sql), filter, now)
-        .bind(gyros)
-        .fetch_all(db)
-        .await?.iter().map(Columns::get_all).collect())
+    filtered!(store, all, sql, filter, now, gyros)
 }
 
 /// How many alerts stand how, among those that a filter lets through. Most of those that fire are handled by nobody:
@@ -349,9 +319,8 @@ pub async fn standings(store: &Store, filter: &AlertFilter, now: UtcMicros) -> R
     ));
     let mut counts: HashMap<Standing, usize> = HashMap::new();
     for sql in [by_status, handled] {
-        let rows: Vec<(String, i64)> =
-            on!(store.readers, db => bound!(sqlx::query_as(sql), filter, now).fetch_all(db).await?);
-        let known = |(name, count): (String, i64)| Some((Standing::from_name(&name)?, counted(count)));
+        let rows: Vec<(String, usize)> = filtered!(store, all, sql, filter, now)?;
+        let known = |(name, count): (String, usize)| Some((Standing::from_name(&name)?, count));
         let rows: Vec<(Standing, usize)> = rows.into_iter().filter_map(known).collect();
         if let Some(firing) = counts.get_mut(&Standing::Firing) {
             *firing = firing.saturating_sub(rows.iter().map(|(_, count)| count).sum());
@@ -364,8 +333,7 @@ pub async fn standings(store: &Store, filter: &AlertFilter, now: UtcMicros) -> R
 /// Another one after every change of an alert.
 pub async fn version(store: &Store) -> Result<[i64; 2]> {
     let sqlite = "SELECT rows, sum FROM checksum WHERE name = 'alert'";
-    let (of_rows, of_sums) = read!(store, query_as.fetch_one, store.readers.words(Sql { sqlite, postgres: STAMPS }));
-    Ok([of_rows, of_sums])
+    read!(store, one, store.readers.words(Sql { sqlite, postgres: STAMPS }))
 }
 
 /// Until when the clock alone changes how no alert stands.
@@ -374,7 +342,7 @@ pub async fn same_until(store: &Store, now: UtcMicros) -> Result<UtcMicros> {
                WHERE (silenced_until IS NOT NULL OR muted_until IS NOT NULL) AND silenced_until > $1
                UNION ALL SELECT min(muted_until) FROM alert
                WHERE (silenced_until IS NOT NULL OR muted_until IS NOT NULL) AND muted_until > $1";
-    let ends: Vec<Option<i64>> = read!(store, query_scalar.fetch_all, sql, now.0);
+    let ends: Vec<Option<i64>> = read!(store, all, sql, now)?;
     Ok(UtcMicros(ends.into_iter().flatten().min().map_or(i64::MAX, |end| end - 1)))
 }
 
@@ -391,12 +359,8 @@ pub async fn due(store: &Store, now: UtcMicros, repeated: UtcMicros) -> Result<V
         // SQLite takes every firing alert otherwise: it does not know how few of them are due.
         by_time = store.readers.words(Sql { sqlite: "INDEXED BY alert_repeated", postgres: "" })
     );
-    let sql = AssertSqlSafe(sql);
-    let ids: Vec<i64> = read!(store, query_scalar.fetch_all, sql, now.0, repeated.0);
-    if ids.is_empty() {
-        return Ok(Vec::new());
-    }
-    of_ids(store, &ids.into_iter().map(Id).collect::<Vec<_>>()).await
+    let ids: Vec<Id> = read!(store, all, AssertSqlSafe(sql), now, repeated)?;
+    if ids.is_empty() { Ok(Vec::new()) } else { of_ids(store, &ids).await }
 }
 
 /// Alerts that wait for the digest of an import.
@@ -407,8 +371,7 @@ pub async fn for_digest(store: &Store) -> Result<Vec<AlertRow>> {
 /// When the last of them began to wait.
 pub async fn digest_began(store: &Store) -> Result<Option<UtcMicros>> {
     let sql = "SELECT max(hushed_at) FROM alert WHERE digest <> 0";
-    let at: Option<i64> = read!(store, query_scalar.fetch_one, sql);
-    Ok(at.map(UtcMicros))
+    read!(store, one, sql)
 }
 
 /// Alerts that fire, of gyros, by rules of which a station, a batch or an IMU can be the cause.
@@ -436,10 +399,9 @@ pub async fn explicable(store: &Store, by: &BTreeSet<AlertOf>, gyros: &[u32]) ->
         store.readers.list("$2"),
         store.readers.list("$3")
     ));
-    let json = |numbers: &[u32]| serde_json::json!(numbers).to_string();
     let stations: Vec<u32> = by.iter().filter_map(|of| of.station()).collect();
     let imus: Vec<u32> = by.iter().filter_map(|of| of.imu()).collect();
-    read!(store, all, sql, json(gyros), json(&stations), json(&imus))
+    read!(store, all, sql, gyros, &stations, &imus)
 }
 
 fn may_be_shared() -> String {
@@ -460,45 +422,44 @@ pub async fn of_no_gyro(store: &Store) -> Result<Vec<AlertRow>> {
 
 /// Alerts of gyros that this one explains.
 pub async fn inhibited_by(store: &Store, by: Id) -> Result<Vec<AlertRow>> {
-    read!(store, all, select("alert.inhibited_by = $1"), by.0)
+    read!(store, all, select("alert.inhibited_by = $1"), by)
 }
 
 /// Every alert of several gyros, in the order in which they first fired.
 pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>> {
     let sql = select(&format!("alert.gyro IN {} AND {OF_ITSELF}", store.readers.list("$1")));
-    read!(store, all, sql, serde_json::json!(gyros).to_string())
+    read!(store, all, sql, gyros)
 }
 
 /// The alerts of several gyros that fire, acknowledged or silenced as they may be, in the order in which they first
 /// did.
 pub async fn firing(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>> {
     let sql = select(&format!("alert.gyro IN {} AND {OF_ITSELF} AND status <> 'resolved'", store.readers.list("$1")));
-    read!(store, all, sql, serde_json::json!(gyros).to_string())
+    read!(store, all, sql, gyros)
 }
 
 /// How many alerts fire, by severity; of a severity without any there is no entry.
 pub async fn firing_by_severity(store: &Store) -> Result<Vec<(String, i64)>> {
     let sql = "SELECT severity, count(*) FROM alert WHERE status = 'firing' GROUP BY severity";
-    Ok(read!(store, query_as.fetch_all, sql))
+    read!(store, all, sql)
 }
 
 pub async fn get(store: &Store, id: Id) -> Result<Option<AlertRow>> {
-    read!(store, first, select("alert.id = $1"), id.0)
+    read!(store, first, select("alert.id = $1"), id)
 }
 
 /// Those of these alerts that there are, in the order in which they first fired.
 pub async fn of_ids(store: &Store, ids: &[Id]) -> Result<Vec<AlertRow>> {
     let sql = select(&format!("alert.id IN {}", store.readers.list("$1")));
-    read!(store, all, sql, list_of(ids))
+    read!(store, all, sql, ids)
 }
 
 /// The newest `limit` steps of an alert, oldest first.
 pub async fn steps(store: &Store, alert: Id, limit: u32) -> Result<Vec<StepRow>> {
     let sql = StepRow::select("WHERE alert = $1 ORDER BY id DESC LIMIT $2");
-    on!(store.readers, db => {
-        let rows = sqlx::query(sql).bind(alert.0).bind(Whole(limit)).fetch_all(db).await?;
-        rows.iter().rev().map(Columns::get_all).collect()
-    })
+    let mut steps: Vec<StepRow> = read!(store, all, sql, alert, limit)?;
+    steps.reverse();
+    Ok(steps)
 }
 
 /// The alerts that a hook has heard fire, as they were last told (JSON), each with the severity that it has heard.
@@ -507,5 +468,5 @@ pub async fn heard_firing(store: &Store, hook: Id) -> Result<Vec<(String, String
                ON step.id = coalesce((SELECT max(id) FROM alert_step WHERE alert_step.alert = heard.alert AND told = 1),
                                      (SELECT max(id) FROM alert_step WHERE alert_step.alert = heard.alert))
                WHERE heard.hook = $1 ORDER BY heard.alert";
-    Ok(read!(store, query_as.fetch_all, sql, hook.0))
+    read!(store, all, sql, hook)
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{AssertSqlSafe, Columns, Id, Result, Span, Store, UtcMicros, Whole, columns, numbers, read};
+use super::{AssertSqlSafe, Columns, Id, Result, Span, Store, UtcMicros, columns, part, read};
 use crate::core::bench::BenchMethod;
 use crate::store::RecordAt;
 
@@ -33,14 +33,14 @@ columns! {
 }
 
 pub async fn get(store: &Store, id: Id) -> Result<Option<BenchRow>> {
-    read!(store, first, BenchRow::select("WHERE id = $1"), id.0)
+    read!(store, first, BenchRow::select("WHERE id = $1"), id)
 }
 
 /// Those of `gyros` that have bench results.
 pub async fn on_benches(store: &Store, gyros: &[u32]) -> Result<Vec<u32>> {
     let those = store.readers.list("$1");
     let sql = AssertSqlSafe(format!("SELECT DISTINCT gyro FROM bench_result WHERE gyro IN {those}"));
-    Ok(numbers(read!(store, query_scalar.fetch_all, sql, serde_json::json!(gyros).to_string())))
+    read!(store, all, sql, gyros)
 }
 
 /// Bench results of a gyro within `span` that count, oldest first.
@@ -53,13 +53,12 @@ pub async fn of_gyro(store: &Store, gyro: u32, span: Span) -> Result<Vec<BenchRo
 /// Bench results of a gyro within `span`, those that do not count any more included, oldest first.
 pub async fn all_of_gyro(store: &Store, gyro: u32, span: Span) -> Result<Vec<BenchRow>> {
     let sql = BenchRow::select("WHERE gyro = $1 AND measured_at BETWEEN $2 AND $3 ORDER BY measured_at, method, id");
-    read!(store, all, sql, Whole(gyro), span.from.0, span.to.0)
+    read!(store, all, sql, gyro, span.from, span.to)
 }
 
 /// The results of a gyro by one method at an instant: the one that counts first, then those that do not.
 pub async fn at(store: &Store, gyro: u32, at: UtcMicros, method: BenchMethod) -> Result<Vec<RecordAt>> {
-    let sql = "SELECT id, body_sha256, voided <> 0 FROM bench_result
+    let sql = "SELECT id, body_sha256, voided FROM bench_result
                WHERE gyro = $1 AND measured_at = $2 AND method = $3 ORDER BY voided";
-    let found: Vec<(i64, Vec<u8>, bool)> = read!(store, query_as.fetch_all, sql, Whole(gyro), at.0, method.name());
-    Ok(found.into_iter().map(|(id, hash, voided)| RecordAt { id: Id(id), hash, voided }).collect())
+    read!(store, all, sql, gyro, at, method)
 }

@@ -1,6 +1,6 @@
 //! Records and bench results that do not count any more: who said so, when, why, and what stands in their place.
 
-use super::{AnyRow, AssertSqlSafe, Batch, Columns, Id, Result, Rows, Store, Whole, columns, on, read};
+use super::{AssertSqlSafe, Batch, Columns, Id, Result, Rows, Store, columns, part, read};
 use crate::core::correction::{CorrectedResult, CorrectionItem};
 use crate::store::HistoryRow;
 use crate::store::packed::history_row;
@@ -38,7 +38,7 @@ columns! {
 /// another's place.
 pub async fn of_item(store: &Store, item: Id) -> Result<Vec<CorrectionItem>> {
     let sql = CorrectionItem::select("WHERE item = $1 OR replaced_by = $1 ORDER BY at, replaced_by NULLS FIRST");
-    read!(store, all, sql, item.0)
+    read!(store, all, sql, item)
 }
 
 /// What was said of a gyro's calibrations and bench results that do not count any more, oldest first.
@@ -51,10 +51,9 @@ pub async fn of_gyro(store: &Store, gyro: u32) -> Result<Vec<CorrectedResult>> {
          JOIN correction ON item = withdrawn.id ORDER BY at, item, replaced_by NULLS FIRST",
         CorrectionItem::COLUMNS
     ));
-    on!(store.readers, db => sqlx::query(sql).bind(Whole(gyro)).fetch_all(db).await?.iter().map(corrected).collect())
+    read!(store, all, sql, gyro)
 }
 
-fn corrected(row: &impl AnyRow) -> Result<CorrectedResult> {
-    let (measured_at, is_bench) = (row.part(&["measured_at"])?, row.part(&["bench"])?);
-    Ok(CorrectedResult { correction: CorrectionItem::get_all(row)?, measured_at, is_bench })
+part! {
+    CorrectedResult { correction, measured_at, is_bench }
 }

@@ -1,6 +1,6 @@
 //! Diagnoses of stored campaigns, and which are still to be made.
 
-use super::{Batch, Id, OnConflict, Result, Rows, Store, Whole, read};
+use super::{Batch, Id, OnConflict, Result, Rows, Store, read};
 use crate::core::kind::Kind;
 use crate::store::packed::text;
 use crate::store::{ModelRow, RecordRow};
@@ -57,12 +57,11 @@ pub(crate) fn update(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
 
 /// The diagnosis of a campaign as it was made last; none where it is due.
 pub async fn get(store: &Store, record: Id) -> Result<Option<DiagnosisRow>> {
-    let sql = "SELECT model, program, refused <> 0, body, packed FROM diagnosis WHERE record = $1 AND body IS NOT NULL";
-    let found: Option<(Option<i64>, String, bool, String, Option<Vec<u8>>)> =
-        read!(store, query_as.fetch_optional, sql, record.0);
-    let row = |(model, program, refused, body, packed): (Option<i64>, _, _, _, _)| {
+    let sql = "SELECT model, program, refused, body, packed FROM diagnosis WHERE record = $1 AND body IS NOT NULL";
+    let found: Option<((_, _, _), String, Option<Vec<u8>>)> = read!(store, first, sql, record)?;
+    let row = |((model, program, refused), body, packed)| {
         let body = text::unpack(body, packed, || format!("the diagnosis of campaign {record}"))?;
-        Ok(DiagnosisRow { record, model: model.map(Id), program, refused, body })
+        Ok(DiagnosisRow { record, model, program, refused, body })
     };
     found.map(row).transpose()
 }
@@ -70,6 +69,5 @@ pub async fn get(store: &Store, record: Id) -> Result<Option<DiagnosisRow>> {
 /// Campaigns whose diagnosis is due, newest first, from before `before` on.
 pub async fn due(store: &Store, before: Id, limit: u32) -> Result<Vec<Id>> {
     let sql = "SELECT record FROM diagnosis WHERE body IS NULL AND record < $1 ORDER BY record DESC LIMIT $2";
-    let found: Vec<i64> = read!(store, query_scalar.fetch_all, sql, before.0, Whole(limit));
-    Ok(found.into_iter().map(Id).collect())
+    read!(store, all, sql, before, limit)
 }

@@ -1,8 +1,7 @@
 //! What a summary of many diagnoses says of each: a few hundred bytes beside the tens of thousands of the whole.
 
 use super::{
-    AnyRow, AssertSqlSafe, Batch, Columns, Id, Result, Rows, Store, UtcMicros, Whole, at_most, columns, counted, on,
-    read,
+    AnyRow, AssertSqlSafe, Batch, Bound, Columns, Id, Result, Rows, Span, Store, UtcMicros, columns, on, part, read,
 };
 use crate::store::{CampaignFilter, NewDiagnosis};
 use futures::TryStreamExt;
@@ -43,12 +42,11 @@ pub async fn each(store: &Store, of: &CampaignFilter, mut each: impl FnMut(Diges
              AND record NOT IN (SELECT item FROM correction)
          ORDER BY measured_at, record",
     );
-    let (from, to) = (of.measured.from.0, of.measured.to.0);
-    let (imu, station) = (of.imu.map(Whole), of.station.map(Whole));
+    let &CampaignFilter { imu, station, measured: Span { from, to } } = of;
     on!(store.readers, db => {
-        let mut rows = sqlx::query(sql).bind(from).bind(to).bind(imu).bind(station).fetch(db);
+        let mut rows = sqlx::query(sql).bind(from.0).bind(to.0).bind(imu.bound()).bind(station.bound()).fetch(db);
         while let Some(row) = rows.try_next().await? {
-            each(DigestRow::get_all(&row)?)?;
+            each(row.whole()?)?;
         }
     });
     Ok(())
@@ -63,12 +61,9 @@ pub async fn holding(store: &Store, words: &str, since: UtcMicros, limit: usize)
          ORDER BY measured_at DESC, record DESC LIMIT $3",
         DigestRow::COLUMNS
     ));
-    on!(store.readers, db => {
-        let rows = sqlx::query(sql).bind(since.0).bind(format!("%{words}%")).bind(at_most(limit)).fetch_all(db).await?;
-        let many = rows.first().map_or(Ok(0), |row| row.cell::<i64>("many"))?;
-        let found = rows.iter().map(Columns::get_all).collect::<Result<_, _>>()?;
-        Ok((found, counted(many)))
-    })
+    let found: Vec<(DigestRow, usize)> = read!(store, all, sql, since, format!("%{words}%"), limit)?;
+    let many = found.first().map_or(0, |(_, many)| *many);
+    Ok((found.into_iter().map(|(row, _)| row).collect(), many))
 }
 
 /// Campaigns that count and have no diagnosis yet.
@@ -77,8 +72,6 @@ pub async fn not_diagnosed(store: &Store, of: &CampaignFilter) -> Result<u64> {
                WHERE diagnosis.body IS NULL AND record.calibrated_at BETWEEN $1 AND $2
                    AND ($3 IS NULL OR record.imu = $3) AND ($4 IS NULL OR record.station = $4)
                    AND record.id NOT IN (SELECT item FROM correction)";
-    let (from, to) = (of.measured.from.0, of.measured.to.0);
-    let (imu, station) = (of.imu.map(Whole), of.station.map(Whole));
-    let count: i64 = read!(store, query_scalar.fetch_one, sql, from, to, imu, station);
-    Ok(count.unsigned_abs())
+    let &CampaignFilter { imu, station, measured: Span { from, to } } = of;
+    read!(store, one, sql, from, to, imu, station)
 }

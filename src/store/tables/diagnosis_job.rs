@@ -4,7 +4,7 @@
 //! is lost with whoever was at work on it. A diagnosis settles every task that waits for its campaign, in the
 //! transaction that keeps it.
 
-use super::{Batch, Columns, Id, OnConflict, Result, Rows, Span, Store, UtcMicros, Whole, columns, read};
+use super::{Batch, Columns, Id, OnConflict, Result, Rows, Span, Store, UtcMicros, columns, part, read};
 
 /// An order as it stands.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -156,7 +156,7 @@ columns! {
 /// Orders, newest first, those before `before`.
 pub async fn list(store: &Store, before: Option<Id>, limit: u32) -> Result<Vec<JobRow>> {
     let before = before.map_or(i64::MAX, |id| id.0);
-    read!(store, all, JobRow::select("WHERE id < $1 ORDER BY id DESC LIMIT $2"), before, Whole(limit))
+    read!(store, all, JobRow::select("WHERE id < $1 ORDER BY id DESC LIMIT $2"), before, limit)
 }
 
 pub async fn get(store: &Store, id: Id) -> Result<Option<JobRow>> {
@@ -166,13 +166,12 @@ pub async fn get(store: &Store, id: Id) -> Result<Option<JobRow>> {
 /// The order in the same words that has not ended yet.
 pub async fn open_as_asked(store: &Store, asked: &str) -> Result<Option<Id>> {
     let sql = "SELECT id FROM diagnosis_job WHERE ended_at IS NULL AND asked = $1";
-    let found: Option<i64> = read!(store, query_scalar.fetch_optional, sql, asked);
-    Ok(found.map(Id))
+    read!(store, first, sql, asked)
 }
 
 pub async fn task_counts(store: &Store, job: Id) -> Result<TaskCounts> {
     let sql = "SELECT state, count(*) FROM diagnosis_task WHERE job = $1 GROUP BY state";
-    let rows: Vec<(String, i64)> = read!(store, query_as.fetch_all, sql, job.0);
+    let rows: Vec<(String, u64)> = read!(store, all, sql, job)?;
     let mut counts = TaskCounts::default();
     for (state, count) in rows {
         let of_state = match state.as_str() {
@@ -181,7 +180,7 @@ pub async fn task_counts(store: &Store, job: Id) -> Result<TaskCounts> {
             "failed" => &mut counts.failed,
             _ => &mut counts.canceled,
         };
-        *of_state += count.unsigned_abs();
+        *of_state += count;
     }
     Ok(counts)
 }
@@ -191,22 +190,21 @@ pub async fn failed_tasks(store: &Store, job: Id, after: Option<Id>, limit: u32)
     let sql = "SELECT record.id AS record, record.imu, record.calibrated_at AS measured_at, reason FROM diagnosis_task
                JOIN record ON record.id = diagnosis_task.record
                WHERE job = $1 AND record > $2 AND state = 'failed' ORDER BY record LIMIT $3";
-    read!(store, all, sql, job.0, after.map_or(i64::MIN, |id| id.0), Whole(limit))
+    read!(store, all, sql, job, after.map_or(i64::MIN, |id| id.0), limit)
 }
 
 /// Campaigns that orders wait for, of the oldest order first.
 pub async fn tasks_waiting(store: &Store, limit: u32) -> Result<Vec<Id>> {
     let sql = "SELECT record FROM diagnosis_task WHERE state = 'waiting' ORDER BY job, record LIMIT $1";
-    let mut found: Vec<i64> = read!(store, query_scalar.fetch_all, sql, Whole(limit));
+    let mut found: Vec<Id> = read!(store, all, sql, limit)?;
     let mut seen = std::collections::HashSet::new();
     found.retain(|record| seen.insert(*record));
-    Ok(found.into_iter().map(Id).collect())
+    Ok(found)
 }
 
 /// How many campaigns wait for their first diagnosis, and how many tasks of orders wait.
 pub async fn diagnoses_waiting(store: &Store) -> Result<(u64, u64)> {
     let sql = "SELECT (SELECT count(*) FROM diagnosis WHERE body IS NULL),
                       (SELECT count(*) FROM diagnosis_task WHERE state = 'waiting')";
-    let (due, tasks): (i64, i64) = read!(store, query_as.fetch_one, sql);
-    Ok((due.unsigned_abs(), tasks.unsigned_abs()))
+    read!(store, one, sql)
 }

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{Columns, Id, Result, Store, UtcMicros, Whole, columns, read};
+use super::{Columns, Id, Result, Store, UtcMicros, columns, part, read};
 use crate::core::judge::{Event, FixedLevels};
 
 #[derive(Debug, Clone, PartialEq)]
@@ -30,7 +30,7 @@ columns! {
 
 /// Every event of a gyro, oldest first.
 pub async fn of_gyro(store: &Store, gyro: u32) -> Result<Vec<EventRow>> {
-    read!(store, all, EventRow::select("WHERE gyro = $1 ORDER BY at, id"), Whole(gyro))
+    read!(store, all, EventRow::select("WHERE gyro = $1 ORDER BY at, id"), gyro)
 }
 
 /// Those of some gyros that were retired or put into storage: when last, and which.
@@ -45,5 +45,5 @@ pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<EventRow>> {
         return Ok(Vec::new());
     }
     let sql = EventRow::select(&format!("WHERE gyro IN {} ORDER BY gyro, at, id", store.readers.list("$1")));
-    read!(store, all, sql, serde_json::json!(gyros).to_string())
+    read!(store, all, sql, gyros)
 }

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::{AssertSqlSafe, Batch, OnConflict, Result, Rows, Store, Whole, read};
+use super::{AssertSqlSafe, Batch, OnConflict, Result, Rows, Store, part, read};
 use crate::core::gyro_attributes::GyroAttributes;
 
 /// A gyro, and what is said of it from now on.
@@ -12,23 +12,23 @@ pub struct GyroAttributeRow {
     pub attributes: GyroAttributes,
 }
 
+part! {
+    GyroAttributes { batch, r#type, unit }
+}
+
 /// The last row of a gyro holds.
 pub(crate) fn upsert(changed: &[GyroAttributeRow], batch: &mut Batch) {
     let last: HashMap<u32, &GyroAttributes> = changed.iter().map(|row| (row.gyro, &row.attributes)).collect();
-    let rows = Rows::each(last, |(gyro, GyroAttributes { batch, r#type, unit }), row| {
-        row.put(&gyro).put(batch).put(r#type).put(unit);
-    });
+    let rows = Rows::each(last, |(gyro, attributes), row| _ = row.put(&gyro).put(attributes));
     batch.insert("gyro_attribute", "gyro, batch, type, unit", OnConflict::SetAllBut("gyro", &[]), rows);
 }
 
 /// Of these gyros, those of which something is said.
 pub async fn of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, GyroAttributes>> {
-    type Said = (Whole<u32>, Option<String>, Option<String>, Option<String>);
     let those = store.readers.list("$1");
     let sql = AssertSqlSafe(format!("SELECT gyro, batch, type, unit FROM gyro_attribute WHERE gyro IN {those}"));
-    let rows: Vec<Said> = read!(store, query_as.fetch_all, sql, serde_json::json!(gyros).to_string());
-    let row = |(Whole(gyro), batch, r#type, unit)| (gyro, GyroAttributes { batch, r#type, unit });
-    Ok(rows.into_iter().map(row).collect())
+    let rows: Vec<(u32, GyroAttributes)> = read!(store, all, sql, gyros)?;
+    Ok(rows.into_iter().collect())
 }
 
 /// Gyros of the batches that these are of, each with the one of these.
@@ -41,7 +41,6 @@ pub async fn mates(store: &Store, gyros: &[u32]) -> Result<BTreeMap<u32, u32>> {
          JOIN gyro_attribute AS mate ON mate.batch = known.batch WHERE known.gyro IN {}",
         store.readers.list("$1")
     ));
-    let rows: Vec<(Whole<u32>, Whole<u32>)> =
-        read!(store, query_as.fetch_all, sql, serde_json::json!(gyros).to_string());
-    Ok(rows.into_iter().map(|(Whole(mate), Whole(known))| (mate, known)).collect())
+    let rows: Vec<(u32, u32)> = read!(store, all, sql, gyros)?;
+    Ok(rows.into_iter().collect())
 }

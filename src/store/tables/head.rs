@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
 use super::{
-    AnyRow, AssertSqlSafe, Batch, Columns, Id, OnConflict, Part, Result, Row, Rows, Sql, Store, StoreError, UtcMicros,
-    Whole, asked, at_most, columns, counted, numbers, on, read,
+    AnyRow, AssertSqlSafe, Batch, Bound, Columns, Found, Id, OnConflict, Part, Result, Row, Rows, Span, Sql, Store,
+    StoreError, UtcMicros, asked, columns, part, read,
 };
 use crate::core::fleet_order::FleetOrder;
 use crate::core::judge::{Coefficient, Event, Measured, Outlook, Reach, Rule, Severity, State, Status};
@@ -99,6 +99,10 @@ pub struct HeadsMade {
     pub through: Option<String>,
 }
 
+part! {
+    HeadsMade { limits, through }
+}
+
 columns! {
     HeadRow in "head" {
         gyro, serial, sought,
@@ -120,11 +124,15 @@ impl Part for Option<NewestRow> {
         row.put(&[0, 1].map(|column| of.map(|it| it.d[column])));
     }
 
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
-        let at: Option<UtcMicros> = row.part(columns)?;
-        let figures: [Option<Measured>; 2] = row.part(&columns[5..])?;
-        let (Some(at), [Some(d_i), Some(d_s)]) = (at, figures) else { return Ok(None) };
-        let (record, imu, station, slot) = row.part(&columns[1..])?;
+    fn get(found: &mut Found<'_, impl AnyRow>) -> Result<Self> {
+        let at: Option<UtcMicros> = found.part()?;
+        let of: (Option<Id>, Option<u32>, Option<u32>, Option<Slot>) = found.part()?;
+        let figures: [Option<Measured>; 2] = found.part()?;
+        let (Some(at), (Some(record), Some(imu), Some(station), Some(slot)), [Some(d_i), Some(d_s)]) =
+            (at, of, figures)
+        else {
+            return Ok(None);
+        };
         Ok(Some(NewestRow { at, record, imu, station, slot, d: [d_i, d_s] }))
     }
 }
@@ -138,10 +146,11 @@ impl Part for Outlook {
         row.put(&reach.is_some_and(|reach| reach.provisional));
     }
 
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
-        let (load, per_year) = (row.part(&columns[..6])?, row.part(&columns[6..10])?);
-        let (of, at): (Option<Coefficient>, Option<UtcMicros>) = row.part(&columns[11..])?;
-        let (between, provisional) = (row.part(&columns[13..15])?, row.part(&columns[15..])?);
+    fn get(found: &mut Found<'_, impl AnyRow>) -> Result<Self> {
+        let (load, per_year) = found.part()?;
+        let _extreme: f64 = found.part()?;
+        let (of, at): (Option<Coefficient>, Option<UtcMicros>) = found.part()?;
+        let (between, provisional) = found.part()?;
         let reach = of.zip(at).map(|(coefficient, at)| Reach { coefficient, at, between, provisional });
         Ok(Self { load, per_year, reach })
     }
@@ -149,7 +158,7 @@ impl Part for Outlook {
 
 pub(crate) fn upsert(heads: &HeadChanges, batch: &mut Batch) {
     batch.enter(&heads.rows, OnConflict::SetAllBut("gyro", &["serial"]));
-    let made = Rows::each(&heads.made, |made, row| _ = row.integer(1).put(&made.limits).put(&made.through));
+    let made = Rows::each(&heads.made, |made, row| _ = row.integer(1).put(made));
     batch.insert("head_made", "id, limits, through", OnConflict::SetAllBut("id", &[]), made);
     batch.insert("gyro_station", "station, gyro", OnConflict::Keep, Rows::of(heads.seen.iter().copied()));
 }
@@ -157,24 +166,21 @@ pub(crate) fn upsert(heads: &HeadChanges, batch: &mut Batch) {
 /// How far the rows of all gyros have been made.
 pub async fn made(store: &Store) -> Result<HeadsMade> {
     let sql = "SELECT limits, through FROM head_made WHERE id = 1";
-    let row: Option<(String, Option<String>)> = read!(store, query_as.fetch_optional, sql);
-    let (limits, through) = row.ok_or_else(|| StoreError::Damaged("the table head_made is empty".to_owned()))?;
-    Ok(HeadsMade { limits, through })
+    let made: Option<HeadsMade> = read!(store, first, sql)?;
+    made.ok_or_else(|| StoreError::Damaged("the table head_made is empty".to_owned()))
 }
 
 /// Gyros by serial, from the first after `serial` on, as many as `limit`; whether they have a row or not.
 pub async fn gyros_after(store: &Store, serial: &str, limit: u32) -> Result<Vec<(u32, String)>> {
     let sql = "SELECT id, serial FROM gyro WHERE serial > $1 ORDER BY serial LIMIT $2";
-    let rows: Vec<(Whole<u32>, String)> = read!(store, query_as.fetch_all, sql, serial, Whole(limit));
-    Ok(rows.into_iter().map(|(Whole(gyro), serial)| (gyro, serial)).collect())
+    read!(store, all, sql, serial, limit)
 }
 
 /// IMUs by name, from the first after that of IMU number `after` (0: all) on, as many as `limit`.
 pub async fn imus_after(store: &Store, after: u32, limit: u32) -> Result<Vec<(u32, String)>> {
     let sql = "SELECT id, name FROM imu WHERE name > coalesce((SELECT name FROM imu WHERE id = $1), '')
                ORDER BY name LIMIT $2";
-    let rows: Vec<(Whole<u32>, String)> = read!(store, query_as.fetch_all, sql, Whole(after), Whole(limit));
-    Ok(rows.into_iter().map(|(Whole(imu), name)| (imu, name)).collect())
+    read!(store, all, sql, after, limit)
 }
 
 /// What a list of gyros is narrowed down to.
@@ -223,21 +229,14 @@ impl Sought {
 
 /// Asks of the fleet: its time is `$1`, what it is narrowed down to stands from `$2` on, what else is bound from `$10` on.
 macro_rules! of_fleet {
-    ($store:expr, $query:ident.$fetch:ident, $sql:expr, $narrowed:expr, $now:expr $(, $bound:expr)* $(,)?) => {
-        on!($store.readers, db => sqlx::$query(AssertSqlSafe($sql))
-            .bind($now.0)
-            .bind($narrowed.sought.as_ref().map(Sought::words))
-            .bind($narrowed.station.map(Whole))
-            .bind($narrowed.ever.map(Whole))
-            .bind($narrowed.imu.map(Whole))
-            .bind($narrowed.rule.map(Rule::name))
-            .bind($narrowed.calibrated_since.map(|at| at.0))
-            .bind($narrowed.changed_since.map(|at| at.0))
-            .bind($narrowed.batch.as_deref())
-            $(.bind($bound))*
-            .$fetch(db)
-            .await?)
-    };
+    ($store:expr, $rows:ident, $sql:expr, $narrowed:expr, $now:expr $(, $bound:expr)* $(,)?) => {{
+        let Narrowed { sought, station, ever, imu, rule, calibrated_since, changed_since, batch } = $narrowed;
+        let (sought, batch) = (sought.as_ref().map(Sought::words), batch.as_deref());
+        read!(
+            $store, $rows, AssertSqlSafe($sql),
+            $now, sought, *station, *ever, *imu, *rule, *calibrated_since, *changed_since, batch $(, $bound)*
+        )
+    }};
 }
 
 /// How many gyros have a rank, and are overdue or not.
@@ -269,29 +268,25 @@ pub async fn version(store: &Store) -> Result<[i64; 2]> {
                  WHERE name IN ('head', 'history', 'history_log', 'voided_history', 'record', 'correction', 'gyro_attribute')",
         postgres: STAMPS,
     });
-    let (of_rows, of_sums) = read!(store, query_as.fetch_one, sql);
-    Ok([of_rows, of_sums])
+    read!(store, one, sql)
 }
 
 /// When the first gyro becomes overdue that is not at an instant: until then what is counted of them stays.
 pub async fn next_overdue(store: &Store, at: UtcMicros) -> Result<UtcMicros> {
     let sql = "SELECT min(overdue_at) FROM head WHERE overdue_at IS NOT NULL AND overdue_at >= $1";
-    let next: Option<i64> = read!(store, query_scalar.fetch_one, sql, at.0);
-    Ok(UtcMicros(next.unwrap_or(i64::MAX)))
+    let next: Option<UtcMicros> = read!(store, one, sql, at)?;
+    Ok(next.unwrap_or(Span::EVER.to))
 }
 
 /// Counts the whole fleet as it stands at `now`, in one index from end to end.
 pub async fn counts(store: &Store, now: UtcMicros) -> Result<(Vec<Tally>, Vec<StationTally>)> {
     let sql = "SELECT station, rank, count(*), count(*) FILTER (WHERE overdue_at < $1), max(calibrated_at) FROM head
                GROUP BY station, rank";
-    type Row = (Option<Whole<u32>>, i64, i64, i64, Option<i64>);
-    let rows: Vec<Row> = read!(store, query_as.fetch_all, sql, now.0);
+    let rows: Vec<(Option<u32>, i64, [usize; 2], Option<UtcMicros>)> = read!(store, all, sql, now)?;
     let (mut of_ranks, mut of_stations) = (BTreeMap::<i64, [usize; 2]>::new(), Vec::new());
-    for (station, rank, gyros, overdue, last) in rows {
-        let [gyros, overdue] = [gyros, overdue].map(counted);
+    for (station, rank, [gyros, overdue], last_calibrated) in rows {
         let [all, of_them] = of_ranks.entry(rank).or_default();
         (*all, *of_them) = (*all + gyros, *of_them + overdue);
-        let (station, last_calibrated) = (station.map(|Whole(station)| station), last.map(UtcMicros));
         of_stations.push(StationTally { station, overdue, last_calibrated });
     }
     Ok((of_ranks.into_iter().flat_map(tallies_of).collect(), of_stations))
@@ -309,9 +304,8 @@ pub async fn tallies(store: &Store, narrowed: &Narrowed, now: UtcMicros) -> Resu
     let sql = format!(
         "SELECT rank + 0, count(*), count(*) FILTER (WHERE overdue_at < $1) FROM head WHERE {conditions} GROUP BY 1"
     );
-    let rows: Vec<(i64, i64, i64)> = of_fleet!(store, query_as.fetch_all, sql, narrowed, now);
-    let count = |(rank, all, overdue): (i64, i64, i64)| (rank, [all, overdue].map(counted));
-    Ok(rows.into_iter().map(count).flat_map(tallies_of).collect())
+    let rows: Vec<(i64, [usize; 2])> = of_fleet!(store, all, sql, narrowed, now)?;
+    Ok(rows.into_iter().flat_map(tallies_of).collect())
 }
 
 /// How a fleet is narrowed down, by the parameters of `of_fleet`.
@@ -345,8 +339,8 @@ fn conditions(store: &Store, narrowed: &Narrowed) -> String {
 /// look through the fleet.
 pub async fn sought(store: &Store, narrowed: &Narrowed, now: UtcMicros) -> Result<Option<Sought>> {
     let sql = format!("SELECT gyro FROM head WHERE {} LIMIT {}", conditions(store, narrowed), FEW + 1);
-    let gyros = numbers(of_fleet!(store, query_scalar.fetch_all, sql, narrowed, now));
-    Ok((gyros.len() <= FEW).then(|| Sought::Found(serde_json::json!(gyros).to_string())))
+    let gyros: Vec<u32> = of_fleet!(store, all, sql, narrowed, now)?;
+    Ok((gyros.len() <= FEW).then(|| Sought::Found(gyros.as_slice().bound())))
 }
 
 /// Gyros up to which what was found is named one by one.
@@ -391,7 +385,7 @@ pub async fn of_ranks(
         "SELECT gyro FROM ({}) AS parts ORDER BY load DESC, serial LIMIT $10 OFFSET $11",
         parts.iter().map(part).collect::<Vec<_>>().join(" UNION ALL ")
     );
-    Ok(numbers(of_fleet!(store, query_scalar.fetch_all, sql, narrowed, now, at_most(limit), at_most(skip))))
+    of_fleet!(store, all, sql, narrowed, now, limit, skip)
 }
 
 /// What a list by serial is narrowed down to besides.
@@ -440,9 +434,7 @@ pub async fn listed(
          ORDER BY {by} LIMIT $14"
     );
     let Standings { rank, is_overdue, state } = standings;
-    let (after, state, limit) = (Whole(after), state.map(State::name), Whole(limit));
-    let rows = of_fleet!(store, query_scalar.fetch_all, sql, narrowed, now, after, rank, is_overdue, state, limit);
-    Ok(numbers(rows))
+    of_fleet!(store, all, sql, narrowed, now, after, rank, is_overdue, state, limit)
 }
 
 /// `$1` is the time.
@@ -478,7 +470,7 @@ pub async fn in_order(
         FleetOrder::Serial => "serial".to_owned(),
     };
     let sql = format!("SELECT gyro FROM head WHERE {ranks} AND {conditions} ORDER BY {by} LIMIT $10 OFFSET $11");
-    Ok(numbers(of_fleet!(store, query_scalar.fetch_all, sql, narrowed, now, at_most(limit), at_most(skip))))
+    of_fleet!(store, all, sql, narrowed, now, limit, skip)
 }
 
 /// Gyros of which something began to be worse no earlier than `since`, the newest first: as many as `limit`, of all.
@@ -505,8 +497,7 @@ async fn first_and_count(
 ) -> Result<(Vec<u32>, usize)> {
     let of = AssertSqlSafe(format!("SELECT gyro FROM head WHERE {those} ORDER BY {by}, serial LIMIT $2"));
     let count = AssertSqlSafe(format!("SELECT count(*) FROM head WHERE {those}"));
-    let gyros = numbers(read!(store, query_scalar.fetch_all, of, at.0, at_most(limit)));
-    Ok((gyros, counted(read!(store, query_scalar.fetch_one, count, at.0))))
+    Ok((read!(store, all, of, at, limit)?, read!(store, one, count, at)?))
 }
 
 /// The first IMUs with gyros that are due: number, when the first is due, how many are; and how many IMUs there are.
@@ -519,14 +510,13 @@ pub async fn due(store: &Store, [from, until]: [UtcMicros; 2], limit: usize) -> 
                WHERE overdue_at IS NOT NULL AND overdue_at >= $1 AND overdue_at < $2 AND imu IS NOT NULL
                ORDER BY overdue_at, imu LIMIT $3";
     // An IMU has a few gyros; where it has more, more are read.
-    let mut read: i64 = 4;
+    let mut read: usize = 4;
     let first: Vec<(u32, UtcMicros)> = loop {
-        read = read.saturating_mul(at_most(limit).max(2));
-        let rows: Vec<(Whole<u32>, i64)> = read!(store, query_as.fetch_all, sql, from.0, until.0, read);
+        read = read.saturating_mul(limit.max(2));
+        let rows: Vec<(u32, UtcMicros)> = read!(store, all, sql, from, until, read)?;
         let mut seen = HashSet::new();
-        let is_first = |(Whole(imu), at): &(Whole<u32>, i64)| seen.insert(*imu).then_some((*imu, UtcMicros(*at)));
-        let first: Vec<_> = rows.iter().filter_map(is_first).take(limit).collect();
-        if first.len() == limit || (rows.len() as i64) < read {
+        let first = rows.iter().filter(|(imu, _)| seen.insert(*imu)).copied().take(limit).collect::<Vec<_>>();
+        if first.len() == limit || rows.len() < read {
             break first;
         }
     };
@@ -535,13 +525,12 @@ pub async fn due(store: &Store, [from, until]: [UtcMicros; 2], limit: usize) -> 
         "SELECT imu, count(*) FROM head WHERE imu IN {} AND overdue_at + 0 >= $2 AND overdue_at + 0 < $3 GROUP BY imu",
         store.readers.list("$1")
     ));
-    let rows: Vec<(Whole<u32>, i64)> =
-        read!(store, query_as.fetch_all, of_imus, serde_json::json!(imus).to_string(), from.0, until.0);
-    let gyros: HashMap<u32, usize> = rows.into_iter().map(|(Whole(imu), gyros)| (imu, counted(gyros))).collect();
+    let gyros: Vec<(u32, usize)> = read!(store, all, of_imus, &imus, from, until)?;
+    let gyros: HashMap<u32, usize> = gyros.into_iter().collect();
     let all = "SELECT count(*) FROM (
                        SELECT DISTINCT imu FROM head
                        WHERE overdue_at IS NOT NULL AND overdue_at >= $1 AND overdue_at < $2 AND imu IS NOT NULL) AS due";
-    let all = counted(read!(store, query_scalar.fetch_one, all, from.0, until.0));
+    let all = read!(store, one, all, from, until)?;
     let row = |(imu, at): (u32, UtcMicros)| (imu, at, gyros.get(&imu).copied().unwrap_or_default());
     Ok((first.into_iter().map(row).collect(), all))
 }
@@ -575,7 +564,7 @@ pub async fn calibrated_since(store: &Store, from: UtcMicros, station: Option<u3
                      AND station IS NOT NULL AND imu IS NOT NULL AND ($2 < 0 OR station = $2)
                ORDER BY coalesce(calibrated_at, 9223372036854775807) DESC LIMIT $3";
     let limit: i64 = if station.is_some() { 100 } else { 20_000 };
-    read!(store, all, sql, from.0, station.map_or(-1, i64::from), limit)
+    read!(store, all, sql, from, station.map_or(-1, i64::from), limit)
 }
 
 /// Gyros that a station has ever calibrated, without `gyro`: as many as `most`, the nearest numbers first.
@@ -584,7 +573,8 @@ pub async fn near(store: &Store, station: u32, gyro: u32, most: usize) -> Result
     let above = "SELECT gyro FROM gyro_station WHERE station = $1 AND gyro > $2 ORDER BY gyro LIMIT $3";
     let mut found: Vec<u32> = Vec::new();
     for sql in [below, above] {
-        found.extend(numbers(read!(store, query_scalar.fetch_all, sql, Whole(station), Whole(gyro), at_most(most))));
+        let those: Vec<u32> = read!(store, all, sql, station, gyro, most)?;
+        found.extend(those);
     }
     found.sort_by_key(|other| other.abs_diff(gyro));
     found.truncate(most);
@@ -612,7 +602,7 @@ pub async fn moved(store: &Store, since: UtcMicros, loads: f64, limit: usize) ->
     let sql = "SELECT record, imu, max(calibrated_at) AS at, count(*) AS gyros, min(extreme) AS least FROM head
                WHERE changed_at >= $1 AND extreme >= $2 GROUP BY record, imu HAVING count(*) >= 3
                ORDER BY 5 DESC, 1 LIMIT $3";
-    read!(store, all, sql, since.0, loads, at_most(limit))
+    read!(store, all, sql, since, loads, limit)
 }
 
 /// IMUs by their worst gyro, then by the largest load. `overdue`: the rank that a gyro has at the
@@ -630,7 +620,7 @@ pub async fn imus(
          GROUP BY imu
          ORDER BY max(CASE WHEN overdue_at < $1 AND rank < {overdue} THEN {overdue} ELSE rank END) DESC, max(extreme) DESC, imu LIMIT $10 OFFSET $11"
     );
-    Ok(numbers(of_fleet!(store, query_scalar.fetch_all, sql, narrowed, now, at_most(limit), at_most(skip))))
+    of_fleet!(store, all, sql, narrowed, now, limit, skip)
 }
 
 /// How many IMUs [`imus`] finds in all.
@@ -642,14 +632,14 @@ pub async fn imus_found(
 ) -> Result<usize> {
     let (conditions, ranks) = (conditions(store, narrowed), among_ranks(of_ranks));
     let sql = format!("SELECT count(DISTINCT imu) FROM head WHERE imu IS NOT NULL AND {ranks} AND {conditions}");
-    Ok(counted(of_fleet!(store, query_scalar.fetch_one, sql, narrowed, now)))
+    of_fleet!(store, one, sql, narrowed, now)
 }
 
 /// The gyros whose newest calibration was made in any of these IMUs, by serial.
 pub async fn of_imus(store: &Store, imus: &[u32]) -> Result<Vec<u32>> {
     let those = store.readers.list("$1");
     let sql = AssertSqlSafe(format!("SELECT gyro FROM head WHERE imu IN {those} ORDER BY serial"));
-    Ok(numbers(read!(store, query_scalar.fetch_all, sql, serde_json::json!(imus).to_string())))
+    read!(store, all, sql, imus)
 }
 
 /// The gyros whose calibration is due no later than `now` and of which no alert says so, or of which an alert says so
@@ -659,11 +649,11 @@ pub async fn newly_overdue_or_not(store: &Store, now: UtcMicros) -> Result<Vec<u
                    SELECT 1 FROM alert WHERE status = 'firing' AND rule = 'overdue' AND alert.gyro = head.gyro)
                UNION ALL SELECT gyro FROM alert WHERE status = 'firing' AND rule = 'overdue' AND NOT EXISTS (
                    SELECT 1 FROM head WHERE head.gyro = alert.gyro AND overdue_at <= $1)";
-    Ok(numbers(read!(store, query_scalar.fetch_all, sql, now.0)))
+    read!(store, all, sql, now)
 }
 
 /// The rows of some gyros, in no order.
 pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<HeadRow>> {
     let sql = HeadRow::select(&format!("WHERE gyro IN {}", store.readers.list("$1")));
-    read!(store, all, sql, serde_json::json!(gyros).to_string())
+    read!(store, all, sql, gyros)
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{AssertSqlSafe, Readers, Result, Span, Store, StoreError, UtcMicros, at_most, read};
+use super::{AssertSqlSafe, Readers, Result, Span, Store, StoreError, UtcMicros, read};
 use crate::core::figures::Figures;
 use crate::store::packed::history_row::PACKED_LEN;
 
@@ -102,8 +102,7 @@ async fn marked_of_many(store: &Store, of: &[Stretch], limit: usize, newest_firs
         ),
     });
     let stretches: Vec<[i64; 3]> = of.iter().map(|(gyro, span)| [i64::from(*gyro), span.from.0, span.to.0]).collect();
-    let packed: Vec<Option<Vec<u8>>> =
-        read!(store, query_scalar.fetch_all, sql, serde_json::json!(stretches).to_string(), at_most(limit));
+    let packed: Vec<Option<Vec<u8>>> = read!(store, all, sql, serde_json::json!(stretches).to_string(), limit)?;
     let rows = of.iter().zip(packed).zip(waiting).map(|((&(gyro, _), packed), waiting)| {
         Ok(merged(unpack(gyro, &packed.unwrap_or_default())?, waiting, newest_first, limit))
     });

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::histories::{counting, unpack};
-use super::{Id, Result, Span, Sql, Store, Whole, list_of, read};
+use super::{Id, Result, Span, Sql, Store, read};
 use crate::core::figures::Figures;
 
 /// The oldest `limit` rows of a gyro within `span` that count, oldest first.
@@ -26,7 +26,7 @@ pub async fn voided(store: &Store, gyro: u32, span: Span) -> Result<Vec<Figures>
         postgres: "SELECT string_agg(figures, CAST('' AS BYTEA) ORDER BY calibrated_at, record) FROM voided_history
                    WHERE gyro = $1 AND calibrated_at BETWEEN $2 AND $3",
     });
-    let packed: Option<Vec<u8>> = read!(store, query_scalar.fetch_one, sql, Whole(gyro), span.from.0, span.to.0);
+    let packed: Option<Vec<u8>> = read!(store, one, sql, gyro, span.from, span.to)?;
     unpack(gyro, &packed.unwrap_or_default())
 }
 
@@ -54,6 +54,6 @@ pub async fn temperatures(store: &Store, records: impl Iterator<Item = Id>) -> R
                          JOIN record ON record.id = CAST(j.value AS BIGINT)) AS sent",
     });
     let records: Vec<Id> = records.collect();
-    let rows: Vec<(i64, Option<f64>)> = read!(store, query_as.fetch_all, sql, list_of(&records));
-    Ok(rows.into_iter().filter_map(|(id, temperature)| Some((Id(id), temperature?))).collect())
+    let rows: Vec<(Id, Option<f64>)> = read!(store, all, sql, &records)?;
+    Ok(rows.into_iter().filter_map(|(id, temperature)| Some((id, temperature?))).collect())
 }

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::{AnyRow, AssertSqlSafe, Columns, Id, Part, Result, Row, Store, UtcMicros, columns, list_of, on, read};
+use super::{AnyRow, AssertSqlSafe, Columns, Found, Id, Part, Result, Row, Store, UtcMicros, columns, part, read};
 use crate::store::Secrets;
 
 /// A hook. Its secrets are for signing and sending only; what shows hooks leaves them out, and so does `Debug`.
@@ -77,9 +77,9 @@ impl Part for Option<(String, UtcMicros)> {
         row.put(&secret).put(&until);
     }
 
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
-        let secret: Option<String> = row.part(columns)?;
-        Ok(secret.zip(row.part(&columns[1..])?))
+    fn get(found: &mut Found<'_, impl AnyRow>) -> Result<Self> {
+        let (secret, until): (Option<_>, Option<_>) = found.part()?;
+        Ok(secret.zip(until))
     }
 }
 
@@ -93,37 +93,32 @@ pub(in crate::store) async fn stored(store: &Store) -> Result<Vec<HookRow>> {
     read!(store, all, HookRow::select("ORDER BY id"))
 }
 
-fn shown(store: &Store, row: &impl AnyRow) -> Result<HookRow> {
-    let mut hook = HookRow::get_all(row)?;
-    hook.show(&store.secrets)?;
-    Ok(hook)
-}
-
 /// Every hook that was not deleted, oldest first.
 pub async fn all(store: &Store) -> Result<Vec<HookRow>> {
-    let sql = HookRow::select("WHERE deleted_at IS NULL ORDER BY id");
-    on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(|row| shown(store, row)).collect())
+    let mut hooks: Vec<HookRow> = read!(store, all, HookRow::select("WHERE deleted_at IS NULL ORDER BY id"))?;
+    hooks.iter_mut().try_for_each(|hook| hook.show(&store.secrets))?;
+    Ok(hooks)
 }
 
 /// A hook, unless it was deleted.
 pub async fn get(store: &Store, id: Id) -> Result<Option<HookRow>> {
     let sql = HookRow::select("WHERE id = $1 AND deleted_at IS NULL");
-    on!(store.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(|row| shown(store, row)).transpose())
+    let mut hook: Option<HookRow> = read!(store, first, sql, id)?;
+    hook.iter_mut().try_for_each(|hook| hook.show(&store.secrets))?;
+    Ok(hook)
 }
 
 /// What hooks have heard last of these alerts, where that is that they fire: hook, alert, severity.
 pub async fn heard_of(store: &Store, alerts: &[Id]) -> Result<Vec<(Id, Id, String)>> {
     let those = store.readers.list("$1");
     let sql = AssertSqlSafe(format!("SELECT hook, alert, severity FROM hook_heard WHERE alert IN {those}"));
-    let rows: Vec<(i64, i64, String)> = read!(store, query_as.fetch_all, sql, list_of(alerts));
-    Ok(rows.into_iter().map(|(hook, alert, severity)| (Id(hook), Id(alert), severity)).collect())
+    read!(store, all, sql, alerts)
 }
 
 /// What a hook has heard last of the alerts that fire, to its knowledge: alert, severity.
 pub async fn heard_by(store: &Store, hook: Id) -> Result<Vec<(Id, String)>> {
     let sql = "SELECT alert, severity FROM hook_heard WHERE hook = $1";
-    let rows: Vec<(i64, String)> = read!(store, query_as.fetch_all, sql, hook.0);
-    Ok(rows.into_iter().map(|(alert, severity)| (Id(alert), severity)).collect())
+    read!(store, all, sql, hook)
 }
 
 /// The alerts of which a hook was to be told that they fire and has taken nothing: that message is a dead letter.
@@ -132,20 +127,21 @@ pub async fn never_taken(store: &Store, hook: Id) -> Result<HashSet<Id>> {
                FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step LEFT JOIN delivery_part AS p ON p.delivery = d.id
                WHERE d.hook = $1 AND d.state = 'dead' AND coalesce(d.alert, p.alert) IS NOT NULL
                    AND coalesce(p.action, d.action, s.action) = 'fire'";
-    let dead: Vec<i64> = read!(store, query_scalar.fetch_all, sql, hook.0);
+    let mut dead: Vec<Id> = read!(store, all, sql, hook)?;
     if dead.is_empty() {
         return Ok(HashSet::new());
     }
     let taken: HashSet<Id> = delivered_firing(store, hook).await?.into_iter().collect();
-    Ok(dead.into_iter().map(Id).filter(|alert| !taken.contains(alert)).collect())
+    dead.retain(|alert| !taken.contains(alert));
+    Ok(dead.into_iter().collect())
 }
 
 /// The alerts that an open delivery of a hook tells of.
 pub async fn waiting_alerts(store: &Store, hook: Id) -> Result<HashSet<Id>> {
     let sql = "SELECT coalesce(d.alert, p.alert) FROM delivery AS d LEFT JOIN delivery_part AS p ON p.delivery = d.id
                WHERE d.hook = $1 AND d.state IN ('behind', 'waiting') AND coalesce(d.alert, p.alert) IS NOT NULL";
-    let alerts: Vec<i64> = read!(store, query_scalar.fetch_all, sql, hook.0);
-    Ok(alerts.into_iter().map(Id).collect())
+    let alerts: Vec<Id> = read!(store, all, sql, hook)?;
+    Ok(alerts.into_iter().collect())
 }
 
 /// The alerts of which the last message that a hook took was not that they are resolved.
@@ -158,8 +154,8 @@ pub async fn delivered_firing(store: &Store, hook: Id) -> Result<Vec<Id>> {
                      SELECT p.alert, p.action, p.delivery FROM delivery_part AS p JOIN delivery AS d ON d.id = p.delivery
                      WHERE p.hook = $1 AND d.state = 'delivered') AS told
                ORDER BY told.id";
-    let told: Vec<(i64, Option<String>)> = read!(store, query_as.fetch_all, sql, hook.0);
-    let last: std::collections::BTreeMap<i64, Option<String>> = told.into_iter().collect();
+    let told: Vec<(Id, Option<String>)> = read!(store, all, sql, hook)?;
+    let last: std::collections::BTreeMap<Id, Option<String>> = told.into_iter().collect();
     let fires = last.into_iter().filter(|(_, action)| action.as_deref() != Some("resolve"));
-    Ok(fires.map(|(alert, _)| Id(alert)).collect())
+    Ok(fires.map(|(alert, _)| alert).collect())
 }

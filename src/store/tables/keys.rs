@@ -1,6 +1,6 @@
 //! `Idempotency-Key` headers and what came of the requests that bore them.
 
-use super::{Id, Result, Sql, Store, columns, read};
+use super::{Id, Result, Sql, Store, columns, part, read};
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyRow {
@@ -21,8 +21,7 @@ pub async fn get_many(store: &Store, keys: &[&str]) -> Result<Vec<(String, (Id, 
                    WHERE key IN (SELECT j.value FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value))",
     });
     let keys = serde_json::json!(keys).to_string();
-    let found: Vec<(String, i64, Vec<u8>)> = read!(store, query_as.fetch_all, sql, keys);
-    Ok(found.into_iter().map(|(key, id, hash)| (key, (Id(id), hash))).collect())
+    read!(store, all, sql, keys)
 }
 
 /// As [`get_many`], of one.

@@ -6,9 +6,9 @@ use sqlx::AssertSqlSafe;
 use crate::core::id::Id;
 use crate::core::time::{Span, UtcMicros};
 use crate::store::batch::{Batch, OnConflict};
-use crate::store::columns::columns;
-use crate::store::db::{Readers, Sql, Whole, asked, at_most, counted, list_of, numbers, on, read};
-use crate::store::rows::{AnyRow, CellKind, Column, Columns, Part, Row, Rows};
+use crate::store::columns::{columns, part};
+use crate::store::db::{Bound, Readers, Sql, asked, each, on, read};
+use crate::store::rows::{AnyRow, CellKind, Column, Columns, Found, Part, Row, Rows};
 use crate::store::{Result, Store, StoreError};
 
 pub mod access;

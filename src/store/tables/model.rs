@@ -1,6 +1,6 @@
 //! Error models that were adopted for an IMU, and which campaigns were fitted with them.
 
-use super::{Batch, Columns, Id, OnConflict, Result, Rows, Store, UtcMicros, Whole, columns, read};
+use super::{Batch, Columns, Id, OnConflict, Result, Rows, Store, UtcMicros, columns, part, read};
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ModelRow {
@@ -25,15 +25,14 @@ pub(crate) fn insert_uses(uses: &[(Id, Id)], batch: &mut Batch) {
 
 /// Every model that was adopted for an IMU, newest first.
 pub async fn of_imu(store: &Store, imu: u32) -> Result<Vec<ModelRow>> {
-    read!(store, all, ModelRow::select("WHERE imu = $1 ORDER BY id DESC"), Whole(imu))
+    read!(store, all, ModelRow::select("WHERE imu = $1 ORDER BY id DESC"), imu)
 }
 
 /// How many campaigns were fitted with each model of an IMU that any was.
 pub async fn uses(store: &Store, imu: u32) -> Result<Vec<(Id, u64)>> {
     let sql = "SELECT model, count(*) FROM campaign_model WHERE model IN (SELECT id FROM imu_model WHERE imu = $1)
                GROUP BY model";
-    let rows: Vec<(i64, i64)> = read!(store, query_as.fetch_all, sql, Whole(imu));
-    Ok(rows.into_iter().map(|(model, count)| (Id(model), count.unsigned_abs())).collect())
+    read!(store, all, sql, imu)
 }
 
 /// The newest model of each IMU that has one.
@@ -44,5 +43,5 @@ pub async fn in_force(store: &Store) -> Result<Vec<ModelRow>> {
 /// The adopted model that a stored campaign was fitted with, if it was one.
 pub async fn of_campaign(store: &Store, record: Id) -> Result<Option<ModelRow>> {
     let sql = ModelRow::select("WHERE id = (SELECT model FROM campaign_model WHERE record = $1)");
-    read!(store, first, sql, record.0)
+    read!(store, first, sql, record)
 }

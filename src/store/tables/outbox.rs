@@ -1,16 +1,18 @@
 //! Reading the outbox: what is due, how a hook's queue stands, what became of each delivery.
 
-use super::{AnyRow, AssertSqlSafe, Columns, Id, Result, Sql, Store, UtcMicros, Whole, list_of, numbers, on, read};
+use super::{
+    AnyRow, AssertSqlSafe, Bound, Columns, Id, Result, Sql, Store, StoreError, UtcMicros, each, on, part, read,
+};
 use crate::core::delivery::{DeliveryState, QueueState};
 use crate::store::{AttemptRow, DeliveryRow, DeliverySubject, DueDelivery};
 
-fn subject(row: &impl AnyRow) -> Result<DeliverySubject> {
-    let subject: (Option<Id>, Option<Id>, Option<String>) = row.part(&["step", "alert", "action"])?;
-    Ok(match subject {
-        (Some(step), Some(alert), _) => DeliverySubject::Step { step, alert },
-        (.., Some(_)) => DeliverySubject::Many,
-        (.., None) => DeliverySubject::Test,
-    })
+/// Of the step and the alert that a delivery tells of, if it is one, and of whether it `tells` of any.
+fn subject([step, alert]: [Option<Id>; 2], tells: bool) -> DeliverySubject {
+    match step.zip(alert) {
+        Some((step, alert)) => DeliverySubject::Step { step, alert },
+        None if tells => DeliverySubject::Many,
+        None => DeliverySubject::Test,
+    }
 }
 
 /// At most `limit` deliveries of a hook that are due, the longest due first.
@@ -24,14 +26,13 @@ pub async fn due_of_hook(
     limit: u32,
 ) -> Result<Vec<DueDelivery>> {
     let sql = "SELECT d.id, d.hook, d.step, d.alert, d.queued_at, d.attempts, d.first_attempt_at,
-                      s.at, coalesce(d.action, s.action) AS action, s.body, d.digest
+                      s.at, coalesce(d.action, s.action), s.body, d.digest
                FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step
                WHERE d.hook = $1 AND d.state = 'waiting' AND (d.due_at <= $2 OR d.due_at > $3)
                ORDER BY d.due_at, d.id LIMIT $4";
     on!(store.readers, db => {
-        let query = sqlx::query(sql).bind(hook.0).bind(now.0).bind(horizon.0).bind(Whole(limit));
-        let rows = query.fetch_all(db).await?;
-        let mut found: Vec<DueDelivery> = rows.iter().map(due).collect::<Result<_, _>>()?;
+        let query = sqlx::query(sql).bind(hook.0).bind(now.0).bind(horizon.0).bind(limit.bound());
+        let mut found: Vec<DueDelivery> = each(query.fetch(db)).await?.into_iter().map(due).collect();
         for due in found.iter_mut().filter(|due| due.subject == DeliverySubject::Many) {
             due.content = sqlx::query_as(PARTS).bind(due.id.0).fetch_all(db).await?;
         }
@@ -42,40 +43,34 @@ pub async fn due_of_hook(
 /// When the next delivery of a hook is due after `now`; none where nothing waits that is not due already.
 pub async fn next_due(store: &Store, hook: Id, now: UtcMicros) -> Result<Option<UtcMicros>> {
     let sql = "SELECT min(due_at) FROM delivery WHERE hook = $1 AND state = 'waiting' AND due_at > $2";
-    let at: Option<i64> = read!(store, query_scalar.fetch_one, sql, hook.0, now.0);
-    Ok(at.map(UtcMicros))
+    read!(store, one, sql, hook, now)
 }
 
 const PARTS: &str = "SELECT part.action, coalesce(part.body, step.body)
                      FROM delivery_part AS part LEFT JOIN alert_step AS step ON step.id = part.step
                      WHERE part.delivery = $1 ORDER BY part.place";
 
-fn due(row: &impl AnyRow) -> Result<DueDelivery> {
-    let [action, body]: [Option<String>; 2] = row.part(&["action", "body"])?;
-    Ok(DueDelivery {
-        id: row.part(&["id"])?,
-        hook: row.part(&["hook"])?,
-        subject: subject(row)?,
-        queued_at: row.part(&["queued_at"])?,
-        attempts: row.part(&["attempts"])?,
-        first_attempt_at: row.part(&["first_attempt_at"])?,
-        at: row.part(&["at"])?,
-        content: action.zip(body).into_iter().collect(),
-        digest: row.part(&["digest"])?,
-    })
+type Due = ((Id, Id, [Option<Id>; 2]), (UtcMicros, u32, Option<UtcMicros>, Option<UtcMicros>), [Option<String>; 3]);
+
+fn due(((id, hook, of), (queued_at, attempts, first_attempt_at, at), [action, body, digest]): Due) -> DueDelivery {
+    let (subject, content) = (subject(of, action.is_some()), action.zip(body).into_iter().collect());
+    DueDelivery { id, hook, subject, queued_at, attempts, first_attempt_at, at, content, digest }
 }
 
 const COLUMNS: &str = "SELECT d.id, d.hook, d.step, d.alert, d.queued_at, d.state, d.due_at, d.finished_at,
-                              coalesce(d.action, s.action) AS action,
-                              coalesce(d.alert, (SELECT p.alert FROM delivery_part AS p WHERE p.delivery = d.id AND p.place = 0)) AS first
+                              coalesce(d.action, s.action),
+                              coalesce(d.alert, (SELECT p.alert FROM delivery_part AS p WHERE p.delivery = d.id AND p.place = 0))
                        FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step";
+
+part! {
+    QueueState { open, dead, oldest_open }
+}
 
 pub async fn queue_state(store: &Store, hook: Id) -> Result<QueueState> {
     let sql = "SELECT (SELECT count(*) FROM delivery WHERE hook = $1 AND state IN ('behind', 'waiting')),
                       (SELECT count(*) FROM delivery WHERE hook = $1 AND state = 'dead'),
                       (SELECT min(queued_at) FROM delivery WHERE hook = $1 AND state IN ('behind', 'waiting'))";
-    let (open, dead, oldest): (i64, i64, Option<i64>) = read!(store, query_as.fetch_one, sql, hook.0);
-    Ok(QueueState { open, dead, oldest_open: oldest.map(UtcMicros) })
+    read!(store, one, sql, hook)
 }
 
 /// The queues of all hooks together. A queue whose hook is disabled ages by intent, so its age does not count.
@@ -85,8 +80,7 @@ pub async fn outbox_totals(store: &Store) -> Result<QueueState> {
                       (SELECT min((SELECT min(queued_at) FROM delivery
                                    WHERE delivery.hook = hook.id AND state IN ('behind', 'waiting')))
                        FROM hook WHERE deleted_at IS NULL AND enabled = 1)";
-    let (open, dead, oldest): (i64, i64, Option<i64>) = read!(store, query_as.fetch_one, sql);
-    Ok(QueueState { open, dead, oldest_open: oldest.map(UtcMicros) })
+    read!(store, one, sql)
 }
 
 /// Deliveries of a hook older than `before`, newest first, with their attempts.
@@ -104,12 +98,11 @@ pub async fn of_hook(
     let read = async {
         on!(store.readers, db => {
             let mut snapshot = db.begin_with(store.readers.words(SNAPSHOT)).await?;
-            let query = sqlx::query(sql).bind(hook.0).bind(before).bind(state).bind(Whole(limit));
-            let rows = query.fetch_all(&mut *snapshot).await?;
-            let mut deliveries: Vec<DeliveryRow> = rows.iter().map(delivery).collect::<Result<_, _>>()?;
+            let query = sqlx::query(sql).bind(hook.0).bind(before).bind(state).bind(limit.bound());
+            let found: Vec<Delivery> = each(query.fetch(&mut *snapshot)).await.map_err(of_delivery)?;
+            let mut deliveries: Vec<DeliveryRow> = found.into_iter().map(delivery).collect();
             for delivery in &mut deliveries {
-                let made = sqlx::query(attempts()).bind(delivery.id.0).fetch_all(&mut *snapshot).await?;
-                delivery.attempts = made.iter().map(Columns::get_all).collect::<Result<_, _>>()?;
+                delivery.attempts = each(sqlx::query(attempts()).bind(delivery.id.0).fetch(&mut *snapshot)).await?;
             }
             Ok(deliveries)
         })
@@ -125,9 +118,8 @@ pub async fn get(store: &Store, id: Id) -> Result<Option<DeliveryRow>> {
             let mut snapshot = db.begin_with(store.readers.words(SNAPSHOT)).await?;
             let query = sqlx::query(sql).bind(id.0);
             let Some(row) = query.fetch_optional(&mut *snapshot).await? else { return Ok(None) };
-            let made = sqlx::query(attempts()).bind(id.0).fetch_all(&mut *snapshot).await?;
-            let attempts = made.iter().map(Columns::get_all).collect::<Result<_, _>>()?;
-            Ok(Some(DeliveryRow { attempts, ..delivery(&row)? }))
+            let attempts = each(sqlx::query(attempts()).bind(id.0).fetch(&mut *snapshot)).await?;
+            Ok(Some(DeliveryRow { attempts, ..delivery(row.whole().map_err(of_delivery)?) }))
         })
     };
     store.readers.within_limit(read).await
@@ -140,19 +132,16 @@ fn attempts() -> AssertSqlSafe<String> {
     AttemptRow::select("WHERE delivery = $1 ORDER BY id")
 }
 
-fn delivery(row: &impl AnyRow) -> Result<DeliveryRow> {
-    Ok(DeliveryRow {
-        id: row.part(&["id"])?,
-        hook: row.part(&["hook"])?,
-        subject: subject(row)?,
-        action: row.part(&["action"])?,
-        alert: row.part(&["first"])?,
-        queued_at: row.part(&["queued_at"])?,
-        state: row.part(&["state"]).map_err(|error| error.of("delivery"))?,
-        due_at: row.part(&["due_at"])?,
-        finished_at: row.part(&["finished_at"])?,
-        attempts: Vec::new(),
-    })
+fn of_delivery(error: StoreError) -> StoreError {
+    error.of("delivery")
+}
+
+type Delivery =
+    ((Id, Id, [Option<Id>; 2]), (UtcMicros, DeliveryState, UtcMicros, Option<UtcMicros>), (Option<String>, Option<Id>));
+
+fn delivery(((id, hook, of), (queued_at, state, due_at, finished_at), (action, alert)): Delivery) -> DeliveryRow {
+    let (subject, attempts) = (subject(of, action.is_some()), Vec::new());
+    DeliveryRow { id, hook, subject, action, alert, queued_at, state, due_at, finished_at, attempts }
 }
 
 /// The gyros of whose alerts these deliveries tell.
@@ -163,5 +152,5 @@ pub async fn gyros_of(store: &Store, deliveries: &[Id]) -> Result<Vec<u32>> {
              (SELECT alert FROM delivery WHERE id IN {those}
               UNION ALL SELECT alert FROM delivery_part WHERE delivery IN {those})"
     ));
-    Ok(numbers(read!(store, query_scalar.fetch_all, sql, list_of(deliveries))))
+    read!(store, all, sql, deliveries)
 }

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::{
-    AnyRow, AssertSqlSafe, Batch, CellKind, Column, Columns, Id, OnConflict, Readers, Result, Row, Rows, Span, Sql,
-    Store, StoreError, UtcMicros, Whole, columns, counted, list_of, on, read,
+    AnyRow, AssertSqlSafe, Batch, CellKind, Column, Columns, Found, Id, Part, Readers, Result, Row, Rows, Span, Sql,
+    Store, StoreError, UtcMicros, columns, part, read,
 };
 use crate::core::kind::Kind;
 use crate::store::RecordVerdicts;
@@ -92,16 +92,8 @@ pub struct RecordAt {
     pub voided: bool,
 }
 
-pub(crate) fn insert(records: &[RecordRow], batch: &mut Batch) {
-    let rows = Rows::each(records, |record, row| {
-        let (body, packed) = text::pack(&record.body);
-        row.put(&record.id).put(&record.kind).put(&record.imu).put(&record.station).put(&record.calibrated_at);
-        row.put(&record.received_at).words(body).put(&record.body_sha256);
-        row.written(|out| record.verdicts.pack(record.id, out)).integer(if record.voided { record.id.0 } else { 0 });
-        row.optional_words(record.notes.as_deref()).put(&record.sent_by).put(&record.temperature_c);
-        row.optional_bytes(packed.as_deref());
-    });
-    batch.insert("record", COLUMNS, OnConflict::Fail, rows);
+part! {
+    RecordAt { id, hash, voided }
 }
 
 /// The text of a stored record as it was sent.
@@ -110,6 +102,10 @@ pub struct LongText {
     pub record: Id,
     imu: u32,
     body: String,
+}
+
+part! {
+    LongText { record, imu, body }
 }
 
 /// The same, deflated.
@@ -142,7 +138,7 @@ const UNPACKED: Sql = Sql {
 /// How many records have a long text that is not deflated.
 pub async fn count_unpacked(store: &Store) -> Result<usize> {
     let sql = AssertSqlSafe(format!("SELECT count(*) FROM record WHERE {}", store.readers.words(UNPACKED)));
-    Ok(counted(read!(store, query_scalar.fetch_one, sql)))
+    read!(store, one, sql)
 }
 
 /// Long texts that are not deflated, of the first records after `after`, as many as `limit`.
@@ -151,14 +147,10 @@ pub async fn unpacked(store: &Store, after: Id, limit: u32) -> Result<Vec<LongTe
         "SELECT id, imu, body FROM record WHERE {} AND id > $1 ORDER BY id LIMIT $2",
         store.readers.words(UNPACKED)
     );
-    let rows: Vec<(i64, Whole<u32>, String)> =
-        read!(store, query_as.fetch_all, AssertSqlSafe(sql), after.0, Whole(limit));
-    look_up_numbers(store, [rows.iter().map(|(_, Whole(imu), _)| *imu).collect(), Vec::new(), Vec::new()]).await?;
-    Ok(rows.into_iter().map(|(id, Whole(imu), body)| LongText { record: Id(id), imu, body }).collect())
+    let texts: Vec<LongText> = read!(store, all, AssertSqlSafe(sql), after, limit)?;
+    look_up_numbers(store, [texts.iter().map(|text| text.imu).collect(), Vec::new(), Vec::new()]).await?;
+    Ok(texts)
 }
-
-const COLUMNS: &str = "id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts, voided, notes, \
-                       sent_by, temperature_c, packed";
 
 /// The verdicts of a stored record, some of them new, beside those that were there. They are of several gyros, which
 /// may be at home in different cells: whoever changes those of one must not undo what others have made of another.
@@ -179,30 +171,49 @@ pub(crate) fn update_verdicts(sheets: &[(Id, RejudgedSheet)], batch: &mut Batch)
     );
 }
 
-fn row(row: &impl AnyRow) -> Result<RecordRow> {
-    let id: Id = row.part(&["id"])?;
-    Ok(RecordRow {
-        id,
-        kind: row.part(&["kind"])?,
-        imu: row.part(&["imu"])?,
-        station: row.part(&["station"])?,
-        calibrated_at: row.part(&["calibrated_at"])?,
-        received_at: row.part(&["received_at"])?,
-        body: text::unpack(row.cell("body")?, row.cell("packed")?, || format!("record {id}"))?.into(),
-        body_sha256: row.part(&["body_sha256"])?,
-        verdicts: RecordVerdicts::unpack(id, &row.cell::<Vec<u8>>("verdicts")?)?,
-        voided: row.part(&["voided"])?,
-        notes: row.part(&["notes"])?,
-        sent_by: row.part(&["sent_by"])?,
-        temperature_c: row.part(&["temperature_c"])?,
-    })
+impl Part for RecordRow {
+    fn put(&self, row: &mut Row<'_>) {
+        let (body, packed) = text::pack(&self.body);
+        row.put(&self.id).put(&self.kind).put(&self.imu).put(&self.station).put(&self.calibrated_at);
+        row.put(&self.received_at).words(body).put(&self.body_sha256);
+        row.written(|out| self.verdicts.pack(self.id, out)).integer(if self.voided { self.id.0 } else { 0 });
+        row.optional_words(self.notes.as_deref()).put(&self.sent_by).put(&self.temperature_c);
+        row.optional_bytes(packed.as_deref());
+    }
+
+    fn get(found: &mut Found<'_, impl AnyRow>) -> Result<Self> {
+        let id: Id = found.part()?;
+        let (kind, imu, station, calibrated_at, received_at) = found.part()?;
+        let (body, body_sha256): (String, _) = found.part()?;
+        let verdicts = RecordVerdicts::unpack(id, &found.cell::<Vec<u8>>()?)?;
+        let (voided, notes, sent_by, temperature_c) = found.part()?;
+        let body = text::unpack(body, found.cell()?, || format!("record {id}"))?.into();
+        Ok(Self {
+            id,
+            kind,
+            imu,
+            station,
+            calibrated_at,
+            received_at,
+            body,
+            body_sha256,
+            verdicts,
+            voided,
+            notes,
+            sent_by,
+            temperature_c,
+        })
+    }
+}
+
+impl Columns for RecordRow {
+    const TABLE: &'static str = "record";
+    const COLUMNS: &'static str = "id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts, \
+        voided, notes, sent_by, temperature_c, packed";
 }
 
 pub async fn get(store: &Store, id: Id) -> Result<Option<RecordRow>> {
-    let sql = AssertSqlSafe(format!("SELECT {COLUMNS} FROM record WHERE id = $1"));
-    let found = on!(store.readers, db => {
-        sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(row).transpose()?
-    });
+    let found: Option<RecordRow> = read!(store, first, RecordRow::select("WHERE id = $1"), id)?;
     if let Some(row) = &found {
         let gyros = row.verdicts.0.iter().map(|(gyro, _)| *gyro).collect();
         look_up_numbers(store, [vec![row.imu], vec![row.station], gyros]).await?;
@@ -212,26 +223,23 @@ pub async fn get(store: &Store, id: Id) -> Result<Option<RecordRow>> {
 
 /// Every record, in order of arrival.
 pub async fn ids(store: &Store) -> Result<Vec<Id>> {
-    let ids: Vec<i64> = read!(store, query_scalar.fetch_all, "SELECT id FROM record ORDER BY id");
-    Ok(ids.into_iter().map(Id).collect())
+    read!(store, all, "SELECT id FROM record ORDER BY id")
 }
 
 /// The records of an IMU at an instant: the one that counts first (there is one at the most), then those that do not.
 pub async fn at(store: &Store, imu: u32, at: UtcMicros) -> Result<Vec<RecordAt>> {
     // On a server nothing waits, and $3 is null.
-    let waiting = store.write_behind.index.read().at(imu, at).map(|id| id.0);
+    let waiting = store.write_behind.index.read().at(imu, at);
     let sql = store.readers.words(Sql {
-        sqlite: "SELECT id, imu, calibrated_at, body_sha256, voided <> 0 FROM record WHERE id = $3
+        sqlite: "SELECT imu, calibrated_at, id, body_sha256, voided FROM record WHERE id = $3
                  OR id IN (SELECT record FROM calendar WHERE imu = $1 AND calibrated_at = $2) ORDER BY voided",
-        postgres: "SELECT id, imu, calibrated_at, body_sha256, voided <> 0 FROM record
+        postgres: "SELECT imu, calibrated_at, id, body_sha256, voided FROM record
                    WHERE imu = $1 AND calibrated_at = $2 AND $3 IS NULL ORDER BY voided",
     });
-    let found: Vec<(i64, Whole<u32>, i64, Vec<u8>, bool)> =
-        read!(store, query_as.fetch_all, sql, Whole(imu), at.0, waiting);
-    let found = found.into_iter().map(|(id, Whole(of), then, hash, voided)| {
-        let found = RecordAt { id: Id(id), hash, voided };
-        let is_here = (of, UtcMicros(then)) == (imu, at);
-        if is_here { Ok(found) } else { Err(StoreError::Damaged(format!("record {} is of another instant", Id(id)))) }
+    let found: Vec<((u32, UtcMicros), RecordAt)> = read!(store, all, sql, imu, at, waiting)?;
+    let found = found.into_iter().map(|(place, found)| {
+        let is_here = place == (imu, at);
+        if is_here { Ok(found) } else { Err(StoreError::Damaged(format!("record {} is of another instant", found.id))) }
     });
     found.collect()
 }
@@ -239,36 +247,35 @@ pub async fn at(store: &Store, imu: u32, at: UtcMicros) -> Result<Vec<RecordAt>>
 /// As [`at`], of many places: of a database server in one question, of a file one by one, which costs nothing
 /// there.
 pub async fn at_many(store: &Store, places: &[(u32, UtcMicros)]) -> Result<Vec<Vec<RecordAt>>> {
-    let Readers::Postgres(db) = &store.readers else {
+    if !matches!(store.readers, Readers::Postgres(_)) {
         let mut all = Vec::with_capacity(places.len());
         for (imu, time) in places {
             let is_new = store.write_behind.index.read().newest_of(*imu).is_none_or(|newest| newest < *time);
             all.push(if is_new { Vec::new() } else { at(store, *imu, *time).await? });
         }
         return Ok(all);
-    };
+    }
     if places.is_empty() {
         return Ok(Vec::new());
     }
-    let sql = "SELECT CAST(key AS BIGINT), id, body_sha256, voided <> 0
+    let sql = "SELECT CAST(key AS BIGINT), id, body_sha256, voided
                FROM jsonb_array_elements(CAST($1 AS JSONB)) WITH ORDINALITY AS j(value, key) JOIN record
                ON imu = CAST(j.value->>0 AS BIGINT) AND calibrated_at = CAST(j.value->>1 AS BIGINT) ORDER BY key, voided";
     let wanted: Vec<[i64; 2]> = places.iter().map(|(imu, at)| [i64::from(*imu), at.0]).collect();
-    let found: Vec<(i64, i64, Vec<u8>, bool)> =
-        sqlx::query_as(sql).bind(serde_json::json!(wanted).to_string()).fetch_all(db).await?;
+    let found: Vec<(usize, RecordAt)> = read!(store, all, sql, serde_json::json!(wanted).to_string())?;
     let mut all = vec![Vec::new(); places.len()];
-    for (key, id, hash, voided) in found {
-        all[(key - 1).unsigned_abs() as usize].push(RecordAt { id: Id(id), hash, voided });
+    for (key, one) in found {
+        all[key - 1].push(one);
     }
     Ok(all)
 }
 
 /// When the newest record of an IMU was made, whether it counts or not.
 pub async fn newest_of_imu(store: &Store, imu: u32) -> Result<Option<UtcMicros>> {
-    let Readers::Postgres(db) = &store.readers else { return Ok(store.write_behind.index.read().newest_of(imu)) };
-    let sql = "SELECT max(calibrated_at) FROM record WHERE imu = $1";
-    let newest: Option<i64> = sqlx::query_scalar(sql).bind(Whole(imu)).fetch_one(db).await?;
-    Ok(newest.map(UtcMicros))
+    match store.readers {
+        Readers::Sqlite(_) => Ok(newest_in_file(store, imu)),
+        Readers::Postgres(_) => read!(store, one, "SELECT max(calibrated_at) FROM record WHERE imu = $1", imu),
+    }
 }
 
 /// As [`newest_of_imu`], of a database in a file.
@@ -279,8 +286,8 @@ pub fn newest_in_file(store: &Store, imu: u32) -> Option<UtcMicros> {
 /// Which IMU and gyros a record is of, where there is such a record.
 pub async fn whose(store: &Store, id: Id) -> Result<Option<(u32, Vec<u32>)>> {
     let sql = "SELECT imu, verdicts FROM record WHERE id = $1";
-    let found: Option<(Whole<u32>, Vec<u8>)> = read!(store, query_as.fetch_optional, sql, id.0);
-    let whose = |(Whole(imu), verdicts): (Whole<u32>, Vec<u8>)| {
+    let found: Option<(u32, Vec<u8>)> = read!(store, first, sql, id)?;
+    let whose = |(imu, verdicts): (u32, Vec<u8>)| {
         let sheet = RecordVerdicts::unpack(id, &verdicts)?;
         Ok((imu, sheet.0.into_iter().map(|(gyro, _)| gyro).collect()))
     };
@@ -290,7 +297,7 @@ pub async fn whose(store: &Store, id: Id) -> Result<Option<(u32, Vec<u32>)>> {
 /// The verdict sheet of a record, to be changed.
 pub async fn sheet_to_rejudge(store: &Store, id: Id) -> Result<Option<RejudgedSheet>> {
     let sql = "SELECT verdicts FROM record WHERE id = $1";
-    let found: Option<Vec<u8>> = read!(store, query_scalar.fetch_optional, sql, id.0);
+    let found: Option<Vec<u8>> = read!(store, first, sql, id)?;
     let sheet = |packed_before: Vec<u8>| {
         Ok(RejudgedSheet { sheet: RecordVerdicts::unpack(id, &packed_before)?, packed_before })
     };
@@ -304,8 +311,8 @@ pub async fn verdict_sheets(store: &Store, records: impl Iterator<Item = Id>) ->
     if records.is_empty() {
         return Ok(HashMap::new());
     }
-    let rows: Vec<(i64, Vec<u8>)> = read!(store, query_as.fetch_all, sql, list_of(&records));
-    rows.into_iter().map(|(id, bytes)| Ok((Id(id), RecordVerdicts::unpack(Id(id), &bytes)?))).collect()
+    let rows: Vec<(Id, Vec<u8>)> = read!(store, all, sql, &records)?;
+    rows.into_iter().map(|(id, bytes)| Ok((id, RecordVerdicts::unpack(id, &bytes)?))).collect()
 }
 
 /// The newest `limit` records of an IMU that count, newest first, without their bodies.
@@ -326,13 +333,14 @@ pub async fn of_imu_before(store: &Store, imu: u32, before: UtcMicros, limit: u3
         postgres: "WHERE imu = $1 AND voided = 0 AND $3 IS NOT NULL AND calibrated_at < $4
                    ORDER BY calibrated_at DESC LIMIT $2",
     }));
-    read!(store, all, sql, Whole(imu), Whole(limit), list_of(&waiting), before.0)
+    read!(store, all, sql, imu, limit, &waiting, before)
 }
 
 /// Records and campaigns, the last to arrive first, from the one before `before` on, as many as `limit`.
 pub async fn listed(store: &Store, filter: RecordFilter, before: Id, limit: u32) -> Result<Vec<RecordEntry>> {
     // An IMU's records are found by their index and then sorted; all others are read in the order of arrival.
-    let (waiting, order, of_imu) = match filter.imu {
+    let RecordFilter { kind, imu, station, calibrated: Span { from, to } } = filter;
+    let (waiting, order, of_imu): (Vec<Id>, _, _) = match imu {
         None => (Vec::new(), "id", "$3 IS NULL AND $4 IS NOT NULL"),
         Some(imu) => (
             store.write_behind.index.read().last_of(imu, Span::EVER.to, usize::MAX).collect(),
@@ -349,17 +357,8 @@ pub async fn listed(store: &Store, filter: RecordFilter, before: Id, limit: u32)
              AND calibrated_at BETWEEN $6 AND $7
          ORDER BY {order} DESC LIMIT $8"
     ));
-    let found: Vec<RecordEntry> = on!(store.readers, db => sqlx::query(sql)
-        .bind(before.0)
-        .bind(filter.kind.map(code))
-        .bind(filter.imu.map(Whole))
-        .bind(list_of(&waiting))
-        .bind(filter.station.map(Whole))
-        .bind(filter.calibrated.from.0)
-        .bind(filter.calibrated.to.0)
-        .bind(Whole(limit))
-        .fetch_all(db)
-        .await?.iter().map(Columns::get_all).collect::<Result<_, _>>()?);
+    let kind = kind.map(code);
+    let found: Vec<RecordEntry> = read!(store, all, sql, before, kind, imu, &waiting, station, from, to, limit)?;
     let names = [found.iter().map(|one| one.imu).collect(), found.iter().map(|one| one.station).collect(), Vec::new()];
     look_up_numbers(store, names).await?;
     Ok(found)
@@ -376,17 +375,16 @@ pub struct StationTotals {
     pub last: UtcMicros,
 }
 
+part! {
+    StationTotals { records, gyros, imus, first, last }
+}
+
 /// Of every station with a record that counts. Reads every record.
 pub async fn of_stations(store: &Store) -> Result<HashMap<u32, StationTotals>> {
     let sql =
         "SELECT station, count(*), (SELECT count(*) FROM gyro_station WHERE gyro_station.station = record.station),
                       count(DISTINCT imu), min(calibrated_at), max(calibrated_at)
                FROM record WHERE voided = 0 GROUP BY station";
-    type Row = (Whole<u32>, i64, i64, i64, i64, i64);
-    let rows: Vec<Row> = read!(store, query_as.fetch_all, sql);
-    let totals = |(Whole(station), records, gyros, imus, first, last): Row| {
-        let [records, gyros, imus] = [records, gyros, imus].map(counted);
-        (station, StationTotals { records, gyros, imus, first: UtcMicros(first), last: UtcMicros(last) })
-    };
-    Ok(rows.into_iter().map(totals).collect())
+    let rows: Vec<(u32, StationTotals)> = read!(store, all, sql)?;
+    Ok(rows.into_iter().collect())
 }

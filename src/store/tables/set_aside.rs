@@ -1,6 +1,6 @@
 //! Records whose time is in doubt: kept as those that were voided are, until somebody confirms it.
 
-use super::{Batch, Columns, Id, OnConflict, Result, Rows, Store, UtcMicros, Whole, columns, read};
+use super::{Batch, Columns, Id, OnConflict, Result, Rows, Store, UtcMicros, columns, part, read};
 use crate::store::HistoryRow;
 use crate::store::packed::history_row;
 
@@ -64,14 +64,14 @@ pub(crate) fn note(noted: &[(Id, String)], batch: &mut Batch) {
 
 /// Who confirmed the time of a record that was set aside.
 pub async fn confirmation(store: &Store, record: Id) -> Result<Option<ConfirmationRow>> {
-    read!(store, first, ConfirmationRow::select("WHERE record = $1"), record.0)
+    read!(store, first, ConfirmationRow::select("WHERE record = $1"), record)
 }
 
 /// Whether a record is set aside until somebody confirms its time.
 pub async fn is_set_aside(store: &Store, record: Id) -> Result<bool> {
-    let sql = "SELECT count(*) > 0 FROM record WHERE id = $1 AND voided <> 0
+    let sql = "SELECT count(*) FROM record WHERE id = $1 AND voided <> 0
                AND NOT EXISTS (SELECT 1 FROM correction WHERE item = record.id)";
-    Ok(read!(store, query_scalar.fetch_one, sql, record.0))
+    read!(store, one, sql, record)
 }
 
 /// The records of a gyro that are set aside, oldest first.
@@ -79,6 +79,5 @@ pub async fn of_gyro(store: &Store, gyro: u32) -> Result<Vec<(Id, UtcMicros)>> {
     let sql = "SELECT record, calibrated_at FROM voided_history WHERE gyro = $1
                AND NOT EXISTS (SELECT 1 FROM correction WHERE item = voided_history.record)
                ORDER BY calibrated_at, record";
-    let rows: Vec<(i64, i64)> = read!(store, query_as.fetch_all, sql, Whole(gyro));
-    Ok(rows.into_iter().map(|(record, at)| (Id(record), UtcMicros(at))).collect())
+    read!(store, all, sql, gyro)
 }

@@ -1,6 +1,6 @@
 //! Silences of every alert that matches.
 
-use super::{AnyRow, Columns, Id, Part, Result, Row, Store, UtcMicros, Whole, columns, read};
+use super::{Columns, Id, Result, Store, UtcMicros, columns, part, read};
 use crate::core::alert_filter::Matchers;
 use crate::store::Remark;
 
@@ -21,23 +21,16 @@ columns! {
     }
 }
 
-impl Part for Matchers {
-    fn put(&self, row: &mut Row<'_>) {
-        row.put(&self.serial).put(&self.imu).put(&self.station).put(&self.rule);
-    }
-
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
-        let (serial, imu, station, rule) = row.part(columns)?;
-        Ok(Self { serial, imu, station, rule })
-    }
+part! {
+    Matchers { serial, imu, station, rule }
 }
 
 /// Silences in force at `now`, or all that there ever were; the newest first.
 pub async fn list(store: &Store, in_force_at: Option<UtcMicros>, limit: u32) -> Result<Vec<SilenceRow>> {
     let sql = SilenceRow::select("WHERE ($1 IS NULL OR (until > $1 AND ended_at IS NULL)) ORDER BY id DESC LIMIT $2");
-    read!(store, all, sql, in_force_at.map(|at| at.0), Whole(limit))
+    read!(store, all, sql, in_force_at, limit)
 }
 
 pub async fn get(store: &Store, id: Id) -> Result<Option<SilenceRow>> {
-    read!(store, first, SilenceRow::select("WHERE id = $1"), id.0)
+    read!(store, first, SilenceRow::select("WHERE id = $1"), id)
 }

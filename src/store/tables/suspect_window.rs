@@ -1,6 +1,6 @@
 //! Windows of time in which what a station measured is suspect, mark by mark.
 
-use super::{AnyRow, Columns, Id, Part, Result, Row, Span, Store, columns, read};
+use super::{Columns, Id, Result, Span, Store, columns, part, read};
 use crate::core::suspect_window::{Mark, SuspectWindow};
 
 /// How somebody marked a window of a station.
@@ -15,16 +15,14 @@ columns! {
     WindowMarkRow in "suspect_window" { id, station, mark: ["first_at", "last_at", "author", "reason", "trusted"] }
 }
 
-impl Part for Mark {
-    fn put(&self, row: &mut Row<'_>) {
-        let Self { window: SuspectWindow { span, author, reason }, trusted } = self;
-        row.put(&span.from).put(&span.to).put(author).put(reason).put(trusted);
-    }
-
-    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self> {
-        let (from, to, author, reason, trusted) = row.part(columns)?;
-        Ok(Self { window: SuspectWindow { span: Span { from, to }, author, reason }, trusted })
-    }
+part! {
+    Mark { window, trusted }
+}
+part! {
+    SuspectWindow { span, author, reason }
+}
+part! {
+    Span { from, to }
 }
 
 /// Every mark of these stations, oldest first.
@@ -33,5 +31,5 @@ pub async fn of_stations(store: &Store, stations: &[u32]) -> Result<Vec<WindowMa
         return Ok(Vec::new());
     }
     let sql = WindowMarkRow::select(&format!("WHERE station IN {} ORDER BY id", store.readers.list("$1")));
-    read!(store, all, sql, serde_json::json!(stations).to_string())
+    read!(store, all, sql, stations)
 }

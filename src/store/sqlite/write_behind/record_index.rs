@@ -14,7 +14,7 @@ use sqlx::SqliteConnection;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, OnConflict};
-use crate::store::db::Whole;
+use crate::store::db::each;
 use crate::store::error::{Result, StoreError};
 use crate::store::rows::Rows;
 use crate::store::sqlite::write_behind::queues::Waiting;
@@ -66,15 +66,14 @@ impl PendingIndex {
     /// Reads what is not in the table.
     pub async fn load(connection: &mut SqliteConnection) -> Result<Self> {
         let newest = "SELECT id, (SELECT max(calibrated_at) FROM calendar WHERE imu = imu.id) FROM imu";
-        let newest: Vec<(Whole<u32>, Option<i64>)> = sqlx::query_as(newest).fetch_all(&mut *connection).await?;
-        let newest = newest.into_iter().filter_map(|(Whole(imu), at)| Some((imu, UtcMicros(at?)))).collect();
+        let newest: Vec<(u32, Option<UtcMicros>)> = each(sqlx::query(newest).fetch(&mut *connection)).await?;
+        let newest = newest.into_iter().filter_map(|(imu, at)| Some((imu, at?))).collect();
         let mut pending = Self { waiting: Waiting::default(), newest };
-        let since = "SELECT id, imu, calibrated_at, voided <> 0, EXISTS (SELECT 1 FROM calendar WHERE record = since.id
+        let since = "SELECT id, imu, calibrated_at, voided, EXISTS (SELECT 1 FROM calendar WHERE record = since.id
                          AND (imu, calibrated_at, voided) = (since.imu, since.calibrated_at, since.voided))
                      FROM record AS since WHERE id >= coalesce((SELECT record FROM calendar_begun), 0) ORDER BY id";
-        let since: Vec<(i64, Whole<u32>, i64, bool, bool)> = sqlx::query_as(since).fetch_all(connection).await?;
-        for (record, Whole(imu), at, voided, entered) in since {
-            let (record, at) = (Id(record), UtcMicros(at));
+        let since: Vec<(Id, u32, UtcMicros, bool, bool)> = each(sqlx::query(since).fetch(connection)).await?;
+        for (record, imu, at, voided, entered) in since {
             if entered {
                 pending.waiting.pass(1);
             } else if voided || !pending.is_newest(imu, at) {

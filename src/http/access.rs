@@ -9,18 +9,15 @@ use axum::http::header::{
     ACCEPT, AUTHORIZATION, CACHE_CONTROL, HOST, LOCATION, ORIGIN, RETRY_AFTER, USER_AGENT, WWW_AUTHENTICATE,
 };
 use axum::http::uri::Authority;
-use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, Uri};
+use axum::http::{HeaderName, HeaderValue, Method};
 use axum::middleware::Next;
-use axum::response::{IntoResponse, Response};
 
-use super::app::App;
 use super::edge::{Forwarded, NO_STORE};
-use super::query;
+use crate::cookies;
 use crate::core::access::Role;
+use crate::http::prelude::*;
 use crate::pipeline::{By, Caller, Denied, SESSION_COOKIE};
 use crate::routes::{ADMIN, ANYONE, Rules, VIEWER};
-use crate::wire::problem::Problem;
-use crate::{cookies, message};
 
 /// What decides about a request before it is handled.
 #[derive(Clone)]

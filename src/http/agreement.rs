@@ -1,13 +1,6 @@
 //! `/v1/gyros/{serial}/agreement`: the results of every method side by side, and their range (Table 5 of the paper).
 
-use axum::Json;
-use axum::extract::Path;
-use serde::{Deserialize, Serialize};
-use utoipa::{IntoParams, ToSchema};
-
-use super::app::App;
-use super::query::{self, Parameters};
-use crate::http::problem::Answer;
+use crate::http::prelude::*;
 use crate::pipeline::{Compared, Comparison};
 use crate::wire::answer::{FigureBody, VerdictBody};
 use crate::wire::body::{ToBody, bodies};

@@ -1,27 +1,14 @@
 //! `/v1/alerts`: what fires, what has fired, and what people say of it.
 
-use axum::Json;
-use axum::extract::Path;
 use axum::http::header::CONTENT_TYPE;
-use axum::http::{HeaderMap, Uri};
-use axum::response::{IntoResponse, Response};
-use serde::{Deserialize, Serialize};
-use utoipa::{IntoParams, ToSchema};
 
-use super::app::App;
-use super::document::Document;
-use super::query::{self, Parameters};
 use super::signed::Signed;
 use crate::core::alert_filter::AlertFilter;
-use crate::core::fault::Faults;
-use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::http::problem::Answer;
-use crate::message;
+use crate::http::prelude::*;
 use crate::pipeline::{AlertChange, AlertOrder, AlertStep};
 use crate::wire::alert::AlertBody;
 use crate::wire::cursor::List;
-use crate::wire::problem::Problem;
 use crate::wire::{alert_csv, json, text, time};
 use crate::words::asked;
 

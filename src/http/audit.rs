@@ -1,22 +1,12 @@
 //! `/v1/audit`: who did what, when and from where.
 
-use axum::Json;
 use axum::http::header::CONTENT_TYPE;
-use axum::http::{HeaderMap, Uri};
-use axum::response::{IntoResponse, Response};
-use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
-use utoipa::{IntoParams, ToSchema};
 
-use super::app::App;
-use super::query::{self, Parameters};
 use crate::core::access::{AuditEntry, AuditFilter};
-use crate::core::id::Id;
-use crate::http::problem::Answer;
-use crate::message;
+use crate::http::prelude::*;
 use crate::wire::csv_text::csv_text;
 use crate::wire::cursor::List;
-use crate::wire::problem::Problem;
 use crate::wire::time;
 
 const MOST_LINES: usize = 10_000;

@@ -1,20 +1,10 @@
 //! `/v1/gyros/{serial}/baseline`: from here on a gyro is compared with itself anew.
 
-use axum::Json;
-use axum::extract::Path;
-use axum::http::StatusCode;
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
-
-use super::app::App;
-use super::document::Document;
 use super::remark::{self, SentRemark};
-use crate::core::fault::Faults;
 use crate::core::judge::{Event, FixedLevels, Measured};
 use crate::core::message::text;
 use crate::core::record::Name;
-use crate::http::problem::Answer;
-use crate::message;
+use crate::http::prelude::*;
 use crate::pipeline::{Actor, GyroEvent};
 use crate::wire::{json, text, time};
 

@@ -1,26 +1,17 @@
 //! `/v1/bench-results`: what single-gyro benches measured.
 
-use axum::Json;
-use axum::extract::Path;
 use axum::http::header::LOCATION;
-use axum::response::{IntoResponse, Response};
-use serde::Serialize;
 use serde_json::value::{RawValue, to_raw_value};
-use utoipa::ToSchema;
 
-use super::app::App;
 use super::corrections::{StandingBody, standing};
-use super::document::{Document, outcome};
+use super::document::outcome;
 use super::document_post::{DocumentPost, IdempotencyKey};
 use super::notify_query::NotifyQuery;
-use super::query;
-use crate::http::problem::Answer;
-use crate::message;
+use crate::http::prelude::*;
 use crate::pipeline::{Sent, Submission};
 use crate::wire::bench::BenchBody;
 use crate::wire::campaign::CampaignBody;
 use crate::wire::document::DocumentKind;
-use crate::wire::problem::Problem;
 use crate::wire::sender::SenderBody;
 use crate::wire::time;
 

@@ -2,34 +2,24 @@
 
 use std::time::Duration;
 
-use axum::Json;
-use axum::extract::{FromRequest, Path, Request};
-use axum::http::StatusCode;
+use axum::extract::{FromRequest, Request};
 use axum::http::header::RETRY_AFTER;
-use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
-use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
-use utoipa::{IntoParams, ToSchema};
 
-use super::app::App;
 use super::corrections::{StandingBody, standing};
-use super::document::{Document, check_media_type};
+use super::document::check_media_type;
 use super::document_post::{DocumentPost, IdempotencyKey, PostOutcome};
 use super::notify_query::NotifyQuery;
 use super::prefer_header::{MinimalAnswer, Prefer};
-use super::query::{self, Parameters};
-use crate::core::id::Id;
 use crate::core::kind::Kind;
-use crate::http::problem::Answer;
-use crate::message;
+use crate::http::prelude::*;
 use crate::pipeline::{DiagnosisAnswer, Fitted, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission};
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::document::DocumentKind;
 use crate::wire::note::{self, NoteBody};
-use crate::wire::problem::Problem;
 use crate::wire::sender::SenderBody;
 use crate::wire::split::SplitBody;
 use crate::wire::table::open_end;

@@ -1,18 +1,9 @@
 //! `/v1/records/{id}/confirm`: the time of a record that was set aside is right.
 
-use axum::Json;
-use axum::extract::Path;
-use serde::Serialize;
-use utoipa::ToSchema;
-
-use super::app::App;
 use super::corrections::{StandingBody, standing};
-use super::document::Document;
-use super::query;
 use super::signed::Signed;
-use crate::http::problem::Answer;
+use crate::http::prelude::*;
 use crate::pipeline::{Accepted, Actor, Confirmation, Submission};
-use crate::wire::problem::Problem;
 
 /// A record whose time was confirmed.
 #[derive(Serialize, ToSchema)]

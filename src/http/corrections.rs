@@ -1,31 +1,21 @@
 //! `…/void` and `…/revise`: what was stored counts no more, or another stands in its place. Nothing is deleted.
 
-use axum::Json;
-use axum::extract::Path;
-use axum::http::StatusCode;
 use axum::http::header::LOCATION;
-use axum::response::{IntoResponse, Response};
-use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
-use utoipa::ToSchema;
 
-use super::app::App;
-use super::document::{Document, outcome};
-use super::query;
+use super::document::outcome;
 use crate::core::correction::CorrectionItem;
-use crate::core::fault::{Fault, Faults};
-use crate::core::id::Id;
+use crate::core::fault::Fault;
 use crate::core::kind::Kind;
-use crate::http::problem::Answer;
+use crate::http::prelude::*;
 use crate::pipeline::{Actor, Calibration, Corrected, Correction, Fitted, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::body::bodies;
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
-use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
 use crate::wire::{json, text, time};
-use crate::{message, words};
+use crate::words;
 
 /// How a record, campaign or bench result stands.
 #[derive(Debug, Serialize, ToSchema)]

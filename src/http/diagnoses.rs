@@ -1,26 +1,15 @@
 //! `/v1/diagnoses`: diagnoses of many campaigns, ordered, followed, canceled; and what they say together.
 
-use axum::Json;
-use axum::extract::Path;
 use axum::http::header::{CONTENT_TYPE, LOCATION};
-use axum::http::{HeaderMap, StatusCode, Uri};
-use axum::response::{IntoResponse, Response};
-use serde::Deserialize;
-use utoipa::IntoParams;
 
-use super::app::App;
-use super::document::Document;
-use super::query::{self, Parameters, bad, with_sign};
+use super::query::{bad, with_sign};
 use crate::core::fault::Fault;
-use crate::core::id::Id;
 use crate::core::message::list;
-use crate::http::problem::Answer;
-use crate::message;
+use crate::http::prelude::*;
 use crate::pipeline::{Accepted, DiagnosisOrder};
 use crate::wire::cursor::List;
 use crate::wire::diagnoses::{JobDetailBody, JobsBody, SummaryBody, WhichBody};
 use crate::wire::diagnoses_csv;
-use crate::wire::problem::Problem;
 
 const MOST_ORDERS: usize = 100;
 const MOST_FAILURES: usize = 1000;

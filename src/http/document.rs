@@ -1,20 +1,16 @@
 //! The body of a request: one JSON document, as bytes.
 
 use axum::extract::{FromRequest, Request};
+use axum::http::HeaderName;
 use axum::http::header::{CONTENT_ENCODING, CONTENT_TYPE};
-use axum::http::{HeaderMap, HeaderName, StatusCode};
-use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 
-use crate::core::fault::{Fault, Faults};
-use crate::core::id::Id;
+use crate::core::fault::Fault;
 use crate::core::message::Message;
-use crate::http::problem::Answer;
-use crate::message;
+use crate::http::prelude::*;
 use crate::pipeline::Accepted;
 use crate::wire::document::DocumentKind;
 use crate::wire::json::is_json;
-use crate::wire::problem::Problem;
 
 /// A whole JSON body within the size limit. Anything that does not call itself JSON is answered 415.
 pub struct Document(pub Bytes);

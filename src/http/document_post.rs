@@ -1,29 +1,21 @@
 //! The POST of a document that is stored: records, campaigns and bench results are sent alike.
 
+use axum::Extension;
 use axum::extract::FromRequestParts;
-use axum::http::StatusCode;
 use axum::http::header::LOCATION;
 use axum::http::request::Parts;
-use axum::response::{IntoResponse, Response};
-use axum::{Extension, Json};
-use serde::Serialize;
-use utoipa::IntoParams;
 
-use super::app::App;
 use super::corrections::{Standing, StandingBody};
 use super::notify_query::NotifyQuery;
 use super::prefer_header::{AsWanted, MinimalAnswer, Prefer};
 use super::query::IDEMPOTENCY_KEY;
 use crate::core::alert_decision::Late;
-use crate::core::id::Id;
 use crate::core::judge::State;
 use crate::core::note::Note;
-use crate::http::problem::Answer;
-use crate::message;
+use crate::http::prelude::*;
 use crate::pipeline::{Accepted, Caller, Judged, Sent, Submission};
 use crate::wire::answer::VerdictBody;
 use crate::wire::note::NoteBody;
-use crate::wire::problem::Problem;
 
 /// What a request says of the document that it sends.
 pub struct DocumentPost {

@@ -16,13 +16,13 @@ use axum::http::header::{
     CACHE_CONTROL, HOST, LINK, LOCATION, SET_COOKIE, STRICT_TRANSPORT_SECURITY, X_CONTENT_TYPE_OPTIONS,
 };
 use axum::http::uri::PathAndQuery;
-use axum::http::{HeaderMap, HeaderName, HeaderValue, Uri};
-use axum::response::Response;
+use axum::http::{HeaderName, HeaderValue};
 use ipnet::IpNet;
 use tower::ServiceExt;
 use tracing::Instrument;
 
 use crate::config::Server;
+use crate::http::prelude::*;
 use forwarded::Way;
 use trace::{REQUEST_ID, TRACEPARENT, Trace};
 

@@ -1,21 +1,10 @@
 //! `/v1/gyros/{serial}/events`: what was done to a gyro, so that the rules know what not to compare.
 
-use axum::Json;
-use axum::extract::Path;
-use axum::http::StatusCode;
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
-
-use super::app::App;
 use super::baseline::FixedBody;
-use super::document::Document;
-use super::query;
 use super::remark::{self, SentRemark};
-use crate::core::fault::Faults;
 use crate::core::judge::{Event, Rule};
 use crate::core::record::Name;
-use crate::http::problem::Answer;
-use crate::message;
+use crate::http::prelude::*;
 use crate::pipeline::{Actor, EventItem, GyroEvent};
 use crate::wire::body::{ToBody, bodies};
 use crate::wire::event::read_test;

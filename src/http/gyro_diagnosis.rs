@@ -1,11 +1,6 @@
 //! `/v1/gyros/{serial}/diagnosis`: why the coefficients of a gyro changed over its history.
 
-use axum::Json;
-use axum::extract::Path;
-
-use super::app::App;
-use super::query;
-use crate::http::problem::Answer;
+use crate::http::prelude::*;
 use crate::wire::history::HistoryDiagnosisBody;
 use crate::words::asked;
 

@@ -1,28 +1,18 @@
 //! `/v1/gyros`: every gyro with its newest figures, and one with what has happened to it.
 
-use axum::Json;
-use axum::extract::Path;
-use axum::http::{HeaderMap, Uri};
-use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
-use serde::{Deserialize, Serialize};
-use utoipa::{IntoParams, ToSchema};
 
-use super::app::App;
-use super::document::{Document, check_media_type};
+use super::document::check_media_type;
 use super::events::EventBody;
-use super::query::{self, Parameters};
 use crate::config::JudgedMethod;
 use crate::core::alert_decision::Late;
-use crate::core::fault::Faults;
 use crate::core::figures::Figures;
 use crate::core::fleet_order::FleetOrder;
 use crate::core::gyro_attributes::{GyroAttributes, GyroAttributesPatch};
 use crate::core::judge::{Event, Outlook, Reach, State, Status};
 use crate::core::record::Name;
 use crate::core::time::Span;
-use crate::http::problem::Answer;
-use crate::message;
+use crate::http::prelude::*;
 use crate::pipeline::{
     Accepted, Actor, AttributesOrder, FleetFilter, Names, Queries, Standing, StandingFilter, Submission, sample_of,
 };
@@ -31,7 +21,6 @@ use crate::wire::body::{ToBody, bodies};
 use crate::wire::cursor::{self, List};
 use crate::wire::gyro_table::GyroRow;
 use crate::wire::json::present;
-use crate::wire::problem::Problem;
 use crate::wire::{gyro_table, json, text, time};
 
 const MOST_GYROS: usize = 10_000;

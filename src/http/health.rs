@@ -2,16 +2,9 @@
 
 use std::time::Duration;
 
-use axum::Json;
-use serde::Serialize;
-use utoipa::ToSchema;
-
-use super::app::App;
 use crate::core::message::Message;
-use crate::http::problem::Answer;
-use crate::message;
+use crate::http::prelude::*;
 use crate::pipeline::WriteError;
-use crate::wire::problem::Problem;
 
 /// How long the writer may take to answer: a group commit on a slow disk, and one before it.
 const PATIENCE: Duration = Duration::from_secs(8);

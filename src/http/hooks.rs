@@ -1,22 +1,11 @@
 //! `/v1/hooks` and `/v1/deliveries`: whom to tell, and what has become of what they were told.
 
-use axum::Json;
-use axum::extract::Path;
 use axum::http::header::LOCATION;
-use axum::http::{StatusCode, Uri};
-use axum::response::{IntoResponse, Response};
-use serde::{Deserialize, Serialize};
-use utoipa::{IntoParams, ToSchema};
 
-use super::app::App;
-use super::document::Document;
-use super::query::{self, Parameters};
-use crate::core::id::Id;
-use crate::http::problem::Answer;
+use crate::http::prelude::*;
 use crate::pipeline::{DeliveryPage, Order};
 use crate::wire::cursor::List;
 use crate::wire::hook::{DeliveryBody, HookBody, HookPatchBody, NewHookBody};
-use crate::wire::problem::Problem;
 
 const MOST_DELIVERIES: usize = 1000;
 

@@ -1,21 +1,11 @@
 //! `/v1/hypotheses`: equations of one's own that compete with the catalogue in every diagnosis.
 
-use axum::Json;
-use axum::extract::Path;
-use axum::http::StatusCode;
 use axum::http::header::LOCATION;
-use axum::response::{IntoResponse, Response};
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
-use super::app::App;
-use super::document::{Document, outcome};
-use crate::core::fault::Faults;
-use crate::http::problem::Answer;
-use crate::message;
+use super::document::outcome;
+use crate::http::prelude::*;
 use crate::pipeline::{HypothesisOrder, StoredHypothesis};
 use crate::wire::hypothesis::HypothesisBody;
-use crate::wire::problem::Problem;
 use crate::wire::{json, text, time, unit};
 
 /// A hypothesis that is to compete, who says so, and why.

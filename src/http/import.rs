@@ -15,29 +15,24 @@ use axum::body::{Body, BodyDataStream};
 use axum::extract::Request;
 use axum::http::Version;
 use axum::http::header::{CONTENT_TYPE, EXPECT};
-use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 use futures::future::BoxFuture;
 use futures::stream::Peekable;
 use futures::{FutureExt, StreamExt};
 use lines::{ImportLine, Longest, lines};
-use serde::Serialize;
 use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore, mpsc};
-use utoipa::ToSchema;
 
-use super::app::App;
-use super::document::{Document, check_media_type};
+use super::document::check_media_type;
 use super::edge::Forwarded;
 use super::notify_query::NotifyQuery;
 use crate::core::alert_decision::Late;
-use crate::core::fault::Faults;
 use crate::core::note::Note;
-use crate::http::problem::Answer;
+use crate::http::prelude::*;
 use crate::pipeline::{Accepted, Caller, Origin, Pipeline, ReadDocument, Reply, Submission};
 use crate::wire::json::on_a_line;
 use crate::wire::note::NoteBody;
-use crate::wire::problem::{Problem, ProblemBody};
-use crate::{message, words};
+use crate::wire::problem::ProblemBody;
+use crate::words;
 
 /// Lines that are read and stored together, at the most.
 const LINES_AT_ONCE: usize = 512;

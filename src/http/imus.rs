@@ -1,17 +1,8 @@
 //! `/v1/imus`: the IMUs of the fleet, and the gyros that were calibrated in each.
 
-use axum::Json;
-use axum::extract::Path;
-use axum::http::Uri;
-use axum::response::{IntoResponse, Response};
-use serde::{Deserialize, Serialize};
-use utoipa::{IntoParams, ToSchema};
-
-use super::app::App;
 use super::gyros::Gyro;
-use super::query::{self, Parameters};
 use crate::core::judge::Status;
-use crate::http::problem::Answer;
+use crate::http::prelude::*;
 use crate::pipeline::{Seats, Standing};
 use crate::wire::cursor::{self, List};
 use crate::wire::time;

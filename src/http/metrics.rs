@@ -3,14 +3,12 @@
 use std::time::Instant;
 
 use axum::extract::{MatchedPath, Request};
+use axum::http::Method;
 use axum::http::header::CONTENT_TYPE;
-use axum::http::{Method, StatusCode};
-use axum::response::{IntoResponse, Response};
 use metrics::{counter, gauge, histogram};
 
-use super::app::App;
 use crate::core::judge::{Severity, Status};
-use crate::http::problem::Answer;
+use crate::http::prelude::*;
 use crate::routes::AccessRule;
 use crate::telemetry;
 

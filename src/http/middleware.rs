@@ -4,19 +4,18 @@
 use std::panic::AssertUnwindSafe;
 
 use axum::extract::{Request, State};
+use axum::http::Version;
 use axum::http::header::{ACCEPT_LANGUAGE, CONNECTION, HOST, TRANSFER_ENCODING};
-use axum::http::{HeaderMap, StatusCode, Version};
 use axum::middleware::Next;
-use axum::response::{IntoResponse, Response};
 use futures::FutureExt;
 
 use super::access::{self, Gate};
 use super::gzip::unpacked;
 use super::metrics::Counted;
 use super::problem;
-use crate::wire::problem::Problem;
+use crate::cookies;
+use crate::http::prelude::*;
 use crate::words::{self, Language};
-use crate::{cookies, message};
 
 /// Counts the request, lets it in or refuses it, and puts what went wrong into the common form.
 pub async fn pass(State(gate): State<Gate>, request: Request, next: Next) -> Response {

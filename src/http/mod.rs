@@ -36,6 +36,7 @@ mod notify_query;
 mod openapi;
 mod operation;
 mod prefer_header;
+mod prelude;
 pub mod problem;
 mod query;
 mod record_list;

@@ -3,23 +3,13 @@
 
 use std::sync::Arc;
 
-use axum::Json;
-use axum::extract::Path;
-use axum::http::StatusCode;
-use serde::{Deserialize, Serialize};
-use utoipa::{IntoParams, ToSchema};
-
-use super::app::App;
-use super::document::{Document, outcome};
-use super::query::{self, Parameters};
-use crate::http::problem::Answer;
-use crate::message;
+use super::document::outcome;
+use crate::http::prelude::*;
 use crate::pipeline::{AdoptedModel, Adoption};
 use crate::wire::body::{ToBody, bodies};
 use crate::wire::forecast::ForecastSeriesBody;
 use crate::wire::json;
 use crate::wire::model::{AdoptionBody, ModelBody};
-use crate::wire::problem::Problem;
 
 /// The model in force, and every one before it.
 #[derive(Serialize, ToSchema)]

@@ -3,13 +3,10 @@
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
 use url::form_urlencoded;
-use utoipa::IntoParams;
 
-use super::app::App;
 use super::query::not_one_of;
 use crate::core::alert_decision::Late;
-use crate::http::problem::Answer;
-use crate::wire::problem::Problem;
+use crate::http::prelude::*;
 
 /// What a request that brings measurements says of telling.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, IntoParams)]

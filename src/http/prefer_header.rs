@@ -5,14 +5,12 @@
 use std::convert::Infallible;
 
 use axum::extract::FromRequestParts;
-use axum::http::HeaderMap;
 use axum::http::request::Parts;
-use serde::Serialize;
+use utoipa::PartialSchema;
 use utoipa::openapi::path::{Parameter, ParameterIn};
-use utoipa::{IntoParams, PartialSchema, ToSchema};
 
-use crate::core::id::Id;
 use crate::core::judge::State;
+use crate::http::prelude::*;
 use crate::pipeline::Judged;
 use crate::wire::note::NoteBody;
 

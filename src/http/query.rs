@@ -3,22 +3,18 @@
 use std::borrow::Cow;
 
 use axum::extract::{FromRequestParts, Query, Request};
+use axum::http::Method;
 use axum::http::header::{ACCEPT, HeaderName, LINK};
 use axum::http::request::Parts;
-use axum::http::{HeaderMap, Method, Uri};
 use serde::de::DeserializeOwned;
 use url::form_urlencoded;
 
-use super::app::App;
-use crate::core::id::Id;
 use crate::core::message::{Message, list};
 use crate::core::named::Named;
 use crate::core::time::{Span, UtcMicros};
-use crate::http::problem::Answer;
-use crate::message;
+use crate::http::prelude::*;
 use crate::routes::Takes;
 use crate::wire::cursor::{self, List};
-use crate::wire::problem::Problem;
 use crate::wire::{time, unreadable};
 
 pub const IDEMPOTENCY_KEY: &str = "idempotency-key";

@@ -1,16 +1,7 @@
 //! `GET /v1/records` and `GET /v1/campaigns`: what has been stored, the last to arrive first.
 
-use axum::Json;
-use axum::http::Uri;
-use axum::response::{IntoResponse, Response};
-use serde::{Deserialize, Serialize};
-use utoipa::{IntoParams, ToSchema};
-
-use super::app::App;
-use super::query::{self, Parameters};
-use crate::core::id::Id;
 use crate::core::kind::Kind;
-use crate::http::problem::Answer;
+use crate::http::prelude::*;
 use crate::pipeline::{ListFilter, ListedRecord};
 use crate::wire::body::{ToBody, bodies};
 use crate::wire::cursor::{self, List};

@@ -1,29 +1,19 @@
 //! `/v1/records`: calibration records in, and as they are stored.
 
-use axum::Json;
-use axum::extract::Path;
-use axum::response::{IntoResponse, Redirect, Response};
-use serde::Serialize;
+use axum::response::Redirect;
 use serde_json::value::RawValue;
-use utoipa::ToSchema;
 
-use super::app::App;
 use super::corrections::{StandingBody, standing};
-use super::document::Document;
 use super::document_post::{DocumentPost, IdempotencyKey, PostOutcome};
 use super::notify_query::NotifyQuery;
 use super::prefer_header::{MinimalAnswer, Prefer};
-use super::query;
-use crate::core::id::Id;
 use crate::core::kind::Kind;
-use crate::http::problem::Answer;
-use crate::message;
+use crate::http::prelude::*;
 use crate::pipeline::{Sent, StoredRecord, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::closure::ClosureBody;
 use crate::wire::document::DocumentKind;
 use crate::wire::note::NoteBody;
-use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
 use crate::wire::sender::SenderBody;
 use crate::wire::{note, time};

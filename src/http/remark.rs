@@ -1,17 +1,10 @@
 //! What people say of a gyro, as an event or as a baseline: read and submitted alike, each with messages of its own.
 
-use axum::http::StatusCode;
-
-use super::app::App;
-use super::document::Document;
-use crate::core::fault::Faults;
-use crate::core::id::Id;
 use crate::core::message::Message;
 use crate::core::record::Name;
 use crate::core::time::UtcMicros;
-use crate::http::problem::Answer;
+use crate::http::prelude::*;
 use crate::pipeline::{Accepted, GyroEvent, Submission};
-use crate::wire::problem::Problem;
 use crate::wire::text;
 
 /// Why, when and who, as they were sent.

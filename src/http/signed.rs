@@ -1,11 +1,6 @@
 //! Who does something, and why: the whole body of many requests.
 
-use serde::Deserialize;
-use utoipa::ToSchema;
-
-use super::document::Document;
-use crate::core::fault::Faults;
-use crate::http::problem::Answer;
+use crate::http::prelude::*;
 use crate::wire::{json, text};
 
 /// Who does it, and why.

@@ -1,28 +1,16 @@
 //! `/v1/silences`: nobody is told of the alerts that match, for a time.
 
-use axum::Json;
-use axum::extract::Path;
-use axum::http::StatusCode;
 use axum::http::header::LOCATION;
-use axum::response::{IntoResponse, Response};
-use serde::{Deserialize, Serialize};
-use utoipa::{IntoParams, ToSchema};
 
 use super::alerts::future;
-use super::app::App;
-use super::document::Document;
-use super::query::{self, Parameters, not_one_of};
+use super::query::not_one_of;
 use super::signed::Signed;
 use crate::core::alert_filter::Matchers;
-use crate::core::fault::Faults;
-use crate::core::id::Id;
 use crate::core::judge::Rule;
 use crate::core::message::sent;
 use crate::core::time::UtcMicros;
-use crate::http::problem::Answer;
-use crate::message;
+use crate::http::prelude::*;
 use crate::pipeline::SilenceOrder;
-use crate::wire::problem::Problem;
 use crate::wire::silence::{MatchersBody, MatchingSilenceBody, NewSilenceBody};
 use crate::wire::{json, text};
 

@@ -1,17 +1,8 @@
 //! `/v1/stations`: what each station does to every gyro that it measures.
 
-use axum::Json;
-use axum::extract::Path;
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
-
-use super::app::App;
-use super::document::Document;
-use crate::core::fault::Faults;
 use crate::core::suspect_window::{Mark, SuspectWindow};
-use crate::http::problem::Answer;
+use crate::http::prelude::*;
 use crate::pipeline::{Actor, Refused, WindowMark, WindowOutcome};
-use crate::wire::problem::Problem;
 use crate::wire::stations::{StationBody, StationsBody, SuspectWindowBody};
 use crate::wire::{json, text};
 

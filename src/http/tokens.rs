@@ -1,23 +1,11 @@
 //! `/v1/tokens`: who may use the service.
 
-use axum::Json;
-use axum::extract::Path;
-use axum::http::StatusCode;
 use axum::http::header::LOCATION;
-use axum::response::{IntoResponse, Response};
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
-use super::app::App;
-use super::document::Document;
-use super::query;
 use crate::core::access::Role;
-use crate::core::fault::Faults;
-use crate::http::problem::Answer;
-use crate::message;
+use crate::http::prelude::*;
 use crate::pipeline::{AccessOrder, NewToken, Token};
 use crate::wire::body::{ToBody, bodies};
-use crate::wire::problem::Problem;
 use crate::wire::{json, text};
 
 /// A token. Its secret is in the answer to its making, and nowhere else.

@@ -8,23 +8,14 @@ mod periods;
 mod point;
 mod request;
 
-use axum::extract::Path;
-use axum::http::{HeaderMap, Uri};
-use axum::response::Response;
-use utoipa::ToSchema;
-
 use self::answer::{answer, etag};
 use self::body::{ColumnTrend, Point, Trend};
 use self::periods::PeriodTrend;
 use self::point::{Seen, bench_point, seen_bench, separated_point};
 use self::request::{PointMethod, Request, TrendQuery, TrendText};
-use super::app::App;
 use super::events::EventBody;
-use super::query::{self, Parameters};
-use crate::http::problem::Answer;
-use crate::message;
+use crate::http::prelude::*;
 use crate::pipeline::BenchItem;
-use crate::wire::problem::Problem;
 
 /// Points, lists where `columns` asks for them, or periods where `every` does.
 #[derive(ToSchema)]

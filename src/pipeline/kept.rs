@@ -1,7 +1,5 @@
 //! What was found by a look at many rows, kept for who asks next.
 
-use std::sync::Arc;
-
 use tokio::sync::Mutex;
 use tokio::time::Instant;
 

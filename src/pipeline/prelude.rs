@@ -1,9 +1,16 @@
 //! What nearly every file of the pipeline is written with.
 
+pub(super) use std::collections::HashMap;
+pub(super) use std::sync::Arc;
+
 pub(super) use super::error::{OrderError, StorageError, WriteError};
+pub(super) use super::{Accepted, Actor};
+pub(super) use crate::config::Config;
 pub(super) use crate::core::figures::Figures;
 pub(super) use crate::core::id::Id;
+pub(super) use crate::core::judge::{Rule, Verdict};
 pub(super) use crate::core::kind::Kind;
 pub(super) use crate::core::time::{Span, UtcMicros};
 pub(super) use crate::message;
 pub(super) use crate::store::{self, Changes, Store, StoreError};
+pub(super) use crate::system::Clock;

@@ -4,7 +4,7 @@ use crate::core::alert_decision::Late;
 use crate::core::suspect_window::{Mark, SuspectWindow};
 use crate::pipeline::Pipeline;
 use crate::pipeline::prelude::*;
-use crate::pipeline::{Accepted, Confirmation, Doubt, ListFilter, Refused, Submission, WindowMark};
+use crate::pipeline::{Confirmation, Doubt, ListFilter, Refused, Submission, WindowMark};
 use crate::wire::note;
 
 /// Records that are asked for, and submitted, at a time.

@@ -1,7 +1,5 @@
 //! The way to the writers: what they can be asked to do.
 
-use std::sync::Arc;
-
 use tokio::sync::{mpsc, oneshot};
 
 use crate::core::alert_decision::Late;
@@ -11,8 +9,7 @@ use crate::pipeline::hooks::Found;
 use crate::pipeline::ingest::Restated;
 use crate::pipeline::prelude::*;
 use crate::pipeline::{
-    Accepted, AccessOrder, Actor, Adoption, AlertOrder, DiagnosisOrder, HypothesisOrder, Order, Reply, SilenceOrder,
-    Submission,
+    AccessOrder, Adoption, AlertOrder, DiagnosisOrder, HypothesisOrder, Order, Reply, SilenceOrder, Submission,
 };
 use crate::store::PackedText;
 use crate::wire::alert::AlertBody;

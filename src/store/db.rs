@@ -79,8 +79,8 @@ macro_rules! on {
     };
 }
 
-/// `read!(store, all, sql, a, b)`: what a query with these parameters finds, each row read as a [`Part`]; the `first` row
-/// if there is any, or the `one` that there is.
+/// `read!(store, all, sql, a, b)`: what a query with these parameters finds, each row read as a [`Part`]; the `first`
+/// row if there is any, or the `one` that there is.
 macro_rules! read {
     ($store:expr, all, $sql:expr $(, $bound:expr)* $(,)?) => {
         $crate::store::db::on!($store.readers, db => {

@@ -2,13 +2,10 @@
 
 use std::borrow::Cow;
 
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-use utoipa::ToSchema;
-
 use super::reason::Reason;
 use super::text::encoded;
 use crate::core::judge::{Rule, Status};
+use crate::wire::prelude::*;
 
 /// The alert of one gyro, station, IMU or batch, coefficient and rule. Its identity lasts: when it fires again it is the same alert.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

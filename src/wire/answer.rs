@@ -2,18 +2,14 @@
 
 use std::borrow::Cow;
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
-
 use super::note::NoteBody;
 use super::reason::Reason;
-use super::triple::Triple;
 use crate::core::calibrate::GyroCalibration;
 use crate::core::calibrate::uncertainty::UncertaintyBudget;
 use crate::core::judge::{Measured, Verdict};
-use crate::core::mounting::{Geometry, Slot};
+use crate::core::mounting::Geometry;
 use crate::core::separate::{self, JudgedMethod, Separation};
-use crate::wire::body::bodies;
+use crate::wire::prelude::*;
 
 /// The answer to one record or campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

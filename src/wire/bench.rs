@@ -1,15 +1,10 @@
 //! A bench result: D_I and D_S of a single gyro on its own fixture (Table 5's columns 1 and 3).
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
-
-use super::body::bodies;
 use super::{json, text};
 use crate::core::bench::{BenchMethod, BenchResult};
-use crate::core::fault::Faults;
 use crate::core::message::text;
 use crate::core::record::short;
-use crate::message;
+use crate::wire::prelude::*;
 
 /// A bench result as it stands on the wire.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -5,19 +5,15 @@ use std::borrow::Cow;
 use nalgebra::Vector3;
 
 use super::geometry::GeometryBody;
-use super::message::MessageBody;
 use super::numbers::Numbers;
-use super::triple::Triple;
 use crate::core::bench::BenchMethod;
 use crate::core::effects::Effect;
 use crate::core::id::Id;
-use crate::core::message::Message;
-use crate::core::mounting::{Geometry, Slot};
+use crate::core::mounting::Geometry;
 use crate::core::name::Name;
 use crate::core::named::Named;
-use crate::core::time::UtcMicros;
+use crate::wire::prelude::*;
 use crate::wire::time;
-use crate::words::asked;
 
 /// A value of the core as a body has it.
 pub(crate) trait ToBody<T> {

@@ -1,8 +1,6 @@
 //! What the service answers to a campaign, and `calibrate` prints: the fit with its evidence, then as for a record.
 
 use nalgebra::DVector;
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 use super::answer::{SeparationBody, VerdictBody};
 use super::bench::BenchBody;
@@ -10,7 +8,6 @@ use super::campaign::StationUncertaintyBody;
 use super::diagnosis::NoiseFoundBody;
 use super::note::NoteBody;
 use super::time;
-use super::triple::Triple;
 use crate::core::calibrate::bench::BenchCalibration;
 use crate::core::calibrate::drift::NotSeparated;
 use crate::core::calibrate::noise::NoiseScale;
@@ -19,10 +16,10 @@ use crate::core::calibrate::repeats_between::Repeated;
 use crate::core::calibrate::{Calibration, GyroCalibration, Parameter, ScaleSource};
 use crate::core::campaign::{self, Campaign, CampaignNote, StationLack, StationPart, StationUncertainty};
 use crate::core::model::{Term, Terms};
-use crate::core::mounting::{Geometry, Slot};
+use crate::core::mounting::Geometry;
 use crate::core::note::Note;
 use crate::core::separate::{JudgedMethod, Separation};
-use crate::wire::body::{ToBody, bodies};
+use crate::wire::prelude::*;
 
 mod parameters;
 

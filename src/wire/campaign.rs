@@ -1,7 +1,5 @@
 //! The campaign document: raw dwells as a station writes them.
 
-use serde::{Deserialize, Serialize};
-
 use super::geometry::GeometryBody;
 use super::numbers::{Numbers, in_range, tidy};
 use super::{json, text};
@@ -10,13 +8,12 @@ use crate::core::campaign::{
     Campaign, CampaignGyro, CampaignLimits, Dwell, Phase, Site, StationPart, StationUncertainty, TestKind,
     check_dwells, with_earth_rate,
 };
-use crate::core::fault::{Fault, Faults};
 use crate::core::frames::{Body, Nav, Rotation};
 use crate::core::message::{figure, list, sent};
 use crate::core::model::{Term, Terms};
-use crate::core::mounting::{Geometry, Slot};
+use crate::core::mounting::Geometry;
 use crate::core::units::{arcsec, radians, radians_from_arcsec};
-use crate::message;
+use crate::wire::prelude::*;
 
 pub mod commanded;
 mod write;

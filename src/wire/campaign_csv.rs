@@ -27,9 +27,7 @@ use super::campaign::{CampaignBody, commanded};
 use super::json;
 use super::table::{at_cell, text_of};
 use crate::core::campaign::Campaign;
-use crate::core::fault::Faults;
-use crate::core::message::Message;
-use crate::message;
+use crate::wire::prelude::*;
 
 /// Reads and checks a campaign in CSV.
 ///

@@ -2,15 +2,9 @@
 //!
 //! The members of a campaign's diagnosis, as far as a record has them. Nothing was held out: there are no dwells.
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
-
 use crate::core::diagnose::{BUDGET_DEG_PER_H_G0, CLOSURE_CLASS, ClosureDiagnosis, GyroClosure};
-use crate::core::message::{Message, figure, list};
-use crate::core::mounting::Slot;
-use crate::message;
-use crate::wire::body::{ToBody, bodies};
-use crate::wire::message::MessageBody;
+use crate::core::message::{figure, list};
+use crate::wire::prelude::*;
 
 const D_O_UNIT: &str = "deg/(h*g0)";
 

@@ -1,7 +1,6 @@
 //! Diagnoses of many campaigns: what is ordered, how far it has come, and what they say together.
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use crate::wire::prelude::*;
 
 /// Which stored campaigns are to be diagnosed; without any member, all that count.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]

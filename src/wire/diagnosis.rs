@@ -1,24 +1,16 @@
 //! The diagnosis of a campaign as `diagnose --format json` and `GET /v1/campaigns/{id}/diagnosis` answer it.
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
-
 use super::forecast::{ChangedBody, ForecastPointBody};
 use super::hypothesis::HypothesisBody;
 use super::located::WhereBody;
-use super::message::MessageBody;
 use super::note;
 use super::split::SplitBody;
 use crate::core::augmented::Adopted;
 use crate::core::calibrate::noise_found::{LawFound, NoiseFound};
 use crate::core::diagnose as core;
 use crate::core::effects::{Effect, Estimate};
-use crate::core::message::Message;
-use crate::core::mounting::Slot;
-use crate::message;
-use crate::wire::body::{ToBody, bodies};
+use crate::wire::prelude::*;
 use crate::wire::unit;
-use crate::words::{Language, asked};
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct DiagnosisBody {

@@ -1,14 +1,12 @@
 //! Which kind of document it is that was sent.
 
-use serde::Deserialize;
 use serde::de::IgnoredAny;
-use serde_json::Value;
 
 use super::campaign::parse_json_as_sent;
 use super::campaign_csv::parse_csv;
 use super::json::without_mark;
 use crate::core::campaign::Campaign;
-use crate::core::fault::Faults;
+use crate::wire::prelude::*;
 
 /// What a document is read as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,11 +1,9 @@
 //! What was done to a gyro, as it is sent.
 
 use super::text;
-use crate::core::fault::Faults;
 use crate::core::judge::Event;
 use crate::core::message::text;
-use crate::core::time::UtcMicros;
-use crate::message;
+use crate::wire::prelude::*;
 
 /// End and kind of an environmental test, which other events do not have.
 pub fn read_test(

@@ -1,11 +1,6 @@
 //! What the model of an IMU foretells of a campaign, and how far it came true.
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
-
-use super::message::MessageBody;
 use super::time;
-use super::triple::Triple;
 use crate::core::campaign::Campaign;
 use crate::core::effects;
 use crate::core::id::Id;
@@ -15,12 +10,9 @@ use crate::core::imu_model::{
 };
 use crate::core::judge;
 use crate::core::judge::{Coefficient, Finding, Limit, LimitKey, Limits, Rule, State, Unseen, Verdict};
-use crate::core::message::{Message, figure, p_value as probability, text};
-use crate::core::mounting::Slot;
-use crate::message;
-use crate::wire::body::{ToBody, bodies};
+use crate::core::message::{figure, p_value as probability, text};
+use crate::wire::prelude::*;
 use crate::wire::unit;
-use crate::words::{Language, asked};
 
 /// Forecast of one campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

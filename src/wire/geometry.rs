@@ -2,15 +2,12 @@
 
 use std::fmt;
 
+use serde::Deserializer;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, Unexpected, Visitor};
-use serde::{Deserialize, Deserializer, Serialize};
-use utoipa::ToSchema;
 
-use super::triple::Triple;
-use crate::core::fault::Faults;
-use crate::core::mounting::{Geometry, Slot, Triad};
-use crate::message;
+use crate::core::mounting::{Geometry, Triad};
+use crate::wire::prelude::*;
 
 /// `"skewed"` (the paper's Tables 1-2), `"orthogonal"`, or the nominal axes of each slot.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]

@@ -5,10 +5,9 @@ use std::collections::HashMap;
 
 use super::table::{at_cell, check_quotes, header_line, reader, rows, text_of, too_many_cells, unknown};
 use super::text;
-use crate::core::fault::{Fault, Faults};
 use crate::core::gyro_attributes::GyroAttributesPatch;
 use crate::core::record::Name;
-use crate::message;
+use crate::wire::prelude::*;
 
 /// A row of the table.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,16 +2,11 @@
 
 use std::borrow::Cow;
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
-
 use crate::core::changes::{
     AsOf, CauseEstimate, Due, Excess, HistoryDiagnosis, HistoryHeldOut, NamedCause, Outlier, Rejected, Wander,
 };
-use crate::core::time::UtcMicros;
-use crate::wire::body::{ToBody, bodies};
+use crate::wire::prelude::*;
 use crate::wire::time;
-use crate::words::Language;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct HistoryDiagnosisBody {

@@ -1,15 +1,12 @@
 //! Notes of a record beside what is known of its IMU and gyros, as answers show them and as the database keeps them.
 
-use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
+use serde_json::Map;
 
 use super::time;
 use crate::core::history_note::{HistoryNote, NameKind, NamedRecord, Quantity, Seat, TimeDoubt};
-use crate::core::message::{Message, figure, list, text};
-use crate::core::mounting::Slot;
+use crate::core::message::{figure, list, text};
 use crate::core::note::Note;
-use crate::message;
-use crate::words::asked;
+use crate::wire::prelude::*;
 
 /// The form of what is kept.
 const VERSION: u64 = 1;

@@ -2,17 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
-
 use super::alert::AlertBody;
 use super::json::present;
-use super::message::MessageBody;
-use crate::core::fault::Faults;
 use crate::core::judge::{Rule, Severity};
-use crate::core::message::{Message, sent, text};
+use crate::core::message::{sent, text};
 use crate::core::name::{Name, normal_form};
-use crate::message;
+use crate::wire::prelude::*;
 
 /// A hook to be set up.
 #[derive(Deserialize, ToSchema)]

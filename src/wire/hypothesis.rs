@@ -2,14 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
-
 use crate::core::effects::{COMPETITORS, Effect, OwnHypothesis, Range, Written, own};
-use crate::core::fault::{Fault, Faults};
-use crate::core::message::{Message, sent, text};
-use crate::message;
-use crate::wire::body::{ToBody, bodies};
+use crate::core::message::{sent, text};
+use crate::wire::prelude::*;
 
 /// An equation for the drift that the catalogue does not hold.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

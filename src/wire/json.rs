@@ -6,11 +6,9 @@ mod place;
 mod several;
 mod words;
 
+use crate::wire::prelude::*;
+use serde::Deserializer;
 use serde::de::{DeserializeOwned, IgnoredAny};
-use serde::{Deserialize, Deserializer};
-
-use crate::core::fault::{Fault, Faults};
-use crate::message;
 
 pub use lines::{from_line, on_a_line};
 use place::{fault, fault_at};

@@ -1,12 +1,8 @@
 //! Where the gap of a campaign lies: in which gyros, phases and dwells.
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
-
 use crate::core::campaign::Phase;
 use crate::core::diagnose as core;
-use crate::core::mounting::Slot;
-use crate::wire::body::{ToBody, bodies};
+use crate::wire::prelude::*;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct WhereBody {

@@ -2,13 +2,11 @@
 //!
 //! Texts are strings and counts are numbers; a nested message is an object, in answers with its words beside it.
 
-use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value, json};
-use utoipa::ToSchema;
+use serde_json::Map;
 
-use crate::core::message::{Message, Parameter};
+use crate::core::message::Parameter;
+use crate::wire::prelude::*;
 use crate::wire::unit;
-use crate::words::Language;
 
 /// The version of the stored form.
 const VERSION: u64 = 1;

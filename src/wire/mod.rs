@@ -37,6 +37,7 @@ pub mod model;
 mod named;
 pub mod note;
 pub mod numbers;
+mod prelude;
 pub mod problem;
 pub mod reason;
 pub mod record;

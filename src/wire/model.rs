@@ -6,9 +6,6 @@ mod identified;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
-
 pub use identified::IdentifiedBody;
 
 use super::campaign::terms_from_names;
@@ -17,12 +14,9 @@ use super::numbers::in_range;
 use super::{json, text};
 use crate::core::augmented::{Adopted, AugmentedModel, KnownEffect, PlausibleSizes, Provenance};
 use crate::core::effects::{self, Effect, Estimate, Parameter, Scope, Shape};
-use crate::core::fault::{Fault, Faults};
 use crate::core::message::{Parameter as Filling, list, sent, text};
-use crate::core::mounting::Slot;
 use crate::core::name::normal_form;
-use crate::message;
-use crate::wire::body::{ToBody, bodies};
+use crate::wire::prelude::*;
 use crate::wire::unit;
 
 /// An augmented error model. Without effects it is model (6), or as much of it as `terms` names.

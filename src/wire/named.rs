@@ -4,16 +4,16 @@ use std::fmt;
 use std::marker::PhantomData;
 
 use serde::de::{Error, Visitor};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserializer, Serializer};
+use utoipa::PartialSchema;
 use utoipa::openapi::schema::{ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
-use utoipa::{PartialSchema, ToSchema};
 
 use crate::core::bench::BenchMethod;
 use crate::core::history_note::{NameKind, Quantity};
-use crate::core::mounting::Slot;
 use crate::core::named::Named;
 use crate::core::separate::JudgedMethod;
+use crate::wire::prelude::*;
 
 struct ByName<T>(PhantomData<T>);
 

@@ -2,15 +2,12 @@
 
 use std::borrow::Cow;
 
-use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
-use utoipa::ToSchema;
+use serde_json::Map;
 
 use super::history_note;
-use crate::core::message::{Message, sent};
+use crate::core::message::sent;
 use crate::core::note::Note;
-use crate::message;
-use crate::words::asked;
+use crate::wire::prelude::*;
 
 mod campaign;
 

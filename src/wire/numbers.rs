@@ -4,11 +4,10 @@ use std::fmt::{self, Display};
 
 use nalgebra::Vector3;
 use serde::de::{SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserializer, Serializer};
 
-use crate::core::fault::Faults;
 use crate::core::message::text;
-use crate::message;
+use crate::wire::prelude::*;
 
 const KEPT: usize = 4;
 

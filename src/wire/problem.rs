@@ -3,15 +3,11 @@
 use std::borrow::Cow;
 use std::fmt::Display;
 
-use serde::{Deserialize, Serialize};
+use utoipa::PartialSchema;
 use utoipa::openapi::{RefOr, Schema};
-use utoipa::{PartialSchema, ToSchema};
 
-use super::message::MessageBody;
-use crate::core::fault::{Fault, Faults};
-use crate::core::message::{Message, text};
-use crate::message;
-use crate::words::Language;
+use crate::core::message::text;
+use crate::wire::prelude::*;
 
 /// What went wrong, before it is words.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,13 +2,10 @@
 
 use serde::de::{Deserialize, Deserializer};
 use serde::ser::{Serialize, Serializer};
-use serde_json::{Value, json};
-use utoipa::ToSchema;
 
-use super::message::{self, MessageBody};
+use super::message;
 use crate::core::judge::Verdict;
-use crate::core::message::Message;
-use crate::words::{Language, asked};
+use crate::wire::prelude::*;
 
 /// The form of what is kept.
 const VERSION: u64 = 1;

@@ -1,18 +1,13 @@
 //! The calibration record: parameters of model (6) that a station has fitted (Tables 3-4 of the paper).
 
 use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
-use super::body::{ToBody, bodies};
 use super::geometry::GeometryBody;
 use super::text::Deviations;
-use super::triple::Triple;
 use super::{json, text};
-use crate::core::fault::Faults;
-use crate::core::mounting::{Geometry, Slot};
+use crate::core::mounting::Geometry;
 use crate::core::record::{GyroParameters, Plausibility, Record};
-use crate::message;
+use crate::wire::prelude::*;
 
 /// A record as it stands on the wire.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -14,13 +14,11 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use jiff::civil::{DateTime, Time};
 use jiff::fmt::strtime::BrokenDownTime;
-use serde::Deserialize;
-use serde_json::{Map, Value, json};
+use serde_json::Map;
 
 use super::table::{at_cell, check_quotes, comment, header_line, meant, number, reader, rows, too_many_cells, unknown};
-use crate::core::fault::{Fault, Faults};
-use crate::core::message::{Message, list, sent};
-use crate::message;
+use crate::core::message::{list, sent};
+use crate::wire::prelude::*;
 
 /// What a table's own header means, once for all its files (TOML).
 #[derive(Debug, Clone, Default, Deserialize)]

@@ -1,7 +1,6 @@
 //! Silences of many alerts as clients write and read them.
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use crate::wire::prelude::*;
 
 /// Which alerts a silence is of. Every alert has to match all that is given; at least one is.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]

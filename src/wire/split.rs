@@ -1,14 +1,8 @@
 //! The gap of a campaign against a reference: parameters, structure, noise.
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
-
-use super::message::MessageBody;
 use crate::core::diagnose::{Moved, Parts, Split};
-use crate::core::mounting::Slot;
-use crate::wire::body::{ToBody, bodies};
+use crate::wire::prelude::*;
 use crate::wire::unit;
-use crate::words::Language;
 
 /// What parts a campaign from a reference of the same IMU.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -2,13 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
-
 use crate::core::changes::{CoursePoint, FleetStations, Shared, Spread, StationColumn, StationFigures};
 use crate::core::suspect_window::SuspectWindow;
-use crate::core::time::UtcMicros;
-use crate::wire::body::{ToBody, bodies};
+use crate::wire::prelude::*;
 use crate::wire::time;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -2,11 +2,10 @@
 
 use super::file_kind::{FileKind, HEAD, file_kind};
 use super::json;
-use crate::core::fault::{Fault, Faults};
-use crate::core::message::{Message, sent};
+use crate::core::message::sent;
 use crate::core::name::distance;
 use crate::core::note::Note;
-use crate::message;
+use crate::wire::prelude::*;
 
 /// The bytes from a line on; lines end in LF or CRLF.
 fn rest_from(text: &str, line: usize) -> &[u8] {

@@ -6,18 +6,16 @@
 use std::fmt::Display;
 
 use nalgebra::Vector3;
+use utoipa::PartialSchema;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
-use utoipa::{PartialSchema, ToSchema};
 
 use super::time;
-use super::triple::Triple;
-use crate::core::fault::Faults;
-use crate::core::message::{Message, list, sent, text};
+use crate::core::message::{list, sent, text};
 use crate::core::named::Named;
 use crate::core::record::{MAX_NAME_CHARS, MAX_NOTE_CHARS, Name};
-use crate::core::time::{Span, UtcMicros};
-use crate::message;
+use crate::core::time::Span;
+use crate::wire::prelude::*;
 
 /// What is wrong with a map in TOML, at its line.
 pub fn toml_fault(error: &toml::de::Error, text: &str) -> Message {

@@ -1,12 +1,9 @@
 //! Instants on the wire: RFC 3339 with an offset in, RFC 3339 in UTC out.
 
+use crate::wire::prelude::*;
 use std::fmt::{self, Display, Formatter};
 
 use jiff::Timestamp;
-
-use crate::core::message::Message;
-use crate::core::time::UtcMicros;
-use crate::message;
 
 /// Reads an RFC 3339 time (section 5.6): date, `T`, time with seconds, `Z` or `+hh:mm`. Digits beyond
 /// microseconds are cut off. A leap second (`:60`) is read as the second after it, as POSIX time counts.

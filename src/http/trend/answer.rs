@@ -1,15 +1,13 @@
 //! A trend as an answer: its tag, what the client knows already, the next page's address.
 
+use crate::http::prelude::*;
 use std::fmt::Write as _;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
+use axum::http::HeaderValue;
 use axum::http::header::{CONTENT_TYPE, ETAG, IF_NONE_MATCH, VARY};
-use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri};
-use axum::response::{IntoResponse, Response};
 
 use super::request::{Request, TrendText};
-use crate::http::problem::Answer;
-use crate::http::query;
 
 /// A tag of what the answer holds (rows by identifier and what is shown of them, or periods with the events), and how it
 /// is asked for.

@@ -1,13 +1,11 @@
 //! A trend, and a point of it, as they are answered.
 
-use serde::{Serialize, Serializer};
-use utoipa::ToSchema;
+use serde::Serializer;
 
-use crate::core::id::Id;
 use crate::core::named::named;
 use crate::core::time::UtcMicros;
 use crate::http::events::EventBody;
-use crate::http::problem::Answer;
+use crate::http::prelude::*;
 use crate::http::query::not_one_of;
 use crate::pipeline::Levels;
 use crate::wire::time::Stamp;

@@ -1,21 +1,15 @@
 //! A trend of years: the least, the largest, the mean and the last of each day, week or month.
 
-use serde::Serialize;
-use utoipa::ToSchema;
-
 use super::request::{PointMethod, Request, TrendText};
 use crate::config::JudgedMethod;
 use crate::core::period::{Gatherer, Period, Summary};
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
-use crate::http::App;
 use crate::http::events::EventBody;
-use crate::http::problem::Answer;
-use crate::message;
+use crate::http::prelude::*;
 use crate::pipeline::sample_of;
 use crate::wire::body::bodies;
 use crate::wire::csv_text::csv_text;
-use crate::wire::problem::Problem;
 
 /// Rows that are read at a time: what a gyro has in decades goes through a few megabytes.
 const ROWS: usize = 16_384;

@@ -1,9 +1,5 @@
 //! What is asked of a trend, checked, and the rows that answer it.
 
-use axum::http::HeaderMap;
-use serde::Deserialize;
-use utoipa::IntoParams;
-
 use super::body::PointColumn;
 use super::point::TrendRow;
 use crate::config::JudgedMethod;
@@ -13,10 +9,8 @@ use crate::core::judge::Coefficient;
 use crate::core::period::Period;
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
-use crate::http::App;
-use crate::http::problem::Answer;
-use crate::http::query::{self, bad, not_one_of};
-use crate::message;
+use crate::http::prelude::*;
+use crate::http::query::{bad, not_one_of};
 use crate::pipeline::{BenchItem, Levels};
 use crate::wire::cursor::{self, List};
 

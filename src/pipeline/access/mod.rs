@@ -17,7 +17,6 @@ use super::write_queue::{Job, WriteQueue};
 use crate::core::access::{AuditEntry, AuditFilter, Role};
 use crate::pipeline::prelude::*;
 use crate::store::TokenRow;
-use crate::system::Clock;
 
 pub use audit::{Actor, By, Caller};
 pub use guard::{Denied, Guard};

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use super::secret::Secret;
 use crate::core::access::{AuditEntry, Role};
+use crate::pipeline::Guard;
 use crate::pipeline::prelude::*;
-use crate::pipeline::{Actor, Guard};
 use crate::store::{AccessChanges, Beside, SessionRow, TokenRow, Writer};
 use crate::wire::time;
 

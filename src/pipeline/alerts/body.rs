@@ -1,8 +1,6 @@
 //! Alerts and their verdicts in the words that clients and hooks read.
 
-use std::sync::Arc;
-
-use crate::core::judge::{Severity, State, Status, Verdict};
+use crate::core::judge::{Severity, State, Status};
 use crate::core::mounting::Slot;
 use crate::pipeline::prelude::*;
 use crate::store::{AlertOf, AlertRow, NewName, Table, Tables};

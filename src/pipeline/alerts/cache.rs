@@ -6,7 +6,7 @@ use super::body::{Naming, Origin, finding_of};
 use super::shared::{Explained, SharedAlerts, SharedVerdict};
 use super::silences::Silences;
 use crate::core::alert_decision::{self, Action, Arrival, Decision, Late, Policy, Status};
-use crate::core::judge::{Rule, Severity, Verdict};
+use crate::core::judge::Severity;
 use crate::pipeline::ingest::judge::Undone;
 use crate::pipeline::prelude::*;
 use crate::store::{AlertOf, AlertRow, Remark, StepRow, Writer};

@@ -12,20 +12,15 @@ mod shared;
 mod silences;
 mod sources;
 
-use std::collections::HashMap;
-use std::sync::Arc;
-
 use super::write_queue::{Job, WriteQueue};
 use crate::core::alert_decision::Standing;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::history_note::{EARLIER_IN_DOUBT, SERVICE};
 use crate::core::judge::Severity;
 use crate::core::message::Message;
-use crate::pipeline::Actor;
 use crate::pipeline::kept::Kept;
 use crate::pipeline::prelude::*;
 use crate::store::{AlertRow, StepRow};
-use crate::system::Clock;
 use crate::wire::alert::AlertBody;
 use crate::wire::silence::MatchingSilenceBody;
 use silences::MOST_SILENCES;

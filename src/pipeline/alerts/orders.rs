@@ -7,7 +7,6 @@ use super::silences::{MOST_SILENCES, body};
 use crate::core::access::AuditEntry;
 use crate::core::alert_decision;
 use crate::core::alert_filter::Matchers;
-use crate::pipeline::Actor;
 use crate::pipeline::prelude::*;
 use crate::store::{AlertOf, AlertRow, Remark, SilenceRow};
 

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::body::{Naming, Origin, finding_of};
 use crate::core::alert_decision::Status;
-use crate::core::judge::{Coefficient, Measured, Severity, State, Suspected, Verdict, has_grown, is_explained};
+use crate::core::judge::{Coefficient, Measured, Severity, State, Suspected, has_grown, is_explained};
 use crate::core::message::{Message, Parameter};
 use crate::pipeline::prelude::*;
 use crate::store::{AlertOf, AlertRow};

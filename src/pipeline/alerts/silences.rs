@@ -2,7 +2,6 @@
 
 use super::body::{Naming, Origin, finding_of};
 use crate::core::alert_filter::Matchers;
-use crate::core::judge::{Rule, Verdict};
 use crate::pipeline::prelude::*;
 use crate::store::{AlertOf, AlertRow, Remark, SilenceRow};
 use crate::wire::silence::{EndedSilenceBody, MatchersBody, MatchingSilenceBody};

@@ -1,11 +1,9 @@
 //! Which verdicts of a group the alerts follow: those on the newest figures of each gyro that it touches.
 
-use std::collections::HashMap;
-
 use super::body::Origin;
 use super::cache::{AlertCache, AlertContext};
 use crate::core::alert_decision::Late;
-use crate::core::judge::{Rule, Verdict, overdue};
+use crate::core::judge::overdue;
 use crate::pipeline::ingest::judge::{Judge, Judged, Newest};
 use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
 use crate::pipeline::prelude::*;

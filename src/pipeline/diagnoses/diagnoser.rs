@@ -1,12 +1,10 @@
 //! Makes diagnoses, one for all who ask, and has them kept.
 
-use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use tokio::sync::{Semaphore, watch};
 
-use crate::config::Config;
 use crate::core::augmented::{AugmentedModel, Options};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::diagnose;
@@ -22,7 +20,6 @@ use crate::pipeline::ingest::fitted::damaged;
 use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::{Job, WeakWriteQueue};
 use crate::store::RecordRow;
-use crate::system::Clock;
 use crate::telemetry;
 use crate::wire::campaign;
 use crate::wire::diagnosis::DiagnosisBody;

@@ -1,7 +1,5 @@
 //! What foretells a stored campaign: the model in force when it came in, and the campaigns before it.
 
-use std::sync::Arc;
-
 use super::models::{InForce, read};
 use crate::config::Judging;
 use crate::core::campaign::{Campaign, TestKind};

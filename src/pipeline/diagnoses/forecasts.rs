@@ -8,7 +8,7 @@ use serde::Deserialize;
 
 use super::forecaster::{Forecaster, stored};
 use super::models::InForce;
-use crate::core::judge::{State, Verdict};
+use crate::core::judge::State;
 use crate::pipeline::Diagnoses;
 use crate::pipeline::prelude::*;
 use crate::store::RecordEntry;

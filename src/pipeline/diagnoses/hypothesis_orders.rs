@@ -4,9 +4,9 @@ use super::hypotheses::stored;
 use super::made::text;
 use super::models::ModelCache;
 use crate::core::effects::Effect;
-use crate::core::time::UtcMicros;
-use crate::pipeline::{Accepted, Actor, OrderError, StoredHypothesis};
-use crate::store::{self, Changes, HypothesisRow, Store, StoreError, Writer};
+use crate::pipeline::StoredHypothesis;
+use crate::pipeline::prelude::*;
+use crate::store::{HypothesisRow, Writer};
 use crate::wire::hypothesis::HypothesisBody;
 
 /// So many compete at most: each raises what a name takes, and the time of every diagnosis.

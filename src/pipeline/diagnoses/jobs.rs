@@ -2,7 +2,6 @@
 
 use super::made::text;
 use crate::pipeline::prelude::*;
-use crate::pipeline::{Accepted, Actor};
 use crate::store::{CampaignFilter, JobChanges, NewJob, Writer};
 use crate::wire::diagnoses::WhichBody;
 

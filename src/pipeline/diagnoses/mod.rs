@@ -21,8 +21,6 @@ pub(super) mod models;
 mod queue;
 mod summary;
 
-use std::collections::HashMap;
-use std::sync::Arc;
 use std::time::Duration;
 
 use super::write_queue::{Job, WriteQueue};
@@ -40,7 +38,7 @@ use crate::pipeline::diagnoses::models::read;
 use crate::pipeline::ingest::fitted::damaged;
 use crate::pipeline::ingest::submission::anything;
 use crate::pipeline::prelude::*;
-use crate::pipeline::{Accepted, Actor, NotSplit, Reader};
+use crate::pipeline::{NotSplit, Reader};
 use crate::store::{CampaignFilter, FailedTask, JobRow, ModelRow, TaskCounts};
 use crate::wire::cursor::{self, List};
 use crate::wire::diagnoses::{CountsBody, FailureBody, JobBody, JobDetailBody, SummaryBody, WhichBody};

@@ -1,15 +1,12 @@
 //! The error model in force for each IMU: adopted by people, used by every later fit and diagnosis of that IMU.
 
-use std::collections::HashMap;
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::{PoisonError, RwLock};
 
 use crate::core::augmented::AugmentedModel;
 use crate::core::fault::Faults;
-use crate::core::id::Id;
 use crate::pipeline::diagnoses::hypotheses::Competing;
-use crate::pipeline::{Accepted, Actor, OrderError};
-use crate::store::{self, Changes, ModelRow, Store, StoreError, Writer};
-use crate::system::Clock;
+use crate::pipeline::prelude::*;
+use crate::store::{ModelRow, Writer};
 use crate::wire::model;
 
 /// A model that somebody wants to be used for an IMU.

@@ -1,6 +1,6 @@
 //! What changes hooks and their queues, carried out by the one writer.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 
 use serde::Serialize;
 
@@ -10,7 +10,6 @@ use crate::core::access::AuditEntry;
 use crate::core::alert_decision::Status;
 use crate::core::delivery::DeliveryState;
 use crate::core::judge::Severity;
-use crate::pipeline::Actor;
 use crate::pipeline::hooks::registry::{CurrentAlert, OutboxContext, Subscription, introduce};
 use crate::pipeline::prelude::*;
 use crate::store::{AttemptRow, DeliverySubject, HookRow, NewDelivery, OutboxChanges, Progress, Writer};

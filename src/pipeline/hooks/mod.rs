@@ -16,18 +16,13 @@ pub use delivery::Outbox;
 pub use read::{HookPatch, NewHook};
 pub(super) use show::webhook_id;
 
-use std::sync::Arc;
-
 use tokio::sync::watch;
 
 use super::write_queue::{Job, WriteQueue};
 use crate::alert::sign::Secret;
-use crate::config::Config;
 use crate::core::delivery::{DeliveryState, QueueState};
 use crate::core::fault::Faults;
-use crate::pipeline::Actor;
 use crate::pipeline::prelude::*;
-use crate::system::Clock;
 use crate::wire::hook::{DeliveryBody, HookBody};
 use delivery::pulse::Pulse;
 

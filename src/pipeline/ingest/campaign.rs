@@ -1,8 +1,5 @@
 //! Raw campaigns: fitted and separated where they come in, and again from what is stored.
 
-use std::collections::HashMap;
-use std::sync::Arc;
-
 use crate::config::Stations;
 use crate::core::augmented::AugmentedModel;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};

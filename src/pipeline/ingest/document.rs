@@ -1,9 +1,7 @@
 //! Any one document that was read, and what it is compared with.
 
-use std::sync::Arc;
-
-use crate::core::kind::Kind;
 use crate::pipeline::ingest::same_content::{benches_agree, says_the_same};
+use crate::pipeline::prelude::*;
 use crate::pipeline::{Sent, Submission};
 use crate::wire::document::DocumentKind;
 

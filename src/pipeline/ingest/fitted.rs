@@ -1,7 +1,5 @@
 //! A campaign that was read: fitted, and ready to be stored.
 
-use std::sync::Arc;
-
 use crate::core::calibrate::outcome::Outcome;
 use crate::core::campaign::Campaign;
 use crate::core::fault::Faults;

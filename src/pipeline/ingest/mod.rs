@@ -16,17 +16,13 @@ pub(super) mod unpacked;
 pub(super) mod writer;
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use tokio::sync::oneshot;
 
 use super::diagnoses::background::IdleDetector;
 use super::write_queue::{Job, StoreJob, WriteQueue};
-use crate::config::Config;
 use crate::core::alert_decision::Late;
-use crate::pipeline::Actor;
 use crate::pipeline::prelude::*;
-use crate::system::Clock;
 
 pub(super) use campaign::Restated;
 pub use document::{Origin, ReadDocument};

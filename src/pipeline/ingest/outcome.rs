@@ -1,11 +1,8 @@
 //! What has become of a submission.
 
-use std::sync::Arc;
-
 use super::refused::Refused;
-use crate::core::id::Id;
-use crate::core::judge::Verdict;
 use crate::core::note::Note;
+use crate::pipeline::prelude::*;
 
 /// The answer to one submission.
 pub type Reply = Result<Accepted, Refused>;

@@ -1,12 +1,9 @@
 //! What storing would come to, without storing.
 
-use std::collections::HashMap;
-use std::sync::Arc;
-
 use super::admit::{Admission, Ahead, Group, Memory};
-use crate::core::id::Id;
 use crate::core::note::Note;
-use crate::pipeline::{Accepted, Actor, Ingest, ReadDocument, Refused};
+use crate::pipeline::prelude::*;
+use crate::pipeline::{Ingest, ReadDocument, Refused};
 use crate::store::IdSource;
 
 /// Beyond every identifier of this century.

@@ -1,8 +1,6 @@
 //! Reads what was sent: parsed, checked and separated before anything queues.
 
-use std::sync::Arc;
-
-use crate::config::{Config, PlausibilityKeys};
+use crate::config::PlausibilityKeys;
 use crate::core::at_reference::{AtReference, at_reference};
 use crate::core::augmented::AugmentedModel;
 use crate::core::fault::{Fault, Faults};
@@ -15,7 +13,6 @@ use crate::pipeline::diagnoses::models::{InForce, ModelCache};
 use crate::pipeline::ingest::submission::{BenchTest, anything, check_names, kept};
 use crate::pipeline::prelude::*;
 use crate::pipeline::{CalibratedGyro, Calibration, Fitted, Origin, ReadCampaign, ReadDocument, Submission};
-use crate::system::Clock;
 use crate::wire::answer::SeparationBody;
 use crate::wire::bench::parse_bench_result;
 use crate::wire::campaign::Form;

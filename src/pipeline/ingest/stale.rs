@@ -2,16 +2,14 @@
 //! background, one IMU after the other. What is stated so already is left alone: nothing is done twice, and what was
 //! broken off goes on at the next start.
 
-use std::sync::Arc;
-
 use super::admit::rows_as_stated;
 use super::campaign::Restated;
-use crate::core::time::Span;
+use crate::pipeline::Reader;
 use crate::pipeline::diagnoses::background::{Awaited, IdleDetector, beside_others};
 use crate::pipeline::diagnoses::models::InForce;
+use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::{Job, WeakWriteQueue};
-use crate::pipeline::{Reader, WriteError};
-use crate::store::{self, RecordRow, RestatedRow, StoreError};
+use crate::store::{RecordRow, RestatedRow};
 
 /// Looks for calibrations that are not stated by the model in force of their IMU, and has them stated so.
 pub(in crate::pipeline) struct StaleCalibrations {

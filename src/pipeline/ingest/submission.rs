@@ -1,12 +1,10 @@
 //! What can be submitted.
 
-use std::sync::Arc;
-
 use crate::core::bench::BenchResult;
 use crate::core::effects::Effect;
 use crate::core::fault::{Fault, Faults};
 use crate::core::gyro_attributes::GyroAttributesPatch;
-use crate::core::judge::{Event, FixedLevels, Verdict};
+use crate::core::judge::{Event, FixedLevels};
 use crate::core::message::text;
 use crate::core::mounting::Slot;
 use crate::core::name::normal_form;
@@ -14,7 +12,7 @@ use crate::core::record::{Name, Plausibility};
 use crate::core::separate::Separation;
 use crate::core::suspect_window::Mark;
 use crate::pipeline::prelude::*;
-use crate::pipeline::{Actor, Caller, Refused};
+use crate::pipeline::{Caller, Refused};
 use crate::system::sha256;
 use crate::wire::json::without_mark;
 

@@ -2,7 +2,7 @@
 
 use crate::config::{JudgedMethod, Judging};
 use crate::core::bench::BenchMethod;
-use crate::core::judge::{Coefficient, Event, FigureSource, Mark, Measured, Rule, SourcedResult, Verdict, agreement};
+use crate::core::judge::{Coefficient, Event, FigureSource, Mark, Measured, SourcedResult, agreement};
 use crate::core::mounting::Slot;
 use crate::pipeline::alerts::{Naming, Origin};
 use crate::pipeline::ingest::judge::gyro_window::{load_marks, mark_of, sample_of};

@@ -1,6 +1,6 @@
 //! A gyro's history as the diagnosis of change needs it, with the fleet beside it.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::entries::{PEER_RECORDS, entries};
 use super::fleet::{level, stated};

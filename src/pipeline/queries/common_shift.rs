@@ -1,10 +1,9 @@
 //! What gyros that moved together have in common: their station, or their batch.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use crate::core::judge::{Measured, in_common};
-use crate::core::time::UtcMicros;
+use crate::pipeline::prelude::*;
 use crate::store::head::CalibratedRow;
 
 /// Gyros that a station must have calibrated for a shift of theirs to be told.

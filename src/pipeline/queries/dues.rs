@@ -1,8 +1,7 @@
 //! When gyros that drift reach their budgets by the diagnosis of their histories, which knows of ageing before the rule
 //! `trend` has established it.
 
-use std::collections::HashMap;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use tokio::time::Instant;
@@ -10,8 +9,8 @@ use tokio::time::Instant;
 use super::found_until::found_until;
 use super::gyro_history::Histories;
 use crate::core::judge::{Coefficient, Reach, Status};
-use crate::core::time::UtcMicros;
-use crate::pipeline::{Standing, StorageError};
+use crate::pipeline::Standing;
+use crate::pipeline::prelude::*;
 
 /// Gyros whose dates are kept; more of them, and all are found anew.
 const MOST_KEPT: usize = 1000;

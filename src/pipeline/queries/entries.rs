@@ -1,7 +1,6 @@
 //! Rows of the history as the diagnosis of change takes them.
 
-use std::collections::{BTreeSet, HashMap};
-use std::sync::Arc;
+use std::collections::BTreeSet;
 
 use crate::config::JudgedMethod;
 use crate::core::changes::{GyroHistory, HistoryEntry};

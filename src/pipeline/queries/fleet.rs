@@ -1,8 +1,8 @@
 //! The fleet at a glance: every gyro's newest figures, how it stands, and its last few values.
 
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use tokio::time::Instant;
@@ -11,11 +11,10 @@ use super::entries::fleet_histories;
 use super::found_until::found_until;
 use super::record::Records;
 use super::standing::{StoredFacts, of_rank, rank};
-use crate::config::Config;
 use crate::core::changes::{self, FleetStations};
 use crate::core::fleet_order::FleetOrder;
 use crate::core::judge::{
-    BASELINE_RECORDS, Limits, Mark, Measured, Rule, Sample, State, Status, baseline_since, stated_level,
+    BASELINE_RECORDS, Limits, Mark, Measured, Sample, State, Status, baseline_since, stated_level,
 };
 use crate::core::mounting::Slot;
 use crate::pipeline::Standing;
@@ -24,7 +23,6 @@ use crate::pipeline::kept::Kept;
 use crate::pipeline::prelude::*;
 use crate::store::head::{CalibratedRow, DueImus, Narrowed, Ranks, Sought, Standings, StationTally, Tally};
 use crate::store::{RecordEntry, Stretch, Table};
-use crate::system::Clock;
 use crate::wire::answer::VerdictBody;
 use crate::words;
 

@@ -2,7 +2,7 @@
 
 use super::standing::violations;
 use super::status;
-use crate::core::judge::{Measured, Need, Older, Outlook, Status, Verdict};
+use crate::core::judge::{Measured, Need, Older, Outlook, Status};
 use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, sample_of};
 use crate::pipeline::prelude::*;

@@ -1,19 +1,16 @@
 //! One gyro's whole course: every calibration, bench result and event, and the levels it was held against.
 
-use std::sync::Arc;
-
 use super::agreement::compare_methods;
 use super::fleet::{level, stated};
-use crate::config::{Config, JudgedMethod};
+use crate::config::JudgedMethod;
 use crate::core::correction::CorrectedResult;
 use crate::core::judge::history::{baseline_of, seat_baseline_of};
-use crate::core::judge::{BASELINE_RECORDS, Coefficient, Event, Limits, Mark, Rule, Sample};
+use crate::core::judge::{BASELINE_RECORDS, Coefficient, Event, Limits, Mark, Sample};
 use crate::pipeline::ingest::judge::gyro_window::{distinct, load_marks, mark_of, sample_of};
 use crate::pipeline::prelude::*;
 use crate::pipeline::queries::items::Names;
 use crate::pipeline::{BenchItem, Comparison, EventItem, Statuses};
 use crate::store::{BenchRow, StoredVerdict};
-use crate::system::Clock;
 
 /// Everything about one gyro, oldest first.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,6 @@
 //! The rows of the table `head`, by what is stored or about to be.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
 
 use crate::config::Judging;
 use crate::core::judge::{Need, Older, Outlook};

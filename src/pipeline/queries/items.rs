@@ -1,6 +1,6 @@
 //! Stored items as they are asked for: names in the place of numbers.
 
-use std::sync::{Arc, RwLockReadGuard};
+use std::sync::RwLockReadGuard;
 
 use crate::core::bench::BenchMethod;
 use crate::core::correction::CorrectionItem;

@@ -18,13 +18,9 @@ mod status;
 mod today;
 mod verify;
 
-use std::sync::Arc;
-
-use crate::config::Config;
 use crate::core::suspect_window::{SuspectWindow, in_force};
-use crate::pipeline::{Reader, StorageError};
-use crate::store::{self, Store};
-use crate::system::Clock;
+use crate::pipeline::Reader;
+use crate::pipeline::prelude::*;
 
 pub use crate::pipeline::ingest::judge::gyro_window::sample_of;
 pub use agreement::{Compared, Comparison};

@@ -1,13 +1,10 @@
 //! What is stored, as it is answered: separations made again from the stored body, verdicts as they were decided.
 
-use std::sync::Arc;
-
-use crate::config::Config;
 use crate::core::access::AuditEntry;
 use crate::core::diagnose::{ClosureDiagnosis, closures};
 use crate::core::fault::Faults;
+use crate::core::judge::Older;
 use crate::core::judge::history::Need;
-use crate::core::judge::{Older, Verdict};
 use crate::core::name::Name;
 use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::fitted::CampaignFit;

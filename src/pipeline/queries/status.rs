@@ -1,8 +1,6 @@
 //! What the stored verdicts on a record come to: for each coefficient, and for the gyro.
 
-use std::collections::HashMap;
-
-use crate::core::judge::{Coefficient, Rule, State, Status};
+use crate::core::judge::{Coefficient, State, Status};
 use crate::pipeline::prelude::*;
 use crate::store::StoredVerdict;
 

@@ -1,7 +1,5 @@
 //! What there is to be done: what has become worse, what soon will, what is due, and where several gyros moved at once.
 
-use std::sync::Arc;
-
 use super::common_shift::shifts_of;
 use super::fleet::Fleet;
 use crate::pipeline::diagnoses::outside_forecasts;

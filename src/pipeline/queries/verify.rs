@@ -4,17 +4,17 @@
 //! are decided again with the limits of the configuration in force: of a record that was judged with other limits,
 //! the verdicts cannot be compared, and are counted; so are those on records that count no more.
 
-use crate::core::figures::{Figures, near};
+use crate::core::figures::near;
+use crate::core::judge::Older;
 use crate::core::judge::history::Need;
-use crate::core::judge::{Older, Rule};
 use crate::core::name::normal_form;
-use crate::core::time::Span;
 use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
+use crate::pipeline::prelude::*;
 use crate::pipeline::queries::heads::{checksum, stored_rows};
 use crate::pipeline::queries::record::{Records, Reread};
-use crate::pipeline::{CalibratedGyro, Calibration, StorageError};
-use crate::store::{self, StoreError, StoredVerdict, Table};
+use crate::pipeline::{CalibratedGyro, Calibration};
+use crate::store::{StoredVerdict, Table};
 use crate::wire::bench::parse_bench_result;
 
 /// What was computed again.

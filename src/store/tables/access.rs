@@ -2,7 +2,7 @@
 
 use sqlx::SqliteConnection;
 
-use super::{AnyRow, Batch, Columns, Id, OnConflict, Result, Rows, Span, Store, UtcMicros, columns, part, read};
+use super::*;
 use crate::core::access::{AuditEntry, AuditFilter, Role};
 
 /// A token, without its secret.

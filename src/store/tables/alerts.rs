@@ -2,10 +2,7 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use super::{
-    AnyRow, AssertSqlSafe, Batch, Columns, Found, Id, OnConflict, Part, Result, Row, Sql, Store, StoreError, UtcMicros,
-    asked, columns, part, read,
-};
+use super::*;
 use crate::core::alert_decision::{Alert, Hushed, LastNotification, Standing};
 use crate::core::alert_filter::AlertFilter;
 use crate::core::judge::{Coefficient, Rule, Severity};

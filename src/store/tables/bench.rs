@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{AssertSqlSafe, Columns, Id, Result, Span, Store, UtcMicros, columns, part, read};
+use super::*;
 use crate::core::bench::BenchMethod;
 use crate::store::RecordAt;
 

@@ -1,6 +1,6 @@
 //! Records and bench results that do not count any more: who said so, when, why, and what stands in their place.
 
-use super::{AssertSqlSafe, Batch, Columns, Id, Result, Rows, Store, columns, part, read};
+use super::*;
 use crate::core::correction::{CorrectedResult, CorrectionItem};
 use crate::store::HistoryRow;
 use crate::store::packed::history_row;

@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use super::delivery_line::{fall_back, move_up};
-use super::{Batch, Id, OnConflict, Rows, UtcMicros, columns, part};
+use super::*;
 use crate::core::delivery::DeliveryState;
 use crate::core::judge::Severity;
 

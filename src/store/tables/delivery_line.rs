@@ -1,7 +1,7 @@
 //! The lines of the outbox: deliveries of one hook and alert, the oldest first. One that tells of many alerts stands
 //! in the line of each.
 
-use super::{Batch, Id, Rows, UtcMicros};
+use super::*;
 
 /// The lines (hook and alert) that a delivery stands in.
 fn lines_of(delivery: &str) -> String {

@@ -1,6 +1,6 @@
 //! Diagnoses of stored campaigns, and which are still to be made.
 
-use super::{Batch, Id, OnConflict, Result, Rows, Store, read};
+use super::*;
 use crate::core::kind::Kind;
 use crate::store::packed::text;
 use crate::store::{ModelRow, RecordRow};

@@ -1,8 +1,6 @@
 //! What a summary of many diagnoses says of each: a few hundred bytes beside the tens of thousands of the whole.
 
-use super::{
-    AnyRow, AssertSqlSafe, Batch, Bound, Columns, Id, Result, Rows, Span, Store, UtcMicros, columns, on, part, read,
-};
+use super::*;
 use crate::store::{CampaignFilter, NewDiagnosis};
 use futures::TryStreamExt;
 

@@ -4,7 +4,7 @@
 //! is lost with whoever was at work on it. A diagnosis settles every task that waits for its campaign, in the
 //! transaction that keeps it.
 
-use super::{Batch, Columns, Id, OnConflict, Result, Rows, Span, Store, UtcMicros, columns, part, read};
+use super::*;
 
 /// An order as it stands.
 #[derive(Debug, Clone, PartialEq, Eq)]

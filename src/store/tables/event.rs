@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{Columns, Id, Result, Store, UtcMicros, columns, part, read};
+use super::*;
 use crate::core::judge::{Event, FixedLevels};
 
 #[derive(Debug, Clone, PartialEq)]

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::{AssertSqlSafe, Batch, OnConflict, Result, Rows, Store, part, read};
+use super::*;
 use crate::core::gyro_attributes::GyroAttributes;
 
 /// A gyro, and what is said of it from now on.

@@ -3,10 +3,7 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
-use super::{
-    AnyRow, AssertSqlSafe, Batch, Bound, Columns, Found, Id, OnConflict, Part, Result, Row, Rows, Span, Sql, Store,
-    StoreError, UtcMicros, asked, columns, part, read,
-};
+use super::*;
 use crate::core::fleet_order::FleetOrder;
 use crate::core::judge::{Coefficient, Event, Measured, Outlook, Reach, Rule, Severity, State, Status};
 use crate::core::mounting::Slot;

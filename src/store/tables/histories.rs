@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{AssertSqlSafe, Readers, Result, Span, Store, StoreError, UtcMicros, read};
+use super::*;
 use crate::core::figures::Figures;
 use crate::store::packed::history_row::PACKED_LEN;
 

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::histories::{counting, unpack};
-use super::{Id, Result, Span, Sql, Store, read};
+use super::*;
 use crate::core::figures::Figures;
 
 /// The oldest `limit` rows of a gyro within `span` that count, oldest first.

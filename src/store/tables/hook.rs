@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::{AnyRow, AssertSqlSafe, Columns, Found, Id, Part, Result, Row, Store, UtcMicros, columns, part, read};
+use super::*;
 use crate::store::Secrets;
 
 /// A hook. Its secrets are for signing and sending only; what shows hooks leaves them out, and so does `Debug`.

@@ -1,6 +1,6 @@
 //! Hypotheses of one's own that compete in every diagnosis.
 
-use super::{Columns, Id, Result, Store, UtcMicros, columns, part, read};
+use super::*;
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HypothesisRow {

@@ -1,6 +1,6 @@
 //! `Idempotency-Key` headers and what came of the requests that bore them.
 
-use super::{Id, Result, Sql, Store, columns, part, read};
+use super::*;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyRow {

@@ -1,6 +1,6 @@
 //! Error models that were adopted for an IMU, and which campaigns were fitted with them.
 
-use super::{Batch, Columns, Id, OnConflict, Result, Rows, Store, UtcMicros, columns, part, read};
+use super::*;
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ModelRow {

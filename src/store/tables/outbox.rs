@@ -1,8 +1,6 @@
 //! Reading the outbox: what is due, how a hook's queue stands, what became of each delivery.
 
-use super::{
-    AnyRow, AssertSqlSafe, Bound, Columns, Id, Result, Sql, Store, StoreError, UtcMicros, each, on, part, read,
-};
+use super::*;
 use crate::core::delivery::{DeliveryState, QueueState};
 use crate::store::{AttemptRow, DeliveryRow, DeliverySubject, DueDelivery};
 

@@ -3,10 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::{
-    AnyRow, AssertSqlSafe, Batch, CellKind, Column, Columns, Found, Id, Part, Readers, Result, Row, Rows, Span, Sql,
-    Store, StoreError, UtcMicros, columns, part, read,
-};
+use super::*;
 use crate::core::kind::Kind;
 use crate::store::RecordVerdicts;
 use crate::store::packed::text;

@@ -1,6 +1,6 @@
 //! Records whose time is in doubt: kept as those that were voided are, until somebody confirms it.
 
-use super::{Batch, Columns, Id, OnConflict, Result, Rows, Store, UtcMicros, columns, part, read};
+use super::*;
 use crate::store::HistoryRow;
 use crate::store::packed::history_row;
 

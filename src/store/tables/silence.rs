@@ -1,6 +1,6 @@
 //! Silences of every alert that matches.
 
-use super::{Columns, Id, Result, Store, UtcMicros, columns, part, read};
+use super::*;
 use crate::core::alert_filter::Matchers;
 use crate::store::Remark;
 

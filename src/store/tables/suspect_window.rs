@@ -1,6 +1,6 @@
 //! Windows of time in which what a station measured is suspect, mark by mark.
 
-use super::{Columns, Id, Result, Span, Store, columns, part, read};
+use super::*;
 use crate::core::suspect_window::{Mark, SuspectWindow};
 
 /// How somebody marked a window of a station.

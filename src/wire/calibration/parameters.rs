@@ -2,14 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
-
 use crate::core::calibrate::bench::BenchCoefficient;
 use crate::core::calibrate::design;
 use crate::core::calibrate::{EffectParameter, GyroCalibration, NullDirection, Parameter};
 use crate::wire::answer::UncertaintyBody;
-use crate::wire::body::bodies;
+use crate::wire::prelude::*;
 use crate::wire::unit;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -1,15 +1,12 @@
 //! What is said of what was commanded as the Earth does not allow it, and the faults of a campaign that must not be
 //! believed for it.
 
-use serde_json::{Value, json};
-
 use crate::core::calibrate::outcome::evaluate;
 use crate::core::campaign::commanded::{AffectedDwells, CommandFinding, MistakeKind, Symptom, Vectors, findings};
 use crate::core::campaign::{Campaign, TestKind};
-use crate::core::fault::{Fault, Faults};
-use crate::core::message::{Message, Parameter, figure, signed};
+use crate::core::message::{Parameter, figure, signed};
 use crate::core::record::Plausibility;
-use crate::message;
+use crate::wire::prelude::*;
 
 /// Fields of a dwell that a station commands.
 const COMMANDED: [&str; 3] = ["attitude", "specific_force_g0", "rate_arcsec_s"];

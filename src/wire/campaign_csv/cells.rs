@@ -1,11 +1,10 @@
 //! The table: a header that names columns, and rows whose cells are read by it.
 
 use super::head::is_key;
-use crate::core::fault::Faults;
-use crate::core::message::{Message, Parameter, list, sent};
-use crate::message;
+use crate::core::message::{Parameter, list, sent};
 use crate::wire::campaign::DwellBody;
 use crate::wire::numbers::Numbers;
+use crate::wire::prelude::*;
 use crate::wire::record_table::{TableMap, is_of_record, is_table};
 use crate::wire::table::{at_cell, check_quotes, meant, number, reader, rows, too_many_cells, unknown};
 

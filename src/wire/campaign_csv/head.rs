@@ -1,10 +1,9 @@
 //! Head matter: `# key: value` lines, gathered into the JSON document that they stand for.
 
-use serde_json::{Map, Value, json};
+use serde_json::Map;
 
-use crate::core::fault::Faults;
-use crate::core::message::{Message, list, sent};
-use crate::message;
+use crate::core::message::{list, sent};
+use crate::wire::prelude::*;
 use crate::wire::table::{comment, number};
 
 /// What stands above the table.

@@ -1,8 +1,7 @@
 //! Lines that faults name, where the document is part of a longer text.
 
-use crate::core::fault::Faults;
-use crate::core::message::{Message, Parameter};
-use crate::message;
+use crate::core::message::Parameter;
+use crate::wire::prelude::*;
 
 /// The faults of a document on a line of its own name the column alone: whoever reads them is told the line beside
 /// them, and counted in itself the document has another one.

@@ -4,12 +4,11 @@
 //! again: the next fault is another one. What is below a place that has been named is mended in silence.
 
 use serde::de::DeserializeOwned;
-use serde_json::{Value, json};
 
 use super::place::fault_at;
 use super::words;
-use crate::core::fault::{Fault, Faults};
-use crate::core::message::{Message, Parameter};
+use crate::core::message::Parameter;
+use crate::wire::prelude::*;
 
 /// Longer documents are not read again and again: whoever sends nonsense shall not keep a thread busy.
 const LONGEST: usize = 64 * 1024;

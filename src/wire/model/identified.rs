@@ -1,21 +1,15 @@
 //! The part of a model file that is one IMU's own: its coefficients, their covariance, and where they come from.
 
 use nalgebra::{DMatrix, Vector3};
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 use crate::core::augmented::Adopted;
 use crate::core::calibrate::design;
-use crate::core::fault::Faults;
 use crate::core::imu_model::{FittedCampaign, Identified, ModelCoefficient, ModelGyro, NoiseLaw, Of, Validity};
 use crate::core::message::{list, sent, text};
 use crate::core::model::{Term, Terms};
-use crate::core::mounting::Slot;
-use crate::message;
-use crate::wire::body::{ToBody, bodies};
 use crate::wire::geometry::GeometryBody;
 use crate::wire::numbers::in_range;
-use crate::wire::triple::Triple;
+use crate::wire::prelude::*;
 use crate::wire::{text, unit};
 
 /// Most coefficients that a model may have: three gyros with every effect of the catalogue.

@@ -1,13 +1,12 @@
 //! Words and parameters of what is noted of a campaign.
 
-use serde_json::{Map, Value, json};
+use serde_json::Map;
 
 use crate::core::bench::Alias;
 use crate::core::campaign::{CampaignNote, DwellColumn, LeftOut, StationLack};
-use crate::core::message::{Message, Parameter, figure, list, signed, significant, text};
-use crate::core::mounting::Slot;
-use crate::message;
+use crate::core::message::{Parameter, figure, list, signed, significant, text};
 use crate::wire::campaign::commanded;
+use crate::wire::prelude::*;
 
 /// Dwells that a sentence names before it counts.
 const NAMED: usize = 5;

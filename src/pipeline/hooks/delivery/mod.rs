@@ -16,8 +16,6 @@ pub(crate) mod message;
 pub(super) mod pulse;
 mod queue;
 
-use std::collections::HashMap;
-use std::sync::Arc;
 use std::time::Duration;
 
 use tokio::sync::watch;
@@ -25,10 +23,10 @@ use tokio::task::{Id as TaskId, JoinError, JoinHandle, JoinSet};
 
 use crate::alert::deliver::Courier;
 use crate::alert::mail::MailError;
-use crate::core::id::Id;
 use crate::pipeline::hooks::Hooks;
 use crate::pipeline::hooks::delivery::context::{DeliveryContext, OFF_DUTY};
-use crate::store::{self, Duty, StoreError};
+use crate::pipeline::prelude::*;
+use crate::store::Duty;
 use crate::words::Language;
 
 use crate::pipeline::hooks::delivery::queue::DeliveryQueue;

@@ -1,7 +1,6 @@
 //! The deliveries of one hook, a few at a time.
 
 use std::collections::{HashSet, VecDeque};
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use futures::StreamExt;

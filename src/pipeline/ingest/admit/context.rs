@@ -3,9 +3,8 @@
 use super::ahead::Ahead;
 use super::memory::Memory;
 use crate::config::Judging;
-use crate::core::time::UtcMicros;
-use crate::pipeline::access::Actor;
-use crate::store::{IdSource, Store};
+use crate::pipeline::prelude::*;
+use crate::store::IdSource;
 
 /// What admission may ask.
 pub(crate) struct Admission<'a> {

@@ -1,8 +1,6 @@
 //! What somebody says of a stored item: it does not count, another record stands in its place, it is set aside, or what
 //! was set aside counts from now on.
 
-use std::sync::Arc;
-
 use serde_json::json;
 
 use super::context::Admission;
@@ -13,7 +11,7 @@ use crate::core::history_note::HistoryNote;
 use crate::core::note::Note;
 use crate::core::suspect_window::{Mark, SuspectWindow, in_force};
 use crate::pipeline::prelude::*;
-use crate::pipeline::{Accepted, Calibration, Confirmation, Corrected, Correction, Doubt, Refused, WindowMark};
+use crate::pipeline::{Calibration, Confirmation, Corrected, Correction, Doubt, Refused, WindowMark};
 use crate::store::{ConfirmationRow, HistoryRow, NamesOf, RecordRow, RestatedRow, StoredAside, WindowMarkRow};
 use crate::wire::{history_note, time};
 

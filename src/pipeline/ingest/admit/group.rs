@@ -1,12 +1,11 @@
 //! A group under construction.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 
 use serde_json::json;
 
 use crate::core::bench::BenchMethod;
 use crate::core::history_note::HistoryNote;
-use crate::pipeline::access::Actor;
 use crate::pipeline::prelude::*;
 use crate::store::{KeyRow, NamesOf};
 use crate::wire::history_note;

@@ -9,7 +9,7 @@ use crate::core::name::{distance, look_keys};
 use crate::core::suspect_window::{Mark, SuspectWindow, in_force};
 use crate::pipeline::ingest::same_content::says_the_same;
 use crate::pipeline::prelude::*;
-use crate::pipeline::{Accepted, Calibration, Refused};
+use crate::pipeline::{Calibration, Refused};
 use crate::store::NamesOf;
 
 /// A serial is near to another that differs by so many slips of the pen.

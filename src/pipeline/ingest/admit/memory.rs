@@ -1,7 +1,6 @@
 //! What is remembered of gyros, so that a new record is held against their histories without asking the database each
 //! time.
 
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
 use super::group::Group;

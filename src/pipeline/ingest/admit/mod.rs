@@ -8,8 +8,6 @@ mod group;
 mod lookup;
 mod memory;
 
-use std::sync::Arc;
-
 use serde_json::{Value, json};
 
 use crate::core::figures::{PublishedFigures, States};
@@ -20,7 +18,7 @@ use crate::core::separate::{Branch, Separation};
 use crate::pipeline::ingest::same_content::benches_agree;
 use crate::pipeline::ingest::submission::BenchTest;
 use crate::pipeline::prelude::*;
-use crate::pipeline::{Accepted, Actor, AttributesOrder, CalibratedGyro, Calibration, GyroEvent, Refused, Submission};
+use crate::pipeline::{AttributesOrder, CalibratedGyro, Calibration, GyroEvent, Refused, Submission};
 use crate::store::{
     BenchRow, EventRow, GyroAttributeRow, HistoryRow, NamesOf, NewName, RecordRow, RecordVerdicts, RestatedRow,
     StoredVerdict,

@@ -1,13 +1,10 @@
 //! One gyro's history as judging needs it: the newest stretch, in memory.
 
-use std::collections::HashMap;
-
 use crate::config::JudgedMethod;
 use crate::core::correction::CorrectionItem;
 use crate::core::judge::history::{History, Need};
 use crate::core::judge::{
-    BASELINE_RECORDS, Limits, Mark, Measured, Older, Rule, Sample, Seat, Series, Verdict, baseline_since, judge,
-    reset_before,
+    BASELINE_RECORDS, Limits, Mark, Measured, Older, Sample, Seat, Series, baseline_since, judge, reset_before,
 };
 use crate::pipeline::ingest::judge::older_summary::{OlderSummary, RUN};
 use crate::pipeline::prelude::*;

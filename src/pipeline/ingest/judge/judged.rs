@@ -1,8 +1,8 @@
 //! What judging a group has found.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
-use crate::core::judge::{Coefficient, Rule, Severity, Verdict};
+use crate::core::judge::{Coefficient, Severity};
 use crate::pipeline::prelude::*;
 
 /// Verdicts by record and gyro number.

@@ -6,18 +6,18 @@ pub(crate) mod older_summary;
 pub(crate) mod out_of_order;
 mod withdrawal;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 use crate::config::Judging;
 use crate::core::alert_decision::Policy;
-use crate::core::figures::{Figures, States};
+use crate::core::figures::States;
 use crate::core::judge::history::Need;
-use crate::core::judge::{Coefficient, Limit, Limits, Mark, Older, Outlook, Rule, Verdict};
-use crate::core::time::{Span, UtcMicros};
+use crate::core::judge::{Coefficient, Limit, Limits, Mark, Older, Outlook};
 use crate::pipeline::alerts::Naming;
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, Source, read_ahead, sample_of};
 use crate::pipeline::ingest::judge::withdrawal::Replay;
-use crate::store::{Changes, Store, StoreError, StoredVerdict};
+use crate::pipeline::prelude::*;
+use crate::store::StoredVerdict;
 
 pub(crate) use judged::{Judged, Newest, Undone, Verdicts};
 

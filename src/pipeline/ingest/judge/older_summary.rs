@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use crate::core::judge::{Older, Sample};
-use crate::core::time::{Span, UtcMicros};
+use crate::pipeline::prelude::*;
 
 /// Records in a run.
 pub(super) const RUN: usize = 128;

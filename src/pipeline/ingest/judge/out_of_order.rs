@@ -1,12 +1,12 @@
 //! Records that arrive late, events, and what counts no more: put in their place in a gyro's history, and what they
 //! alter judged again.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::ops::Range;
 
 use super::{Judge, Judged, Newest, Verdicts, states};
 use crate::core::judge::history::{Need, baseline_of, seat_baseline_of};
-use crate::core::judge::{BASELINE_RECORDS, Mark, Rule, Sample, Seat, Verdict, baseline_since, judge};
+use crate::core::judge::{BASELINE_RECORDS, Mark, Sample, Seat, baseline_since, judge};
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, Source, load_marks, mark_of, sample_of};
 use crate::pipeline::prelude::*;
 use crate::store::{HistoryRow, RejudgedSheet, RestatedRow, StoredVerdict};

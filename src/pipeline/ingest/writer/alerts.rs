@@ -1,6 +1,6 @@
 //! The writer's part in alerts: they follow what a group's judging finds, and what people say.
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeSet, HashSet};
 
 use super::heads::{Heads, touched};
 use super::shared_shifts::SharedShifts;
@@ -11,7 +11,7 @@ use crate::pipeline::hooks::{CurrentAlert, OutboxContext};
 use crate::pipeline::ingest::judge::Judged;
 use crate::pipeline::prelude::*;
 use crate::pipeline::queries::agreement::{Agreement, agreement_after};
-use crate::pipeline::{Actor, AlertOrder, Calibration, SilenceOrder};
+use crate::pipeline::{AlertOrder, Calibration, SilenceOrder};
 use crate::store::{AlertOf, AlertRow};
 use crate::wire::alert::AlertBody;
 

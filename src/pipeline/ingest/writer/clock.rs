@@ -6,7 +6,6 @@ use super::alerts::gyros_of;
 use super::shared_shifts::SharedShifts;
 use super::state::WriterState;
 use crate::core::alert_decision::Late;
-use crate::core::judge::Rule;
 use crate::pipeline::alerts::{AlertContext, Naming, SharedVerdict, follow_clock};
 use crate::pipeline::prelude::*;
 use crate::store::{AlertOf, AlertRow, Cells, Duty};

@@ -6,13 +6,13 @@ use std::collections::BTreeMap;
 
 use super::state::{Tally, WriterState};
 use crate::core::alert_decision::Late;
-use crate::core::judge::{Finding, Rule, Verdict};
-use crate::core::time::UtcMicros;
+use crate::core::judge::Finding;
+use crate::pipeline::Adoption;
 use crate::pipeline::alerts::{AlertCache, AlertContext, Origin};
 use crate::pipeline::diagnoses::{Made, newest_verdict};
 use crate::pipeline::ingest::judge::Undone;
-use crate::pipeline::{Adoption, WriteError};
-use crate::store::{self, AlertOf, AlertRow, Changes, RecordEntry, StoreError};
+use crate::pipeline::prelude::*;
+use crate::store::{AlertOf, AlertRow, RecordEntry};
 
 pub(super) struct ForecastAlerts<'a> {
     pub state: &'a mut WriterState,

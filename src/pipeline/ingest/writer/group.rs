@@ -1,6 +1,6 @@
 //! A group on its way: admitted, judged and followed by alerts; then written; then answered.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
 use tokio::sync::watch;
@@ -13,7 +13,7 @@ use crate::pipeline::ingest::admit::{Admission, Ahead, Group};
 use crate::pipeline::ingest::judge::Verdicts;
 use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::StoreJob;
-use crate::pipeline::{Accepted, Actor, CalibratedGyro, Calibration, Judged, Refused, Reply, Submission};
+use crate::pipeline::{CalibratedGyro, Calibration, Judged, Refused, Reply, Submission};
 use crate::telemetry;
 
 /// A group that is made ready.

@@ -1,10 +1,10 @@
 //! The cells in which everything is at home that a transaction is about.
 
 use super::state::Item;
-use crate::core::id::Id;
 use crate::pipeline::hooks::Found;
 use crate::pipeline::ingest::submission::{Calibration, Corrected, Submission};
-use crate::store::{self, Cells, PackedText, Store, StoreError};
+use crate::pipeline::prelude::*;
+use crate::store::{Cells, PackedText};
 
 pub(super) struct Homes<'a> {
     pub store: &'a Store,

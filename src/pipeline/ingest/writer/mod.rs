@@ -13,16 +13,14 @@ mod shared_shifts;
 mod state;
 pub(crate) mod turn;
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::ops::RangeInclusive;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use tokio::sync::mpsc;
 use tokio::time::{Interval, MissedTickBehavior, interval_at};
 
 use super::admit::Memory;
-use crate::config::Config;
 use crate::pipeline::access::{AccessHandler, Secret};
 use crate::pipeline::alerts::AlertCache;
 use crate::pipeline::diagnoses::{DiagnosisHandler, HypothesisHandler};
@@ -30,9 +28,8 @@ use crate::pipeline::hooks::{Found, HookCache, HookHandler, heard_by};
 use crate::pipeline::ingest::judge::Judge;
 use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::{Job, ReplyTo, StoreJob};
-use crate::pipeline::{Accepted, AccessOrder, Actor, DiagnosisOrder, HypothesisOrder, Order, Reply};
+use crate::pipeline::{AccessOrder, DiagnosisOrder, HypothesisOrder, Order, Reply};
 use crate::store::{Cells, Writer};
-use crate::system::Clock;
 use crate::telemetry;
 use clock::ClockTick;
 use forecasts::ForecastAlerts;

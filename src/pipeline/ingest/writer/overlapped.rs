@@ -5,14 +5,13 @@
 //! everything first. (What it is asked of very many records that are no longer remembered one by one, it has long
 //! held.) A small group is not worth it: while it waited, more would come that can share its transaction.
 
-use std::collections::HashMap;
-
 use super::group::{Preparation, answer, settle};
 use super::state::{Item, Prepared, Task, UnderWay, items_of};
 use crate::core::history_note::FAR_DAYS;
 use crate::pipeline::ingest::submission::Submission;
+use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::{Job, StoreJob};
-use crate::store::{self, Committer, Tables, Written};
+use crate::store::{Committer, Tables, Written};
 use crate::telemetry;
 
 /// Items from which on a group is written beside.

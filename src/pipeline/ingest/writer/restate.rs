@@ -2,7 +2,7 @@
 //! so that an adoption is no step in D_I and D_S. Where this version states something otherwise than an earlier one, the
 //! same happens without an adoption.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 
 use super::forecasts::ForecastAlerts;
 use super::state::WriterState;
@@ -11,7 +11,7 @@ use crate::pipeline::diagnoses::models::adopted;
 use crate::pipeline::ingest::admit::rows_as_stated;
 use crate::pipeline::ingest::campaign::Restated;
 use crate::pipeline::prelude::*;
-use crate::pipeline::{Accepted, Actor, Adoption, Calibration};
+use crate::pipeline::{Adoption, Calibration};
 
 pub(super) struct Restating<'a> {
     pub state: &'a mut WriterState,

@@ -4,19 +4,17 @@
 //! A file's writer asks with every group in which a gyro begins to exceed a limit, so that the group's other gyros are
 //! told of as one; the clock asks at every tick. Among several servers only the clock does, which holds every cell.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
-use std::sync::Arc;
+use std::collections::{BTreeMap, BTreeSet};
 
-use crate::config::Config;
 use crate::core::alert_decision::Alert;
 use crate::core::judge::{
-    Coefficient, Group, ImuQuestion, LATELY, Measured, NewestCalibration, Rule, Severity, ShiftQuestion, State,
-    Verdict, group_shift, imu_shift,
+    Coefficient, Group, ImuQuestion, LATELY, Measured, NewestCalibration, Severity, ShiftQuestion, State, group_shift,
+    imu_shift,
 };
-use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::alerts::{AlertCache, Naming, Origin, SharedVerdict};
 use crate::pipeline::ingest::judge::{Judged, Newest};
-use crate::store::{self, AlertOf, AlertRow, Changes, ExcessRow, Store, StoreError};
+use crate::pipeline::prelude::*;
+use crate::store::{AlertOf, AlertRow, ExcessRow};
 
 /// Those that gyros may share, by column.
 const COEFFICIENTS: [Coefficient; 2] = [Coefficient::DI, Coefficient::DS];

@@ -1,14 +1,12 @@
 //! What the writer knows, and what passes through it.
 
-use std::collections::{HashMap, HashSet};
-use std::sync::Arc;
+use std::collections::HashSet;
 
 use tokio::sync::watch;
 use tokio::task::JoinHandle;
 
-use crate::config::Config;
 use crate::core::alert_decision::Late;
-use crate::core::judge::{Rule, State, Status, Verdict};
+use crate::core::judge::{State, Status};
 use crate::pipeline::alerts::AlertCache;
 use crate::pipeline::diagnoses::models::ModelCache;
 use crate::pipeline::hooks::HookCache;
@@ -16,9 +14,8 @@ use crate::pipeline::ingest::admit::Memory;
 use crate::pipeline::ingest::judge::{Judge, Verdicts};
 use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::StoreJob;
-use crate::pipeline::{Actor, Calibration, Guard, Reply, Submission};
+use crate::pipeline::{Calibration, Guard, Reply, Submission};
 use crate::store::{Writer, Written};
-use crate::system::Clock;
 use crate::telemetry;
 
 /// Takes what has queued up and has it stored.

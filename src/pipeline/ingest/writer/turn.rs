@@ -7,8 +7,9 @@ use std::time::Duration;
 use super::homes::Homes;
 use super::state::{Item, WriterState};
 use crate::pipeline::error::Unwritten;
+use crate::pipeline::prelude::*;
 use crate::pipeline::{Reader, Submission};
-use crate::store::{self, Cells, Changes, Missed, Moves, News, StoreError};
+use crate::store::{Cells, Missed, Moves, News};
 
 const MOST_TRIES: u32 = 4;
 const FIRST_PAUSE: Duration = Duration::from_millis(30);

@@ -4,23 +4,26 @@
 //! about is bound, never part of a text, and each database is spoken to in its own words.
 
 use std::future::ready;
+use std::path::PathBuf;
 
 use futures::{Stream, TryStreamExt};
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::{SqlSafeStr, SqlitePool};
 
 use super::error::Result;
+use super::postgres::Neighbours;
 pub(super) use super::postgres::PgReaders;
 use super::rows::{AnyRow, Part};
 use crate::core::id::Id;
 use crate::core::named::Named;
 use crate::core::time::UtcMicros;
 
-/// Connections that read.
+/// Connections that read, and where the database is that they are of.
 #[derive(Debug, Clone)]
 pub(crate) enum Readers {
-    Sqlite(SqlitePool),
-    Postgres(PgReaders),
+    Sqlite(SqlitePool, PathBuf),
+    /// Other servers may use it too.
+    Postgres(PgReaders, Neighbours),
 }
 
 /// The same in the words of each database.
@@ -33,16 +36,16 @@ pub(crate) struct Sql {
 impl Readers {
     pub fn words(&self, sql: Sql) -> &'static str {
         match self {
-            Self::Sqlite(_) => sql.sqlite,
-            Self::Postgres(_) => sql.postgres,
+            Self::Sqlite(..) => sql.sqlite,
+            Self::Postgres(..) => sql.postgres,
         }
     }
 
     /// The whole numbers of a list in JSON, in `parameter`: `"$1"`.
     pub fn list(&self, parameter: &str) -> String {
         match self {
-            Self::Sqlite(_) => format!("(SELECT value FROM json_each({parameter}))"),
-            Self::Postgres(_) => format!(
+            Self::Sqlite(..) => format!("(SELECT value FROM json_each({parameter}))"),
+            Self::Postgres(..) => format!(
                 "(SELECT CAST(j.value AS BIGINT) FROM jsonb_array_elements_text(CAST({parameter} AS JSONB)) AS j(value))"
             ),
         }
@@ -51,15 +54,15 @@ impl Readers {
     /// Of several questions on one connection: they end together within the limit of one.
     pub async fn within_limit<T>(&self, work: impl Future<Output = Result<T>>) -> Result<T> {
         match self {
-            Self::Sqlite(_) => work.await,
-            Self::Postgres(readers) => readers.within_limit(work).await,
+            Self::Sqlite(..) => work.await,
+            Self::Postgres(readers, _) => readers.within_limit(work).await,
         }
     }
 
     pub async fn close(&self) {
         match self {
-            Self::Sqlite(pool) => pool.close().await,
-            Self::Postgres(pool) => pool.close().await,
+            Self::Sqlite(pool, _) => pool.close().await,
+            Self::Postgres(pool, _) => pool.close().await,
         }
     }
 }
@@ -73,8 +76,8 @@ pub(crate) async fn each<R: AnyRow, P: Part>(rows: impl Stream<Item = Result<R, 
 macro_rules! on {
     ($readers:expr, $db:ident => $query:expr) => {
         match &$readers {
-            $crate::store::db::Readers::Sqlite($db) => $query,
-            $crate::store::db::Readers::Postgres($db) => $query,
+            $crate::store::db::Readers::Sqlite($db, _) => $query,
+            $crate::store::db::Readers::Postgres($db, _) => $query,
         }
     };
 }

@@ -1,11 +1,10 @@
-//! The reading side of a database, and where that database is.
+//! The reading side of a database.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 
 use super::db::{Readers, on, read};
 use super::name_tables::Names;
-use super::postgres::Neighbours;
 use super::postgres::hosts::without_password;
 use super::sqlite::lock;
 use super::sqlite::write_behind::WriteBehind;
@@ -34,16 +33,7 @@ pub struct Store {
     pub(in crate::store) readers: Readers,
     pub(in crate::store) names: Names,
     pub(in crate::store) write_behind: WriteBehind,
-    pub(in crate::store) place: Place,
     pub(in crate::store) secrets: Secrets,
-}
-
-/// Where the database lies.
-#[derive(Debug, Clone)]
-pub(crate) enum Place {
-    File(PathBuf),
-    /// Other servers may use it too.
-    Server(Neighbours),
 }
 
 impl Options {
@@ -60,8 +50,8 @@ impl Options {
 
 impl Store {
     /// Without a key of the hooks' secrets.
-    pub(super) fn new(readers: Readers, names: Names, write_behind: WriteBehind, place: Place) -> Self {
-        Self { readers, names, write_behind, place, secrets: Secrets::default() }
+    pub(super) fn new(readers: Readers, names: Names, write_behind: WriteBehind) -> Self {
+        Self { readers, names, write_behind, secrets: Secrets::default() }
     }
 
     pub fn names(&self) -> &Names {
@@ -79,28 +69,28 @@ impl Store {
     /// # Errors
     /// Where a database server does not say.
     pub async fn sizes(&self) -> Result<(u64, u64)> {
-        match &self.place {
-            Place::File(file) => {
+        match &self.readers {
+            Readers::Sqlite(_, file) => {
                 let size = |path: &Path| std::fs::metadata(path).map_or(0, |found| found.len());
                 Ok((size(file), size(&lock::beside(file, "-wal"))))
             }
-            Place::Server(_) => Ok((read!(self, one, "SELECT pg_database_size(current_database())")?, 0)),
+            Readers::Postgres(..) => Ok((read!(self, one, "SELECT pg_database_size(current_database())")?, 0)),
         }
     }
 
     /// Whether something that one server does for all is this one's to do now. Alone on a file, everything is.
     pub fn is_on_duty(&self, duty: Duty) -> bool {
-        match &self.place {
-            Place::File(_) => true,
-            Place::Server(neighbours) => neighbours.is_on_duty(duty),
+        match &self.readers {
+            Readers::Sqlite(..) => true,
+            Readers::Postgres(_, neighbours) => neighbours.is_on_duty(duty),
         }
     }
 
     /// What is written by any server from now on; none where there can be no other.
     pub fn moves(&self) -> Option<Moves> {
-        match &self.place {
-            Place::File(_) => None,
-            Place::Server(neighbours) => Some(neighbours.moves()),
+        match &self.readers {
+            Readers::Sqlite(..) => None,
+            Readers::Postgres(_, neighbours) => Some(neighbours.moves()),
         }
     }
 
@@ -112,7 +102,7 @@ impl Store {
 
     /// Waits for reads under way and closes the readers.
     pub async fn close(&self) {
-        if let (Place::Server(neighbours), Readers::Postgres(readers)) = (&self.place, &self.readers) {
+        if let Readers::Postgres(readers, neighbours) = &self.readers {
             neighbours.part(readers).await;
         }
         self.readers.close().await;

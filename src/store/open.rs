@@ -8,7 +8,6 @@ use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions};
 use sqlx::{AssertSqlSafe, ConnectOptions, Connection, SqliteConnection};
 
 use super::db::{Readers, migrator};
-use super::handle::Place;
 use super::name_tables::Names;
 use super::postgres;
 use crate::store::sqlite::checkpoint::Checkpoints;
@@ -113,7 +112,7 @@ async fn open_file(options: &Options) -> Result<(Store, Writer)> {
         .max_lifetime(None)
         .connect_with(connect.read_only(true).create_if_missing(false))
         .await?;
-    let store = Store::new(Readers::Sqlite(readers), names.clone(), write_behind.clone(), Place::File(file));
+    let store = Store::new(Readers::Sqlite(readers, file), names.clone(), write_behind.clone());
     let halt = Halt::default();
     let mut checkpoints = Checkpoints::start(checkpointing, options.checkpoint_pages, halt.clone())?;
     match halt.heed(waiting_for_disk(|| checkpoints.begin(&writing))) {

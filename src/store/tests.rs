@@ -230,7 +230,7 @@ async fn a_stop_empties_the_log_though_it_was_just_being_copied() {
 async fn a_database_in_memory_is_written_when_who_reads_has_done() {
     let (store, mut writer) = open(&options("sqlite::memory:")).await.unwrap();
     writer.commit(&first_names()).await.unwrap();
-    let Readers::Sqlite(readers) = &store.readers else { unreachable!("it is SQLite's") };
+    let Readers::Sqlite(readers, _) = &store.readers else { unreachable!("it is SQLite's") };
     let mut reading = readers.begin().await.unwrap();
     let count: i64 = sqlx::query_scalar("SELECT count(*) FROM record").fetch_one(&mut *reading).await.unwrap();
     assert_eq!(count, 0);

@@ -6,7 +6,6 @@ use std::time::Duration;
 
 use crate::core::id::Id;
 use crate::store::db::{PgReaders, Readers};
-use crate::store::handle::Place;
 use crate::store::{Result, Store};
 
 /// A claim is renewed this often in the time for which it holds.
@@ -18,12 +17,10 @@ const RENEWALS: u32 = 3;
 /// # Errors
 /// Where the database does not answer.
 pub async fn claim(store: &Store, wanted: &[Id], most: usize) -> Result<Vec<Id>> {
-    match &store.place {
-        Place::File(_) => Ok(wanted.iter().copied().take(most).collect()),
-        Place::Server(_) => match claimant(store) {
-            Some(claimant) => Ok(claimant.take(wanted, most).await?),
-            None => Ok(Vec::new()),
-        },
+    match (&store.readers, claimant(store)) {
+        (Readers::Sqlite(..), _) => Ok(wanted.iter().copied().take(most).collect()),
+        (Readers::Postgres(..), Some(claimant)) => Ok(claimant.take(wanted, most).await?),
+        (Readers::Postgres(..), None) => Ok(Vec::new()),
     }
 }
 
@@ -42,7 +39,7 @@ pub async fn while_claimed<T>(store: &Store, claimed: &[Id], work: impl Future<O
 }
 
 fn claimant(store: &Store) -> Option<Claimant<'_>> {
-    let (Place::Server(neighbours), Readers::Postgres(readers)) = (&store.place, &store.readers) else { return None };
+    let Readers::Postgres(readers, neighbours) = &store.readers else { return None };
     neighbours.lease().map(|(number, lease)| Claimant { readers, number, lease })
 }
 

@@ -12,7 +12,6 @@ use super::hosts::Hosts;
 use super::other_servers::Neighbours;
 use super::{homes, names};
 use crate::store::db::{Readers, migrator};
-use crate::store::handle::Place;
 use crate::store::name_tables::Names;
 use crate::store::sqlite::write_behind::WriteBehind;
 use crate::store::{Options, Result, Store, StoreError, Tables, Writer};
@@ -65,7 +64,7 @@ pub(in crate::store) async fn open_beside(options: &Options) -> Result<(Store, W
 }
 
 fn store_of(readers: PgReaders, names: Names, neighbours: Neighbours) -> Store {
-    Store::new(Readers::Postgres(readers), names, WriteBehind::default(), Place::Server(neighbours))
+    Store::new(Readers::Postgres(readers, neighbours), names, WriteBehind::default())
 }
 
 async fn ready(options: &Options) -> Result<(PgReaders, Names, CellWriter)> {

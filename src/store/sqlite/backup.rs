@@ -12,7 +12,6 @@ use super::{checksum, private};
 use crate::core::id::Id;
 use crate::core::time::Span;
 use crate::store::db::Readers;
-use crate::store::handle::Place;
 use crate::store::name_tables::Names;
 use crate::store::open::{MIGRATIONS, connect_options, finds_nothing, load_names, migrate};
 use crate::store::sqlite::write_behind::WriteBehind;
@@ -204,7 +203,7 @@ async fn store_of(readers: SqlitePool, file: &Path) -> Result<Store> {
     let names = Names::new(load_names(&mut connection).await?);
     let write_behind = WriteBehind::load(&mut connection).await?;
     drop(connection);
-    Ok(Store::new(Readers::Sqlite(readers), names, write_behind, Place::File(file.to_owned())))
+    Ok(Store::new(Readers::Sqlite(readers, file.to_owned()), names, write_behind))
 }
 
 /// Every record that is said to have been entered stands where its IMU has it, and nothing else does.

@@ -88,12 +88,12 @@ async fn marked_of_many(store: &Store, of: &[Stretch], limit: usize, newest_firs
     };
     let newest = if newest_first { "DESC" } else { "" };
     let sql = AssertSqlSafe(match &store.readers {
-        Readers::Sqlite(_) => format!(
+        Readers::Sqlite(..) => format!(
             "SELECT (SELECT CAST(group_concat(figures, '') AS BLOB) FROM (SELECT figures FROM history
              WHERE gyro = j.value->>0 AND calibrated_at BETWEEN j.value->>1 AND j.value->>2
              ORDER BY calibrated_at {newest} LIMIT $2)) FROM json_each($1) AS j ORDER BY j.key"
         ),
-        Readers::Postgres(_) => format!(
+        Readers::Postgres(..) => format!(
             "SELECT (SELECT string_agg(figures, CAST('' AS BYTEA) ORDER BY calibrated_at {newest})
                  FROM (SELECT figures, calibrated_at FROM history WHERE gyro = CAST(j.value->>0 AS BIGINT)
                  AND calibrated_at BETWEEN CAST(j.value->>1 AS BIGINT) AND CAST(j.value->>2 AS BIGINT)

@@ -6,7 +6,7 @@ use std::hash::Hash;
 use crate::store::cells::cell_of;
 use crate::store::db::Readers;
 use crate::store::error::StoreError;
-use crate::store::handle::{Place, Store};
+use crate::store::handle::Store;
 use crate::store::name_tables::{NamesOf, Table};
 use crate::store::postgres::names::{read, select};
 
@@ -14,9 +14,9 @@ use crate::store::postgres::names::{read, select};
 /// random. A commit that a failover has lost may have been answered, so that its numbers are in use somewhere and
 /// must not become another name's.
 pub fn new_number(store: &Store, known: &Table, new: usize, is_new: impl Fn(u32) -> bool) -> u32 {
-    match &store.place {
-        Place::File(_) => known.last_number() + new as u32 + 1,
-        Place::Server(_) => std::iter::repeat_with(|| rand::random_range(1..=i32::MAX.unsigned_abs()))
+    match store.readers {
+        Readers::Sqlite(..) => known.last_number() + new as u32 + 1,
+        Readers::Postgres(..) => std::iter::repeat_with(|| rand::random_range(1..=i32::MAX.unsigned_abs()))
             .find(|number| known.name(*number).is_none() && !is_new(*number))
             .expect("there are more numbers than names"),
     }
@@ -27,7 +27,7 @@ pub fn new_number(store: &Store, known: &Table, new: usize, is_new: impl Fn(u32)
 /// # Errors
 /// [`StoreError`].
 pub async fn look_up(store: &Store, names: [Vec<&str>; 3]) -> Result<(), StoreError> {
-    let Readers::Postgres(readers) = &store.readers else { return Ok(()) };
+    let Readers::Postgres(readers, _) = &store.readers else { return Ok(()) };
     let Some([imus, stations, gyros]) = unknown(store, names, |table, name| table.number(name).is_some()) else {
         return Ok(());
     };
@@ -80,7 +80,7 @@ fn learn(store: &Store, found: Vec<(NamesOf, u32, u8, String)>) -> Result<(), St
 /// # Errors
 /// [`StoreError`].
 pub(super) async fn look_up_numbers(store: &Store, numbers: [Vec<u32>; 3]) -> Result<(), StoreError> {
-    let Readers::Postgres(readers) = &store.readers else { return Ok(()) };
+    let Readers::Postgres(readers, _) = &store.readers else { return Ok(()) };
     let Some(unknown) = unknown(store, numbers, |table, number| table.name(number).is_some()) else { return Ok(()) };
     let [imus, stations, gyros] = unknown.map(|some| some.into_iter().map(i64::from).collect::<Vec<_>>());
     let sql = select(["WHERE id = ANY($1)", "WHERE id = ANY($2)", "WHERE id = ANY($3)"]);

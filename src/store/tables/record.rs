@@ -244,7 +244,7 @@ pub async fn at(store: &Store, imu: u32, at: UtcMicros) -> Result<Vec<RecordAt>>
 /// As [`at`], of many places: of a database server in one question, of a file one by one, which costs nothing
 /// there.
 pub async fn at_many(store: &Store, places: &[(u32, UtcMicros)]) -> Result<Vec<Vec<RecordAt>>> {
-    if !matches!(store.readers, Readers::Postgres(_)) {
+    if !matches!(store.readers, Readers::Postgres(..)) {
         let mut all = Vec::with_capacity(places.len());
         for (imu, time) in places {
             let is_new = store.write_behind.index.read().newest_of(*imu).is_none_or(|newest| newest < *time);
@@ -270,8 +270,8 @@ pub async fn at_many(store: &Store, places: &[(u32, UtcMicros)]) -> Result<Vec<V
 /// When the newest record of an IMU was made, whether it counts or not.
 pub async fn newest_of_imu(store: &Store, imu: u32) -> Result<Option<UtcMicros>> {
     match store.readers {
-        Readers::Sqlite(_) => Ok(newest_in_file(store, imu)),
-        Readers::Postgres(_) => read!(store, one, "SELECT max(calibrated_at) FROM record WHERE imu = $1", imu),
+        Readers::Sqlite(..) => Ok(newest_in_file(store, imu)),
+        Readers::Postgres(..) => read!(store, one, "SELECT max(calibrated_at) FROM record WHERE imu = $1", imu),
     }
 }
 

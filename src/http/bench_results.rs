@@ -8,7 +8,7 @@ use super::document::outcome;
 use super::document_post::{DocumentPost, IdempotencyKey};
 use super::notify_query::NotifyQuery;
 use crate::http::prelude::*;
-use crate::pipeline::{Sent, Submission};
+use crate::pipeline::{Origin, Submission};
 use crate::wire::bench::BenchBody;
 use crate::wire::campaign::CampaignBody;
 use crate::wire::document::DocumentKind;
@@ -33,10 +33,11 @@ pub async fn post_bench_result(app: App, post: DocumentPost, Document(bytes): Do
     let read = app.pipeline.reader.bench_result(&bytes);
     let mut bench = read.map_err(|faults| Document::refused_as(DocumentKind::Bench, &bytes, faults))?;
     bench.idempotency_key = post.key()?;
-    let (serial, body) = (bench.result.serial.to_string(), bench.body.clone());
+    let serial = bench.result.serial.to_string();
+    let origin = Origin { kind: DocumentKind::Bench, body: bench.body.clone() };
     let accepted = post.submit(&app, Submission::Bench(Box::new(bench))).await?;
     let (status, _) = outcome(&accepted);
-    let id = app.pipeline.ingest.settle(&accepted, Sent::Bench(&body)).await?;
+    let id = app.pipeline.ingest.settle(&accepted, &origin).await?;
     let location = [(LOCATION, format!("/v1/bench-results/{id}"))];
     Ok((status, location, Json(BenchAnswer { id: id.to_string(), serial })).into_response())
 }

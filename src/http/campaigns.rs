@@ -12,9 +12,8 @@ use super::document::check_media_type;
 use super::document_post::{DocumentPost, IdempotencyKey, PostOutcome};
 use super::notify_query::NotifyQuery;
 use super::prefer_header::{MinimalAnswer, Prefer};
-use crate::core::kind::Kind;
 use crate::http::prelude::*;
-use crate::pipeline::{DiagnosisAnswer, Fitted, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission};
+use crate::pipeline::{DiagnosisAnswer, NotSplit, Origin, ReadCampaign, StoredCampaign, Submission};
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::diagnosis::DiagnosisBody;
@@ -72,12 +71,9 @@ pub async fn post_campaign(app: App, post: DocumentPost, body: Dwells) -> Answer
         Form::Json => Document::refused_as(DocumentKind::Campaign, &bytes, faults),
     })?;
     let post = post.noting(if form == Form::Csv { open_end(&bytes) } else { None });
-    let is_bench = matches!(fitted, Fitted::Bench(_));
-    let (sent, collection) = if is_bench {
-        (Sent::Bench(&body), "bench-results")
-    } else {
-        (Sent::Calibration(Kind::Campaign, &body), "campaigns")
-    };
+    let origin = Origin { kind: fitted.kind(), body: body.clone() };
+    let is_bench = origin.kind == DocumentKind::Bench;
+    let collection = if is_bench { "bench-results" } else { "campaigns" };
     let whole = |id: Id, notes: Vec<NoteBody>, verdicts| {
         let stored = app.pipeline.reader.answer_as_stored(&fit, &body);
         let mut answer = CampaignAnswer { id: Some(id.to_string()), verdicts, ..stored };
@@ -85,7 +81,7 @@ pub async fn post_campaign(app: App, post: DocumentPost, body: Dwells) -> Answer
         answer
     };
     let item = Submission::from(fitted.with_key(key));
-    match post.store(&app, (item, sent), collection, &whole).await? {
+    match post.store(&app, (item, origin), collection, &whole).await? {
         PostOutcome::New(answer) => Ok(answer),
         // Of a bench test nothing is judged: the answer is the fit, now as then.
         PostOutcome::There(id) if is_bench => {

@@ -13,7 +13,7 @@ use crate::core::alert_decision::Late;
 use crate::core::judge::State;
 use crate::core::note::Note;
 use crate::http::prelude::*;
-use crate::pipeline::{Accepted, Caller, Judged, Sent, Submission};
+use crate::pipeline::{Accepted, Caller, Judged, Origin, Submission};
 use crate::wire::answer::VerdictBody;
 use crate::wire::note::NoteBody;
 
@@ -70,13 +70,13 @@ impl DocumentPost {
     pub async fn store<T: Serialize>(
         &self,
         app: &App,
-        (item, sent): (Submission, Sent<'_>),
+        (item, origin): (Submission, Origin),
         collection: &str,
         whole: impl Fn(Id, Vec<NoteBody>, Vec<VerdictBody>) -> T,
     ) -> Answer<PostOutcome> {
         let accepted = self.submit(app, item).await?;
         let Accepted::Stored { id, judged, notes } = &accepted else {
-            return Ok(PostOutcome::There(app.pipeline.ingest.settle(&accepted, sent).await?));
+            return Ok(PostOutcome::There(app.pipeline.ingest.settle(&accepted, &origin).await?));
         };
         let notes = self.noted.iter().chain(notes.iter()).map(NoteBody::of).collect();
         let answer = match self.wanted {

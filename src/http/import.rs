@@ -252,7 +252,7 @@ async fn settled(reply: Reply, origin: &Origin, pipeline: &Pipeline) -> Answer<(
     if let Accepted::Stored { id, notes, .. } = &accepted {
         return Ok((201, id.to_string(), notes.iter().map(NoteBody::of).collect()));
     }
-    let id = pipeline.ingest.settle_document(&accepted, origin).await?;
+    let id = pipeline.ingest.settle(&accepted, origin).await?;
     let withdrawn = matches!(accepted, Accepted::There { counts: false, .. }).then(|| NoteBody::of(&Note::Withdrawn));
     Ok((200, id.to_string(), withdrawn.into_iter().collect()))
 }

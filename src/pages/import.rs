@@ -315,7 +315,7 @@ async fn submit(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Faul
 
 async fn settle(pipeline: &Pipeline, reply: Reply, origin: &Origin) -> Result<(Id, bool), Refused> {
     let accepted = reply?;
-    let id = pipeline.ingest.settle_document(&accepted, origin).await?;
+    let id = pipeline.ingest.settle(&accepted, origin).await?;
     Ok((id, matches!(accepted, Accepted::Stored { .. })))
 }
 

@@ -58,7 +58,7 @@ pub use error::{NotSplit, OrderError, StorageError, StorageFault, WriteError};
 pub use hooks::{DeliveryPage, Hooks, Order, Outbox};
 pub use ingest::{
     Accepted, AttributesOrder, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt, Fitted,
-    GyroEvent, Ingest, Judged, Origin, Preview, ReadCampaign, ReadDocument, Reader, Refused, Reply, Sent, Submission,
+    GyroEvent, Ingest, Judged, Origin, Preview, ReadCampaign, ReadDocument, Reader, Refused, Reply, Submission,
     WindowMark,
 };
 pub use queries::{

@@ -6,6 +6,7 @@ use super::campaign::parse_json_as_sent;
 use super::campaign_csv::parse_csv;
 use super::json::without_mark;
 use crate::core::campaign::Campaign;
+use crate::core::kind::Kind;
 use crate::wire::prelude::*;
 
 /// What a document is read as.
@@ -14,6 +15,15 @@ pub enum DocumentKind {
     Record,
     Bench,
     Campaign,
+}
+
+impl From<Kind> for DocumentKind {
+    fn from(kind: Kind) -> Self {
+        match kind {
+            Kind::Record => Self::Record,
+            Kind::Campaign => Self::Campaign,
+        }
+    }
 }
 
 /// In longer documents nobody looks for the E of a gyro: no record comes near it, and whoever sends nonsense shall

@@ -178,16 +178,8 @@ impl Reader {
                     let whose = (gyro.slot, &campaign.imu, &gyro.serial);
                     let (sds, judging) = ((e_sd.as_ref(), g_sd.as_ref()), &self.config.judging);
                     let requirements = judging.of_parameters(&campaign.geometry, whose, (&e, &g), sds);
-                    Some(CalibratedGyro {
-                        place,
-                        slot: gyro.slot,
-                        serial: gyro.serial.clone(),
-                        separation: separation.clone(),
-                        as_measured: None,
-                        at_any_temperature: false,
-                        not_restated: Vec::new(),
-                        requirements,
-                    })
+                    let seat = (place, gyro.slot, &gyro.serial);
+                    Some(CalibratedGyro::new(seat, separation.clone(), requirements))
                 });
                 separated.collect()
             }

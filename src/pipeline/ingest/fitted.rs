@@ -1,10 +1,19 @@
-//! A campaign that was read: fitted, and ready to be stored.
+//! What was read and is ready to be stored: any one document, or a campaign with its fit.
 
 use crate::core::calibrate::outcome::Outcome;
 use crate::core::campaign::Campaign;
 use crate::core::fault::Faults;
+use crate::pipeline::ingest::same_content::Origin;
 use crate::pipeline::ingest::submission::{BenchTest, Calibration, Submission};
 use crate::pipeline::prelude::*;
+use crate::wire::document::DocumentKind;
+
+/// A document that can be stored, and how it would be compared with one that is there.
+#[derive(Debug, Clone)]
+pub struct ReadDocument {
+    pub submission: Submission,
+    pub origin: Origin,
+}
 
 /// A campaign that can be stored.
 #[derive(Debug, Clone)]
@@ -26,6 +35,14 @@ pub enum Fitted {
 }
 
 impl Fitted {
+    /// Of the document that it is stored as.
+    pub fn kind(&self) -> DocumentKind {
+        match self {
+            Self::Calibration(_) => DocumentKind::Campaign,
+            Self::Bench(_) => DocumentKind::Bench,
+        }
+    }
+
     pub fn with_key(mut self, key: Option<String>) -> Self {
         match &mut self {
             Self::Calibration(calibration) => calibration.idempotency_key = key,

@@ -2,7 +2,6 @@
 
 pub(super) mod admit;
 pub(super) mod campaign;
-mod document;
 pub(super) mod fitted;
 pub(super) mod judge;
 mod outcome;
@@ -25,13 +24,12 @@ use crate::core::alert_decision::Late;
 use crate::pipeline::prelude::*;
 
 pub(super) use campaign::Restated;
-pub use document::{Origin, ReadDocument};
-pub use fitted::{Fitted, ReadCampaign};
+pub use fitted::{Fitted, ReadCampaign, ReadDocument};
 pub use outcome::{Accepted, Judged, Reply};
 pub use preview::Preview;
 pub use reader::Reader;
 pub use refused::Refused;
-pub use same_content::Sent;
+pub use same_content::Origin;
 pub use submission::{
     AttributesOrder, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt, GyroEvent, Submission,
     WindowMark,
@@ -122,7 +120,7 @@ impl Ingest {
     ///
     /// # Errors
     /// [`Refused::Differs`] with the members that differ.
-    pub async fn settle(&self, accepted: &Accepted, sent: Sent<'_>) -> Result<Id, Refused> {
+    pub async fn settle(&self, accepted: &Accepted, sent: &Origin) -> Result<Id, Refused> {
         let (existing, same_bytes) = match accepted {
             Accepted::Stored { id, .. } => (*id, true),
             Accepted::There { id, same_bytes, .. } => (*id, *same_bytes),
@@ -132,13 +130,5 @@ impl Ingest {
         }
         let differences = same_content::differences(&self.store, existing, sent).await?;
         if differences.is_empty() { Ok(existing) } else { Err(Refused::Differs { existing, differences }) }
-    }
-
-    /// As [`Ingest::settle`], of a document.
-    ///
-    /// # Errors
-    /// [`Refused::Differs`] where it is there with other content.
-    pub async fn settle_document(&self, accepted: &Accepted, origin: &Origin) -> Result<Id, Refused> {
-        self.settle(accepted, origin.sent()).await
     }
 }

@@ -66,7 +66,7 @@ impl Ingest {
                     Preview::Taken { notes: [].into() }
                 }
                 Some(&first) => Preview::Contradicts(first),
-                None => match self.settle_document(&there, &document.origin).await {
+                None => match self.settle(&there, &document.origin).await {
                     Ok(_) => Preview::Taken { notes: [].into() },
                     Err(refused) => Preview::Refused(refused),
                 },

@@ -12,7 +12,7 @@ use crate::core::separate::{CovarianceEg, Unseparable, separate, stated_covarian
 use crate::pipeline::diagnoses::models::{InForce, ModelCache};
 use crate::pipeline::ingest::submission::{BenchTest, anything, check_names, kept};
 use crate::pipeline::prelude::*;
-use crate::pipeline::{CalibratedGyro, Calibration, Fitted, Origin, ReadCampaign, ReadDocument, Submission};
+use crate::pipeline::{CalibratedGyro, Calibration, Origin, ReadCampaign, ReadDocument, Submission};
 use crate::wire::answer::SeparationBody;
 use crate::wire::bench::parse_bench_result;
 use crate::wire::campaign::Form;
@@ -99,17 +99,7 @@ impl Reader {
         let separation = separate(geometry, gyro.slot, &gyro.e, &gyro.g, covariance)?;
         let (whose, sds) = ((gyro.slot, imu, &gyro.serial), (gyro.e_sd.as_ref(), gyro.g_sd.as_ref()));
         let requirements = self.config.judging.of_parameters(geometry, whose, (&gyro.e, &gyro.g), sds);
-        let (slot, serial) = (gyro.slot, gyro.serial.clone());
-        Ok(CalibratedGyro {
-            place,
-            slot,
-            serial,
-            separation,
-            as_measured: None,
-            at_any_temperature: false,
-            not_restated: Vec::new(),
-            requirements,
-        })
+        Ok(CalibratedGyro::new((place, gyro.slot, &gyro.serial), separation, requirements))
     }
 
     /// Reads and checks a bench result.
@@ -175,10 +165,7 @@ impl Reader {
     /// Every fault, by its pointer, or its line and column.
     pub fn campaign_document(&self, bytes: &[u8], form: Form) -> Result<ReadDocument, Faults> {
         let ReadCampaign { fitted, body, .. } = self.campaign(bytes, form)?;
-        let kind = match fitted {
-            Fitted::Calibration(_) => DocumentKind::Campaign,
-            Fitted::Bench(_) => DocumentKind::Bench,
-        };
+        let kind = fitted.kind();
         Ok(ReadDocument { submission: fitted.into(), origin: Origin { kind, body } })
     }
 

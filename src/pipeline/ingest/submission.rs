@@ -181,6 +181,26 @@ pub struct CalibratedGyro {
     pub requirements: [Option<Verdict>; 2],
 }
 
+impl CalibratedGyro {
+    /// As it was measured.
+    pub(super) fn new(
+        (place, slot, serial): (usize, Slot, &Name),
+        separation: Separation,
+        requirements: [Option<Verdict>; 2],
+    ) -> Self {
+        Self {
+            place,
+            slot,
+            serial: serial.clone(),
+            separation,
+            as_measured: None,
+            at_any_temperature: false,
+            not_restated: Vec::new(),
+            requirements,
+        }
+    }
+}
+
 #[derive(Debug, Clone)]
 pub struct BenchTest {
     pub result: BenchResult,

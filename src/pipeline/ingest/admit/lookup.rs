@@ -71,7 +71,7 @@ impl Lookup<'_> {
 
     /// Whether a record, stored or of this group, says the same as another.
     pub async fn has_content(&self, id: Id, other: &Calibration) -> Result<bool, StoreError> {
-        let says = |kind: Kind, body: &str| kind == other.kind && says_the_same(kind, body, &other.body);
+        let says = |kind: Kind, body: &str| kind == other.kind && says_the_same(kind.into(), body, &other.body);
         if let Some(record) = self.group.changes.records.iter().find(|record| record.id == id) {
             return Ok(says(record.kind, &record.body));
         }

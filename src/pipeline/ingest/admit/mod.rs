@@ -15,7 +15,7 @@ use crate::core::gyro_attributes::GyroAttributes;
 use crate::core::name::look_keys;
 use crate::core::note::Note;
 use crate::core::separate::{Branch, Separation};
-use crate::pipeline::ingest::same_content::benches_agree;
+use crate::pipeline::ingest::same_content::says_the_same;
 use crate::pipeline::ingest::submission::BenchTest;
 use crate::pipeline::prelude::*;
 use crate::pipeline::{AttributesOrder, CalibratedGyro, Calibration, GyroEvent, Refused, Submission};
@@ -23,6 +23,7 @@ use crate::store::{
     BenchRow, EventRow, GyroAttributeRow, HistoryRow, NamesOf, NewName, RecordRow, RecordVerdicts, RestatedRow,
     StoredVerdict,
 };
+use crate::wire::document::DocumentKind;
 use crate::wire::{history_note, time};
 pub(crate) use ahead::Ahead;
 use checking::{Check, Checked};
@@ -264,7 +265,9 @@ impl Admission<'_> {
 }
 
 async fn is_alike(bench: Id, body: &str, store: &Store) -> Result<bool, StoreError> {
-    Ok(store::bench::get(store, bench).await?.is_some_and(|stored| benches_agree(&stored.body, body)))
+    Ok(store::bench::get(store, bench)
+        .await?
+        .is_some_and(|stored| says_the_same(DocumentKind::Bench, &stored.body, body)))
 }
 
 /// The rows of a stored calibration as it is stated now; none where those are of other gyros than the rows that are

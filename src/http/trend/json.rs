@@ -20,12 +20,12 @@ pub(super) fn written(trend: &Trend<'_>) -> Option<Vec<u8>> {
 fn write(trend: &Trend<'_>, text: &mut Vec<u8>) -> std::io::Result<()> {
     head(trend, text)?;
     text.write_all(b"\"points\":[")?;
-    let (mut imu, mut station) = (Quoted::default(), Quoted::default());
+    let mut names = [Quoted::default(), Quoted::default()];
     for (i, point) in trend.points.iter().enumerate() {
         if i > 0 {
             text.push(b',');
         }
-        write_point(point, &mut imu, &mut station, text)?;
+        write_point(point, &mut names, text)?;
     }
     text.push(b']');
     tail(trend, text)
@@ -43,28 +43,12 @@ fn write_columns(trend: &Trend<'_>, of: &[PointColumn], with_levels: bool, text:
     text.write_all(b"\"columns\":{")?;
     for (k, column) in of.iter().enumerate() {
         write!(text, "{}\"{}\":[", if k > 0 { "," } else { "" }, column.name())?;
-        let mut name = Quoted::default();
+        let mut names = [Quoted::default(), Quoted::default()];
         for (i, point) in trend.points.iter().enumerate() {
             if i > 0 {
                 text.push(b',');
             }
-            match column {
-                PointColumn::CalibratedAt => {
-                    write!(text, "\"{}\"", Stamp(point.calibrated_at))?;
-                }
-                PointColumn::Value => serde_json::to_writer(&mut *text, &point.value)?,
-                PointColumn::Sd => serde_json::to_writer(&mut *text, &point.sd)?,
-                PointColumn::Method => word(Some(point.method), text)?,
-                PointColumn::Imu => match point.imu {
-                    Some(imu) => name.write(imu, text)?,
-                    None => text.write_all(b"null")?,
-                },
-                PointColumn::Slot => word(point.slot, text)?,
-                PointColumn::Station => name.write(point.station, text)?,
-                PointColumn::Record => write!(text, "\"{}\"", point.record)?,
-                PointColumn::State => word(point.state, text)?,
-                PointColumn::Status => word(point.status, text)?,
-            }
+            write_member(*column, point, &mut names, text)?;
         }
         text.push(b']');
     }
@@ -93,31 +77,37 @@ fn tail(trend: &Trend<'_>, text: &mut Vec<u8>) -> std::io::Result<()> {
     text.write_all(b"}")
 }
 
-fn write_point<'t>(
+/// What serde writes of a column's member. `names`: of the last IMU and station.
+fn write_member<'t>(
+    column: PointColumn,
     point: &Point<'t>,
-    imu: &mut Quoted<'t>,
-    station: &mut Quoted<'t>,
+    [imu, station]: &mut [Quoted<'t>; 2],
     text: &mut Vec<u8>,
 ) -> std::io::Result<()> {
-    write!(text, "{{\"calibrated_at\":\"{}\",\"value\":", Stamp(point.calibrated_at))?;
-    serde_json::to_writer(&mut *text, &point.value)?;
-    text.write_all(b",\"sd\":")?;
-    serde_json::to_writer(&mut *text, &point.sd)?;
-    text.write_all(b",\"method\":")?;
-    word(Some(point.method), text)?;
-    text.write_all(b",\"imu\":")?;
-    match point.imu {
-        Some(name) => imu.write(name, text)?,
-        None => text.write_all(b"null")?,
+    match column {
+        PointColumn::CalibratedAt => write!(text, "\"{}\"", Stamp(point.calibrated_at)),
+        PointColumn::Value => Ok(serde_json::to_writer(text, &point.value)?),
+        PointColumn::Sd => Ok(serde_json::to_writer(text, &point.sd)?),
+        PointColumn::Method => word(Some(point.method), text),
+        PointColumn::Imu => match point.imu {
+            Some(name) => imu.write(name, text),
+            None => text.write_all(b"null"),
+        },
+        PointColumn::Slot => word(point.slot, text),
+        PointColumn::Station => station.write(point.station, text),
+        PointColumn::Record => write!(text, "\"{}\"", point.record),
+        PointColumn::State => word(point.state, text),
+        PointColumn::Status => word(point.status, text),
     }
-    text.write_all(b",\"slot\":")?;
-    word(point.slot, text)?;
-    text.write_all(b",\"station\":")?;
-    station.write(point.station, text)?;
-    write!(text, ",\"record\":\"{}\",\"state\":", point.record)?;
-    word(point.state, text)?;
-    text.write_all(b",\"status\":")?;
-    word(point.status, text)?;
+}
+
+fn write_point<'t>(point: &Point<'t>, names: &mut [Quoted<'t>; 2], text: &mut Vec<u8>) -> std::io::Result<()> {
+    for (k, column) in PointColumn::ALL.into_iter().enumerate() {
+        text.write_all(if k == 0 { b"{\"" } else { b",\"" })?;
+        text.write_all(column.name().as_bytes())?;
+        text.write_all(b"\":")?;
+        write_member(column, point, names, text)?;
+    }
     if let Some(voided) = point.voided {
         write!(text, ",\"voided\":{voided}")?;
     }

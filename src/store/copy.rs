@@ -6,6 +6,7 @@ use sqlx::sqlite::{SqliteConnectOptions, SqliteRow};
 use sqlx::{AssertSqlSafe, ConnectOptions, Connection, PgConnection, Row, SqliteConnection};
 
 use super::postgres;
+use super::rows::{AnyRow, Stored};
 use crate::store::packed::history_row::PACKED_LEN;
 use crate::store::sqlite::lock::{self, Lock};
 use crate::store::sqlite::write_behind::history_log::PendingHistory;
@@ -289,34 +290,24 @@ async fn put(table: &CopiedTable, rows: &[SqliteRow], done: i64, target: &mut Pg
     Ok(block.commit().await?)
 }
 
-fn column<T>(rows: &[SqliteRow], place: usize) -> Result<Vec<Option<T>>, sqlx::Error>
-where
-    T: for<'r> sqlx::Decode<'r, sqlx::Sqlite> + sqlx::Type<sqlx::Sqlite>,
-{
+fn column<T: Stored>(rows: &[SqliteRow], place: usize) -> Result<Vec<Option<T>>, sqlx::Error> {
     rows.iter().map(|row| row.try_get(place)).collect()
 }
 
 /// How many rows, and the sum of half the SHA-256 of each: the same in whatever order they come.
-async fn sum<R: Row>(
+async fn sum<R: AnyRow>(
     table: &CopiedTable,
     mut rows: impl futures::Stream<Item = Result<R, sqlx::Error>> + Unpin,
-) -> Result<(u64, u128)>
-where
-    usize: sqlx::ColumnIndex<R>,
-    Option<i64>: for<'r> sqlx::Decode<'r, R::Database> + sqlx::Type<R::Database>,
-    Option<f64>: for<'r> sqlx::Decode<'r, R::Database> + sqlx::Type<R::Database>,
-    Option<String>: for<'r> sqlx::Decode<'r, R::Database> + sqlx::Type<R::Database>,
-    Option<Vec<u8>>: for<'r> sqlx::Decode<'r, R::Database> + sqlx::Type<R::Database>,
-{
+) -> Result<(u64, u128)> {
     let (mut count, mut sum, mut bytes) = (0, 0_u128, Vec::new());
     while let Some(row) = rows.try_next().await? {
         bytes.clear();
         for (place, (_, kind)) in table.columns.iter().enumerate() {
             match kind {
-                ColumnType::Whole => add(&mut bytes, row.try_get::<Option<i64>, _>(place)?.map(i64::to_le_bytes)),
-                ColumnType::Real => add(&mut bytes, row.try_get::<Option<f64>, _>(place)?.map(f64::to_le_bytes)),
-                ColumnType::Text => add(&mut bytes, row.try_get::<Option<String>, _>(place)?),
-                ColumnType::Bytes => add(&mut bytes, row.try_get::<Option<Vec<u8>>, _>(place)?),
+                ColumnType::Whole => add(&mut bytes, row.cell::<Option<i64>>(place)?.map(i64::to_le_bytes)),
+                ColumnType::Real => add(&mut bytes, row.cell::<Option<f64>>(place)?.map(f64::to_le_bytes)),
+                ColumnType::Text => add(&mut bytes, row.cell::<Option<String>>(place)?),
+                ColumnType::Bytes => add(&mut bytes, row.cell::<Option<Vec<u8>>>(place)?),
             }
         }
         let hash = sha256(&bytes);

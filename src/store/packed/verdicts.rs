@@ -32,19 +32,7 @@ pub struct StoredVerdict {
 
 impl From<&Verdict> for StoredVerdict {
     fn from(verdict: &Verdict) -> Self {
-        let Verdict {
-            coefficient,
-            rule,
-            state,
-            value,
-            limit,
-            sd,
-            probability,
-            confirmed,
-            limit_from: _,
-            between: _,
-            finding: _,
-        } = *verdict;
+        let Verdict { coefficient, rule, state, value, limit, sd, probability, confirmed, .. } = *verdict;
         Self { coefficient, rule, state, value, limit, sd, probability, confirmed }
     }
 }
@@ -58,21 +46,8 @@ impl StoredVerdict {
     /// it, never for its reason.
     pub fn without_words(&self) -> Verdict {
         let Self { coefficient, rule, state, value, limit, sd, probability, confirmed } = *self;
-        let finding = Finding::TooFew { have: 0, need: 0 };
-        let limit_from = LimitKey::BUDGET;
-        Verdict {
-            coefficient,
-            rule,
-            state,
-            value,
-            limit,
-            limit_from,
-            sd,
-            probability,
-            between: None,
-            confirmed,
-            finding,
-        }
+        let (finding, limit_from, between) = (Finding::TooFew { have: 0, need: 0 }, LimitKey::BUDGET, None);
+        Verdict { coefficient, rule, state, value, limit, limit_from, sd, probability, between, confirmed, finding }
     }
 }
 

@@ -27,8 +27,7 @@ named! {
 pub(crate) type Held = [Option<Instant>; Duty::ALL.len()];
 
 pub(super) fn is_held(held: &Held, duty: Duty) -> bool {
-    let place = Duty::ALL.iter().position(|other| *other == duty);
-    place.and_then(|place| held[place]).is_some_and(|until| Instant::now() < until)
+    held[duty as usize].is_some_and(|until| Instant::now() < until)
 }
 
 /// Renews what is held and takes what is free, until nobody wants to know any more.

@@ -114,7 +114,7 @@ impl Unwritten for WriteError {
     }
 }
 
-/// Why an order is not carried out.
+/// Why an order is not carried out. Nothing has changed then; after [`StorageFault::Unanswered`] that is not known.
 #[derive(Debug, Clone, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum OrderError {

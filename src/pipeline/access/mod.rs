@@ -62,10 +62,6 @@ impl Access {
     }
 
     /// Has the writer carry out an order about access.
-    ///
-    /// # Errors
-    /// [`OrderError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that is
-    /// not known.
     pub async fn order(&self, order: AccessOrder) -> Result<Option<Secret>, OrderError> {
         self.order_by(order, Actor::by_caller()).await
     }

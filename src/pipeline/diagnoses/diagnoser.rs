@@ -16,12 +16,11 @@ use crate::pipeline::diagnoses::forecaster::Forecaster;
 use crate::pipeline::diagnoses::hypotheses::Competing;
 use crate::pipeline::diagnoses::made::{Diagnosed, DiagnosisOutcome, Made};
 use crate::pipeline::diagnoses::models::{InForce, ModelCache};
-use crate::pipeline::ingest::fitted::damaged;
+use crate::pipeline::ingest::fitted::campaign_of;
 use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::{Job, WeakWriteQueue};
-use crate::store::RecordRow;
+use crate::store::{DiagnosisRow, RecordRow};
 use crate::telemetry;
-use crate::wire::campaign;
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::forecast::ChangedBody;
 use crate::wire::message::{from_stored, to_stored};
@@ -86,9 +85,7 @@ impl Diagnoser {
         awaited: Awaited,
         patience: Duration,
     ) -> Result<DiagnosisAnswer, StoreError> {
-        let Some(row) = store::record::get(&self.store, id).await?.filter(|row| row.kind == Kind::Campaign) else {
-            return Ok(DiagnosisAnswer::NoSuchCampaign);
-        };
+        let Some(row) = self.campaign(id).await? else { return Ok(DiagnosisAnswer::NoSuchCampaign) };
         let in_force = self.models.of(Some(row.imu));
         if let Some(diagnosed) = self.kept(&row, &in_force).await? {
             return Ok(DiagnosisAnswer::Answered(diagnosed));
@@ -101,19 +98,19 @@ impl Diagnoser {
         Ok(DiagnosisAnswer::Answered(diagnosed))
     }
 
+    pub(super) async fn campaign(&self, id: Id) -> Result<Option<RecordRow>, StoreError> {
+        Ok(store::record::get(&self.store, id).await?.filter(|row| row.kind == Kind::Campaign))
+    }
+
     /// As it was kept by this program against the model in force.
     async fn kept(&self, row: &RecordRow, in_force: &InForce) -> Result<Option<Diagnosed>, StoreError> {
         let kept = store::diagnosis::get(&self.store, row.id).await?;
-        let Some(kept) =
-            kept.filter(|kept| kept.program == self.models.competing().program && kept.model == in_force.id)
-        else {
-            return Ok(None);
-        };
-        let read = |body: &str| {
-            serde_json::from_str(body).map_err(|error| {
-                StoreError::Damaged(format!("the diagnosis of campaign {} cannot be read: {error}", row.id))
-            })
-        };
+        let is_of_now =
+            |kept: &DiagnosisRow| kept.program == self.models.competing().program && kept.model == in_force.id;
+        let Some(kept) = kept.filter(is_of_now) else { return Ok(None) };
+        let damaged =
+            |error| StoreError::Damaged(format!("the diagnosis of campaign {} cannot be read: {error}", row.id));
+        let read = |body: &str| serde_json::from_str(body).map_err(damaged);
         Ok(Some(Arc::new(if kept.refused { Err(from_stored(&kept.body)) } else { Ok(read(&kept.body)?) })))
     }
 
@@ -130,7 +127,7 @@ impl Diagnoser {
         if let Some(end) = under_way.get(&key) {
             return Ok(end.clone());
         }
-        let campaign = campaign::parse_json(row.body.as_bytes()).map_err(|faults| damaged(row.id, &faults))?;
+        let campaign = campaign_of(row)?;
         let (ended, end) = watch::channel(None);
         under_way.insert(key.clone(), end.clone());
         let (diagnoser, imu) = (self.clone(), row.imu);
@@ -203,10 +200,8 @@ impl Diagnoser {
     /// The model in force for the IMU of a stored campaign with what the campaign's diagnosis names; none where there
     /// is no such campaign or no answer.
     pub(super) async fn proposed(&self, id: Id) -> Result<Option<(u32, AugmentedModel)>, StoreError> {
-        let Some(row) = store::record::get(&self.store, id).await?.filter(|row| row.kind == Kind::Campaign) else {
-            return Ok(None);
-        };
-        let campaign = campaign::parse_json(row.body.as_bytes()).map_err(|faults| damaged(row.id, &faults))?;
+        let Some(row) = self.campaign(id).await? else { return Ok(None) };
+        let campaign = campaign_of(&row)?;
         let in_force = self.models.of(Some(row.imu));
         let options = against(&in_force, &self.models.competing(), &campaign);
         let work = move || Some(in_force.model.adopting(&campaign, &diagnose(&campaign, &options).ok()?));

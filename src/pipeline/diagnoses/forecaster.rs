@@ -6,9 +6,8 @@ use crate::core::campaign::{Campaign, TestKind};
 use crate::core::imu_model::{CampaignSample, Identified, changed, compare, identify, ladder, promised};
 use crate::core::judge::Limit;
 use crate::core::message::Message;
-use crate::pipeline::ingest::fitted::damaged;
+use crate::pipeline::ingest::fitted::campaign_of;
 use crate::pipeline::prelude::*;
-use crate::wire::campaign;
 use crate::wire::forecast::{ForecastBody, ForecastPointBody};
 
 /// Campaigns before one that its model is fitted to, where none was fitted when it came in.
@@ -86,9 +85,12 @@ impl Forecaster {
     }
 
     fn of_campaigns(&self) -> Result<Identified, Message> {
-        let sample =
-            |(id, campaign)| CampaignSample { campaign, source: Some(ToString::to_string(id)), occasions: Vec::new() };
-        let samples: Vec<CampaignSample> = self.before.iter().map(|(id, campaign)| sample((id, campaign))).collect();
+        let samples = self.before.iter().map(|(id, campaign)| CampaignSample {
+            campaign,
+            source: Some(id.to_string()),
+            occasions: Vec::new(),
+        });
+        let samples: Vec<CampaignSample> = samples.collect();
         if samples.is_empty() {
             return Err(message!("nothing_to_foretell_from"));
         }
@@ -98,9 +100,7 @@ impl Forecaster {
 
 /// A stored campaign; none where there is no such record.
 pub(super) async fn stored(store: &Store, id: Id) -> Result<Option<Campaign>, StoreError> {
-    let row = store::record::get(store, id).await?;
-    let read = |body: &str| campaign::parse_json(body.as_bytes()).map_err(|faults| damaged(id, &faults));
-    row.map(|row| read(&row.body)).transpose()
+    store::record::get(store, id).await?.map(|row| campaign_of(&row)).transpose()
 }
 
 /// Whether campaigns can be fitted together.

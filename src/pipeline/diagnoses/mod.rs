@@ -35,7 +35,7 @@ use crate::pipeline::diagnoses::background::Awaited;
 use crate::pipeline::diagnoses::digest::Digest;
 use crate::pipeline::diagnoses::forecaster::stored;
 use crate::pipeline::diagnoses::models::read;
-use crate::pipeline::ingest::fitted::damaged;
+use crate::pipeline::ingest::fitted::{campaign_of, damaged};
 use crate::pipeline::ingest::submission::anything;
 use crate::pipeline::prelude::*;
 use crate::pipeline::{NotSplit, Reader};
@@ -111,7 +111,7 @@ impl Diagnoses {
         let unknown = |id| move || NotSplit::NoSuchReference(id);
         let row = store::record::get(&self.store, id).await?.ok_or_else(unknown(id))?;
         let held_against = store::record::get(&self.store, reference).await?.ok_or_else(unknown(reference))?;
-        let campaign = campaign::parse_json(row.body.as_bytes()).map_err(|faults| damaged(id, &faults))?;
+        let campaign = campaign_of(&row)?;
         let body = held_against.body.as_bytes();
         let reference = match held_against.kind {
             Kind::Campaign => campaign::parse_json(body).map(Reference::Campaign),
@@ -136,10 +136,6 @@ impl Diagnoses {
 
     /// Puts a model in force for an IMU and states its stored campaigns anew; returns once that is on disk. One without
     /// terms and effects undoes those before it.
-    ///
-    /// # Errors
-    /// [`OrderError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that
-    /// is not known.
     pub async fn adopt(&self, adoption: Adoption) -> Result<Accepted, OrderError> {
         if let Some(identified) = &adoption.model.identified
             && let Some(newest) = self.newest_campaign(&adoption.imu).await?
@@ -169,10 +165,6 @@ impl Diagnoses {
     }
 
     /// Has a hypothesis compete in every diagnosis, or no more; returns once that is on disk.
-    ///
-    /// # Errors
-    /// [`OrderError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that
-    /// is not known.
     pub async fn order_hypothesis(&self, order: HypothesisOrder) -> Result<Accepted, OrderError> {
         let by = Actor::by_caller();
         self.queue.ask(|reply| Job::Hypothesis { order, by, reply }).await
@@ -235,10 +227,6 @@ impl Diagnoses {
     }
 
     /// Has the writer carry out an order about many diagnoses; returns once it is on disk.
-    ///
-    /// # Errors
-    /// [`OrderError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that
-    /// is not known.
     pub async fn order(&self, order: DiagnosisOrder) -> Result<Accepted, OrderError> {
         let by = Actor::by_caller();
         self.queue.ask(|reply| Job::Diagnoses { order, by, reply }).await

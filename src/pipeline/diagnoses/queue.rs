@@ -160,8 +160,7 @@ impl Diagnoser {
     /// Returns once it is kept, or can never be.
     async fn make(&self, id: Id) -> Result<(), StoreError> {
         let missing = || StoreError::Damaged(format!("campaign {id} is missing"));
-        let row =
-            store::record::get(&self.store, id).await?.filter(|row| row.kind == Kind::Campaign).ok_or_else(missing)?;
+        let row = self.campaign(id).await?.ok_or_else(missing)?;
         let in_force = self.models.of(Some(row.imu));
         let mut end = self.begin(&row, in_force, Awaited::ByNobody)?;
         // An end without an answer has been written down as well.

@@ -73,10 +73,6 @@ impl Hooks {
 
     /// Has the writer carry out an order. Returns once it is on disk, with the identifier of the hook or delivery that
     /// it is about.
-    ///
-    /// # Errors
-    /// [`OrderError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that is
-    /// not known.
     pub async fn order(&self, order: Order) -> Result<Id, OrderError> {
         let by = Actor::by_caller();
         self.queue.ask(|reply| Job::Hook { order, by, reply }).await

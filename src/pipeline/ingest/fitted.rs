@@ -6,6 +6,8 @@ use crate::core::fault::Faults;
 use crate::pipeline::ingest::same_content::Origin;
 use crate::pipeline::ingest::submission::{BenchTest, Calibration, Submission};
 use crate::pipeline::prelude::*;
+use crate::store::RecordRow;
+use crate::wire::campaign;
 use crate::wire::document::DocumentKind;
 
 /// A document that can be stored, and how it would be compared with one that is there.
@@ -68,6 +70,11 @@ pub struct CampaignFit {
     pub(crate) outcome: Outcome,
     /// The adopted model that it is fitted with.
     pub(crate) model: Option<Id>,
+}
+
+/// A stored campaign.
+pub(crate) fn campaign_of(row: &RecordRow) -> Result<Campaign, StoreError> {
+    campaign::parse_json(row.body.as_bytes()).map_err(|faults| damaged(row.id, &faults))
 }
 
 pub(crate) fn damaged(id: Id, faults: &Faults) -> StoreError {

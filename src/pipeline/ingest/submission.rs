@@ -35,12 +35,7 @@ impl Submission {
         match self {
             Self::Calibration(calibration) => Some(calibration),
             Self::Correction(correction) => correction.replacement.as_ref(),
-            Self::Bench(_)
-            | Self::Event(_)
-            | Self::Confirmation(_)
-            | Self::Doubt(_)
-            | Self::Window(_)
-            | Self::Attributes(_) => None,
+            _ => None,
         }
     }
 
@@ -58,9 +53,7 @@ impl Submission {
             Self::Bench(bench) => Some(bench.result.serial.as_str()),
             Self::Event(event) => Some(event.serial.as_str()),
             Self::Attributes(order) => Some(order.serial.as_str()),
-            Self::Calibration(_) | Self::Correction(_) | Self::Confirmation(_) | Self::Doubt(_) | Self::Window(_) => {
-                None
-            }
+            _ => None,
         }
     }
 

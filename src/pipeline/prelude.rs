@@ -1,6 +1,6 @@
 //! What nearly every file of the pipeline is written with.
 
-pub(super) use std::collections::HashMap;
+pub(super) use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 pub(super) use std::sync::Arc;
 
 pub(super) use super::error::{OrderError, StorageError, WriteError};

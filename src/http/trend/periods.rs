@@ -3,8 +3,7 @@
 use super::request::{PointMethod, Request, TrendText};
 use crate::config::JudgedMethod;
 use crate::core::period::{Gatherer, Period, Summary};
-use crate::core::time::Span;
-use crate::core::time::UtcMicros;
+use crate::core::time::{Span, UtcMicros};
 use crate::http::events::EventBody;
 use crate::http::prelude::*;
 use crate::pipeline::sample_of;

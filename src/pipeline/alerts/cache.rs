@@ -1,7 +1,5 @@
 //! The alerts of gyros that are looked at, and what is to be written about them.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use super::body::{Naming, Origin, finding_of};
 use super::shared::{Explained, SharedAlerts, SharedVerdict};
 use super::silences::Silences;

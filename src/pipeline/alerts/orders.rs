@@ -1,7 +1,5 @@
 //! What people say of alerts, done by the one writer.
 
-use std::collections::BTreeSet;
-
 use super::cache::{AlertCache, AlertContext};
 use super::silences::{MOST_SILENCES, body};
 use crate::core::access::AuditEntry;

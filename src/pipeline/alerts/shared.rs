@@ -1,8 +1,6 @@
 //! Alerts of what gyros of a station, a batch or an IMU share, and alerts of gyros that these explain: told as one, and not
 //! as one of each gyro.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use super::body::{Naming, Origin, finding_of};
 use crate::core::alert_decision::Status;
 use crate::core::judge::{Coefficient, Measured, Severity, State, Suspected, has_grown, is_explained};

@@ -4,7 +4,6 @@
 //! was done has been kept. Only a page of it is in memory at a time. Nobody waits for it, so it gives way to what
 //! comes in. Servers that share a database claim what they make, a few at a time.
 
-use std::collections::HashSet;
 use std::future::ready;
 use std::time::Duration;
 

@@ -2,8 +2,6 @@
 //!
 //! One pass over the digests in order of time; what is held grows with gyros and findings, not with campaigns.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use crate::core::effects::Effect;
 use crate::pipeline::diagnoses::digest::{Digest, NamedDigest, OUTSIDE, OutsideForecast, REFUSED};
 use crate::pipeline::prelude::*;

@@ -1,7 +1,5 @@
 //! What changes hooks and their queues, carried out by the one writer.
 
-use std::collections::HashSet;
-
 use serde::Serialize;
 
 use super::read::{HookPatch, NewHook};

@@ -1,7 +1,6 @@
 //! What each hook has heard, and what it is to be told.
 
 use std::cmp::Reverse;
-use std::collections::BTreeSet;
 
 use super::show::{self, DIGEST};
 use crate::core::alert_decision::{self, Action, Alert};

@@ -14,8 +14,6 @@ pub(super) mod submission;
 pub(super) mod unpacked;
 pub(super) mod writer;
 
-use std::collections::BTreeMap;
-
 use tokio::sync::oneshot;
 
 use super::diagnoses::background::IdleDetector;

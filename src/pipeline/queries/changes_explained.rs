@@ -1,7 +1,5 @@
 //! A gyro's history as the diagnosis of change needs it, with the fleet beside it.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use super::entries::{PEER_RECORDS, entries};
 use super::fleet::{level, stated};
 use crate::core::changes::{AsOf, DriftBudget, GyroHistory, HistoryDiagnosis, diagnose_history, is_mate_of};

@@ -1,7 +1,5 @@
 //! What gyros that moved together have in common: their station, or their batch.
 
-use std::collections::BTreeMap;
-
 use crate::core::judge::{Measured, in_common};
 use crate::pipeline::prelude::*;
 use crate::store::head::CalibratedRow;

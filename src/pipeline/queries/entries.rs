@@ -1,7 +1,5 @@
 //! Rows of the history as the diagnosis of change takes them.
 
-use std::collections::BTreeSet;
-
 use crate::config::JudgedMethod;
 use crate::core::changes::{GyroHistory, HistoryEntry};
 use crate::pipeline::ingest::judge::gyro_window::sample_of;

@@ -1,7 +1,6 @@
 //! The fleet at a glance: every gyro's newest figures, how it stands, and its last few values.
 
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 

@@ -1,7 +1,5 @@
 //! The rows of the table `head`, by what is stored or about to be.
 
-use std::collections::BTreeSet;
-
 use crate::config::Judging;
 use crate::core::judge::{Need, Older, Outlook};
 use crate::pipeline::alerts::Naming;

@@ -1,8 +1,6 @@
 //! How one gyro stands: what follows from its newest calibration, the verdicts on it, its alerts and what was done to
 //! it, for a page of now and for the row that lists are made of.
 
-use std::collections::HashSet;
-
 use crate::config::Judging;
 use crate::core::gyro_attributes::GyroAttributes;
 use crate::core::judge::{Coefficient, Event, LimitKind, Limits, Outlook, Severity, State, Status, overdue};

@@ -1,6 +1,5 @@
 //! From a row of the outbox to a request, and from how it went to what is written down.
 
-use std::collections::HashSet;
 use std::time::Duration;
 
 use super::context::DeliveryContext;

@@ -1,6 +1,6 @@
 //! The deliveries of one hook, a few at a time.
 
-use std::collections::{HashSet, VecDeque};
+use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use futures::StreamExt;

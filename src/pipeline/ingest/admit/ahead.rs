@@ -1,8 +1,6 @@
 //! What a group will be asked about, read ahead in a handful of questions: one by one, each takes its own way to the
 //! database and back.
 
-use std::collections::{BTreeSet, HashSet};
-
 use super::memory::Memory;
 use crate::core::suspect_window::Mark;
 use crate::pipeline::ingest::submission::{Calibration, Submission};

@@ -1,8 +1,6 @@
 //! A calibration held against what is known of its IMU and gyros: what is to be noted, and whether its time is in
 //! doubt.
 
-use std::collections::BTreeMap;
-
 use super::context::Admission;
 use super::group::Group;
 use super::lookup::Lookup;

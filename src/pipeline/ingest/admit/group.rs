@@ -1,7 +1,5 @@
 //! A group under construction.
 
-use std::collections::HashSet;
-
 use serde_json::json;
 
 use crate::core::bench::BenchMethod;

@@ -1,7 +1,5 @@
 //! What judging a group has found.
 
-use std::collections::BTreeMap;
-
 use crate::core::judge::{Coefficient, Severity};
 use crate::pipeline::prelude::*;
 

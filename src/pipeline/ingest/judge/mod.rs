@@ -6,8 +6,6 @@ pub(crate) mod older_summary;
 pub(crate) mod out_of_order;
 mod withdrawal;
 
-use std::collections::BTreeMap;
-
 use crate::config::Judging;
 use crate::core::alert_decision::Policy;
 use crate::core::figures::States;

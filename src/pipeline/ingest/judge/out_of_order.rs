@@ -1,7 +1,6 @@
 //! Records that arrive late, events, and what counts no more: put in their place in a gyro's history, and what they
 //! alter judged again.
 
-use std::collections::HashSet;
 use std::ops::Range;
 
 use super::{Judge, Judged, Newest, Verdicts, states};

@@ -1,7 +1,5 @@
 //! What would fire if what counts no more had never come: the verdicts on what is left, followed again from the first.
 
-use std::collections::HashSet;
-
 use super::judged::{Firing, Judged, Undone};
 use crate::core::alert_decision::{self, Alert, Policy, Status};
 use crate::core::correction::CorrectionItem;

@@ -1,7 +1,5 @@
 //! The writer's part in alerts: they follow what a group's judging finds, and what people say.
 
-use std::collections::{BTreeSet, HashSet};
-
 use super::heads::{Heads, touched};
 use super::shared_shifts::SharedShifts;
 use super::state::WriterState;

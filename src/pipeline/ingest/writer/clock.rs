@@ -1,7 +1,5 @@
 //! Alerts follow the clock: what becomes overdue, is to be repeated or told of as one, and what gyros share.
 
-use std::collections::BTreeSet;
-
 use super::alerts::gyros_of;
 use super::shared_shifts::SharedShifts;
 use super::state::WriterState;

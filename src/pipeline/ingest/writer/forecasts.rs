@@ -2,8 +2,6 @@
 //! transaction that keeps its diagnosis on. Another model in force ends them, and so does the withdrawal of what they
 //! rest on.
 
-use std::collections::BTreeMap;
-
 use super::state::{Tally, WriterState};
 use crate::core::alert_decision::Late;
 use crate::core::judge::Finding;

@@ -1,6 +1,5 @@
 //! A group on its way: admitted, judged and followed by alerts; then written; then answered.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
 use tokio::sync::watch;

@@ -1,7 +1,5 @@
 //! How gyros stand, written with what changes it: a row of the table `head` for each gyro that a transaction touches.
 
-use std::collections::BTreeSet;
-
 use crate::config::Judging;
 use crate::core::judge::{Event, Outlook};
 use crate::pipeline::alerts::{AlertCache, Naming};

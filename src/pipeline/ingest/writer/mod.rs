@@ -13,7 +13,6 @@ mod shared_shifts;
 mod state;
 pub(crate) mod turn;
 
-use std::collections::HashSet;
 use std::ops::RangeInclusive;
 use std::time::{Duration, Instant};
 

@@ -2,8 +2,6 @@
 //! so that an adoption is no step in D_I and D_S. Where this version states something otherwise than an earlier one, the
 //! same happens without an adoption.
 
-use std::collections::HashSet;
-
 use super::forecasts::ForecastAlerts;
 use super::state::WriterState;
 use crate::pipeline::alerts::Causes;

@@ -4,8 +4,6 @@
 //! A file's writer asks with every group in which a gyro begins to exceed a limit, so that the group's other gyros are
 //! told of as one; the clock asks at every tick. Among several servers only the clock does, which holds every cell.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use crate::core::alert_decision::Alert;
 use crate::core::judge::{
     Coefficient, Group, ImuQuestion, LATELY, Measured, NewestCalibration, Severity, ShiftQuestion, State, group_shift,

@@ -1,7 +1,5 @@
 //! What the writer knows, and what passes through it.
 
-use std::collections::HashSet;
-
 use tokio::sync::watch;
 use tokio::task::JoinHandle;
 

@@ -106,10 +106,34 @@ macro_rules! read {
 
 pub(super) use {on, read};
 
-/// What brings a schema up to date, of migrations by number and name.
-pub(super) fn migrator(migrations: &[(i64, &'static str, &'static str)]) -> Migrator {
-    let migration = |(version, name, sql): &(i64, &'static str, &'static str)| {
-        Migration::new(*version, (*name).into(), MigrationType::Simple, sql.into_sql_str(), false)
+/// A migration by its file's name, and what it does.
+pub(super) type MigrationFile = (&'static str, &'static str);
+
+/// `migrations! { "sqlite": "0001_history" "0002_alerts" }`: those of a directory, oldest first.
+macro_rules! migrations {
+    ($of:literal: $($file:literal)+) => {
+        [$(($file, include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/migrations/", $of, "/", $file, ".sql")))),+]
+    };
+}
+
+pub(super) use migrations;
+
+/// `0001_history` is number 1, `history`.
+fn numbered(file: &'static str) -> (i64, &'static str) {
+    let (number, name) = file.split_once('_').expect("a migration has a number and a name");
+    (number.parse().expect("its number is one"), name)
+}
+
+/// The number of the newest.
+pub(super) fn newest_of(migrations: &[MigrationFile]) -> Option<i64> {
+    migrations.last().map(|(file, _)| numbered(file).0)
+}
+
+/// What brings a schema up to date.
+pub(super) fn migrator(migrations: &[MigrationFile]) -> Migrator {
+    let migration = |(file, sql): &MigrationFile| {
+        let (version, name) = numbered(file);
+        Migration::new(version, name.into(), MigrationType::Simple, sql.into_sql_str(), false)
     };
     Migrator::with_migrations(migrations.iter().map(migration).collect())
 }

@@ -7,7 +7,7 @@ use rusqlite::OpenFlags;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions};
 use sqlx::{AssertSqlSafe, ConnectOptions, Connection, SqliteConnection};
 
-use super::db::{Readers, migrator};
+use super::db::{MigrationFile, Readers, migrations, migrator};
 use super::name_tables::Names;
 use super::postgres;
 use crate::store::sqlite::checkpoint::Checkpoints;
@@ -20,38 +20,15 @@ use crate::store::tables::hook;
 use crate::store::{Cells, Changes, IdSource, Options, Result, Store, StoreError, Table, Tables, Writer};
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-pub(super) const MIGRATIONS: [(i64, &str, &str); 30] = [
-    (1, "history", include_str!("../../migrations/sqlite/0001_history.sql")),
-    (2, "alerts", include_str!("../../migrations/sqlite/0002_alerts.sql")),
-    (3, "models", include_str!("../../migrations/sqlite/0003_models.sql")),
-    (4, "corrections", include_str!("../../migrations/sqlite/0004_corrections.sql")),
-    (5, "access", include_str!("../../migrations/sqlite/0005_access.sql")),
-    (6, "history_log", include_str!("../../migrations/sqlite/0006_history_log.sql")),
-    (7, "diagnoses", include_str!("../../migrations/sqlite/0007_diagnoses.sql")),
-    (8, "fixed_baselines", include_str!("../../migrations/sqlite/0008_fixed_baselines.sql")),
-    (9, "diagnosis_jobs", include_str!("../../migrations/sqlite/0009_diagnosis_jobs.sql")),
-    (10, "shared_limits", include_str!("../../migrations/sqlite/0010_shared_limits.sql")),
-    (11, "calendar", include_str!("../../migrations/sqlite/0011_calendar.sql")),
-    (12, "alerts_found_late", include_str!("../../migrations/sqlite/0012_alerts_found_late.sql")),
-    (13, "notes", include_str!("../../migrations/sqlite/0013_notes.sql")),
-    (14, "environmental_tests", include_str!("../../migrations/sqlite/0014_environmental_tests.sql")),
-    (15, "senders", include_str!("../../migrations/sqlite/0015_senders.sql")),
-    (16, "checksums", include_str!("../../migrations/sqlite/0016_checksums.sql")),
-    (17, "head", include_str!("../../migrations/sqlite/0017_head.sql")),
-    (18, "outlook", include_str!("../../migrations/sqlite/0018_outlook.sql")),
-    (19, "gyro_attributes", include_str!("../../migrations/sqlite/0019_gyro_attributes.sql")),
-    (20, "record_temperature", include_str!("../../migrations/sqlite/0020_record_temperature.sql")),
-    (21, "station_alerts", include_str!("../../migrations/sqlite/0021_station_alerts.sql")),
-    (22, "hypotheses", include_str!("../../migrations/sqlite/0022_hypotheses.sql")),
-    (23, "packed_texts", include_str!("../../migrations/sqlite/0023_packed_texts.sql")),
-    (24, "imu_alerts", include_str!("../../migrations/sqlite/0024_imu_alerts.sql")),
-    (25, "gyro_history", include_str!("../../migrations/sqlite/0025_gyro_history.sql")),
-    (26, "scale", include_str!("../../migrations/sqlite/0026_scale.sql")),
-    (27, "suspect_windows", include_str!("../../migrations/sqlite/0027_suspect_windows.sql")),
-    (28, "bounded_lists", include_str!("../../migrations/sqlite/0028_bounded_lists.sql")),
-    (29, "imu_order", include_str!("../../migrations/sqlite/0029_imu_order.sql")),
-    (30, "long_texts", include_str!("../../migrations/sqlite/0030_long_texts.sql")),
-];
+pub(super) const MIGRATIONS: [MigrationFile; 30] = migrations! {
+    "sqlite":
+    "0001_history" "0002_alerts" "0003_models" "0004_corrections" "0005_access" "0006_history_log"
+    "0007_diagnoses" "0008_fixed_baselines" "0009_diagnosis_jobs" "0010_shared_limits" "0011_calendar"
+    "0012_alerts_found_late" "0013_notes" "0014_environmental_tests" "0015_senders" "0016_checksums"
+    "0017_head" "0018_outlook" "0019_gyro_attributes" "0020_record_temperature" "0021_station_alerts"
+    "0022_hypotheses" "0023_packed_texts" "0024_imu_alerts" "0025_gyro_history" "0026_scale"
+    "0027_suspect_windows" "0028_bounded_lists" "0029_imu_order" "0030_long_texts"
+};
 
 /// Opens the database, creates it if there is none, and brings its schema up to date.
 ///

@@ -11,37 +11,20 @@ use super::cell_writer::CellWriter;
 use super::hosts::Hosts;
 use super::other_servers::Neighbours;
 use super::{homes, names};
-use crate::store::db::{Readers, migrator};
+use crate::store::db::{MigrationFile, Readers, migrations, migrator, newest_of};
 use crate::store::name_tables::Names;
 use crate::store::sqlite::write_behind::WriteBehind;
 use crate::store::{Options, Result, Store, StoreError, Tables, Writer};
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-const MIGRATIONS: [(i64, &str, &str); 23] = [
-    (1, "schema", include_str!("../../../migrations/postgres/0001_schema.sql")),
-    (2, "claims", include_str!("../../../migrations/postgres/0002_claims.sql")),
-    (3, "shared_limits", include_str!("../../../migrations/postgres/0003_shared_limits.sql")),
-    (4, "alerts_found_late", include_str!("../../../migrations/postgres/0004_alerts_found_late.sql")),
-    (5, "notes", include_str!("../../../migrations/postgres/0005_notes.sql")),
-    (6, "environmental_tests", include_str!("../../../migrations/postgres/0006_environmental_tests.sql")),
-    (7, "senders", include_str!("../../../migrations/postgres/0007_senders.sql")),
-    (8, "commit_stamps", include_str!("../../../migrations/postgres/0008_commit_stamps.sql")),
-    (9, "head", include_str!("../../../migrations/postgres/0009_head.sql")),
-    (10, "cells", include_str!("../../../migrations/postgres/0010_cells.sql")),
-    (11, "outlook", include_str!("../../../migrations/postgres/0011_outlook.sql")),
-    (12, "gyro_attributes", include_str!("../../../migrations/postgres/0012_gyro_attributes.sql")),
-    (13, "record_temperature", include_str!("../../../migrations/postgres/0013_record_temperature.sql")),
-    (14, "station_alerts", include_str!("../../../migrations/postgres/0014_station_alerts.sql")),
-    (15, "hypotheses", include_str!("../../../migrations/postgres/0015_hypotheses.sql")),
-    (16, "packed_texts", include_str!("../../../migrations/postgres/0016_packed_texts.sql")),
-    (17, "imu_alerts", include_str!("../../../migrations/postgres/0017_imu_alerts.sql")),
-    (18, "gyro_history", include_str!("../../../migrations/postgres/0018_gyro_history.sql")),
-    (19, "scale", include_str!("../../../migrations/postgres/0019_scale.sql")),
-    (20, "suspect_windows", include_str!("../../../migrations/postgres/0020_suspect_windows.sql")),
-    (21, "bounded_lists", include_str!("../../../migrations/postgres/0021_bounded_lists.sql")),
-    (22, "imu_order", include_str!("../../../migrations/postgres/0022_imu_order.sql")),
-    (23, "long_texts", include_str!("../../../migrations/postgres/0023_long_texts.sql")),
-];
+const MIGRATIONS: [MigrationFile; 23] = migrations! {
+    "postgres":
+    "0001_schema" "0002_claims" "0003_shared_limits" "0004_alerts_found_late" "0005_notes"
+    "0006_environmental_tests" "0007_senders" "0008_commit_stamps" "0009_head" "0010_cells" "0011_outlook"
+    "0012_gyro_attributes" "0013_record_temperature" "0014_station_alerts" "0015_hypotheses"
+    "0016_packed_texts" "0017_imu_alerts" "0018_gyro_history" "0019_scale" "0020_suspect_windows"
+    "0021_bounded_lists" "0022_imu_order" "0023_long_texts"
+};
 
 /// How long who reads everything waits for the next row.
 const TO_READ_ALL: Duration = Duration::from_secs(600);
@@ -151,8 +134,7 @@ async fn check_schema(connection: &mut PgConnection, options: &Options) -> Resul
     }
     let found: Option<i64> =
         sqlx::query_scalar("SELECT max(version) FROM _sqlx_migrations").fetch_one(connection).await?;
-    let newest = MIGRATIONS.last().map(|(version, ..)| *version);
-    match found.cmp(&newest) {
+    match found.cmp(&newest_of(&MIGRATIONS)) {
         std::cmp::Ordering::Greater => wrong("written by a newer version of gyrowatch"),
         std::cmp::Ordering::Less => wrong("written by an older version of gyrowatch: start the service on it once"),
         std::cmp::Ordering::Equal => Ok(()),

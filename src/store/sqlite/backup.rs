@@ -11,7 +11,7 @@ use super::lock::beside;
 use super::{checksum, private};
 use crate::core::id::Id;
 use crate::core::time::Span;
-use crate::store::db::Readers;
+use crate::store::db::{Readers, newest_of};
 use crate::store::name_tables::Names;
 use crate::store::open::{MIGRATIONS, connect_options, finds_nothing, load_names, migrate};
 use crate::store::sqlite::write_behind::WriteBehind;
@@ -258,7 +258,7 @@ async fn schema(connection: &mut SqliteConnection, file: &Path) -> Result<Option
 }
 
 fn newest_version() -> Option<i64> {
-    MIGRATIONS.iter().map(|(version, ..)| *version).max()
+    newest_of(&MIGRATIONS)
 }
 
 async fn contents(store: &Store, records: bool) -> Result<Holdings> {

@@ -1,12 +1,12 @@
 //! How far the cells have been written, and what is new since they were looked at.
 
-use sqlx::Row as _;
 use sqlx::postgres::PgRow;
 
 use super::PgReaders;
 use crate::core::named::named;
 use crate::store::cells::CELLS;
 use crate::store::error::{Result, StoreError};
+use crate::store::rows::AnyRow;
 
 named! {
 /// What a commit may bring that others want to hear of, each with a column of its own.
@@ -37,13 +37,9 @@ pub(super) const COLUMNS: &str =
 
 impl CellRow {
     pub fn of(row: &PgRow) -> Result<Self> {
-        let cell: i64 = row.try_get(0)?;
-        let mut news = [0; News::ALL.len()];
-        for (stamp, place) in news.iter_mut().zip(3..) {
-            *stamp = row.try_get(place)?;
-        }
+        let (cell, stamp, last_id, news): (i64, _, _, _) = row.whole()?;
         let cell = u8::try_from(cell).map_err(|_| StoreError::Damaged(format!("there is a cell {cell}")))?;
-        Ok(Self { cell, stamp: row.try_get(1)?, last_id: row.try_get(2)?, news })
+        Ok(Self { cell, stamp, last_id, news })
     }
 
     pub fn stamp_of(&self, news: News) -> i64 {

@@ -57,7 +57,8 @@ fn due(((id, hook, of), (queued_at, attempts, first_attempt_at, at), [action, bo
 
 const COLUMNS: &str = "SELECT d.id, d.hook, d.step, d.alert, d.queued_at, d.state, d.due_at, d.finished_at,
                               coalesce(d.action, s.action),
-                              coalesce(d.alert, (SELECT p.alert FROM delivery_part AS p WHERE p.delivery = d.id AND p.place = 0))
+                              coalesce(d.alert, (SELECT p.alert FROM delivery_part AS p
+                                                WHERE p.delivery = d.id AND p.place = 0))
                        FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step";
 
 part! {

@@ -20,7 +20,7 @@ use crate::store::TokenRow;
 
 pub use audit::{Actor, By, Caller};
 pub use guard::{Denied, Guard};
-pub(super) use orders::AccessHandler;
+pub(super) use orders::order_access;
 pub use orders::{AccessOrder, NewToken, SignedIn, create_beside, revoke_beside};
 pub use secret::Secret;
 

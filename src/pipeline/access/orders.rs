@@ -63,64 +63,57 @@ impl<'a> From<&'a TokenRow> for AuditedToken<'a> {
     }
 }
 
-/// The writer at work on orders about access.
-pub(in crate::pipeline) struct AccessHandler<'a> {
-    pub guard: &'a Guard,
-    pub writer: &'a mut Writer,
-    pub now: UtcMicros,
-}
-
-impl AccessHandler<'_> {
-    /// Carries out one order; on disk, and known to the guard, when this returns. A secret that was drawn comes back.
-    pub async fn carry_out(
-        &mut self,
-        order: &AccessOrder,
-        by: &Actor,
-        known: &[TokenRow],
-    ) -> Result<Option<Secret>, OrderError> {
-        let (now, mut access) = (self.now, AccessChanges::default());
-        let line = self.writer.next_id(now);
-        let mut drawn = None;
-        match order {
-            // Of two that came at once, the second.
-            AccessOrder::Create(_) if by.is_setup() && !known.is_empty() => return Err(OrderError::SetupOver),
-            AccessOrder::Create(new) => {
-                let secret = draw(self.writer.next_id(now))?;
-                let row = token_row(new, &secret, now);
-                access.audit.push(created(by, line, &row));
-                access.tokens.push(row);
-                drawn = Some(secret);
-            }
-            AccessOrder::Revoke(id) => {
-                let row = known.iter().find(|row| row.id == *id).ok_or(OrderError::NoSuchToken(*id))?;
-                let Some((row, audit)) = revoked(by, line, row, now) else { return Ok(None) };
-                access.tokens.push(row);
-                access.audit.push(audit);
-            }
-            AccessOrder::SignIn { token } => {
-                let secret = draw(self.writer.next_id(now))?;
-                let expires_at = UtcMicros(now.0.saturating_add(self.guard.session_us()));
-                let id = secret.id;
-                access.sessions.push(SessionRow {
-                    id,
-                    token: *token,
-                    secret_sha256: secret.sha256(),
-                    began_at: now,
-                    expires_at,
-                });
-                access.ended = self.guard.ended_sessions(now);
-                access.audit.push(by.line(line, now, ("sign in", format!("sessions/{id}")), NOTHING, NOTHING));
-                drawn = Some(secret);
-            }
-            AccessOrder::SignOut { session } => {
-                access.ended.push(*session);
-                access.audit.push(by.line(line, now, ("sign out", format!("sessions/{session}")), NOTHING, NOTHING));
-            }
+/// Carries out one order; on disk, and known to the guard, when this returns. A secret that was drawn comes back.
+pub(in crate::pipeline) async fn order_access(
+    guard: &Guard,
+    writer: &mut Writer,
+    now: UtcMicros,
+    order: &AccessOrder,
+    by: &Actor,
+    known: &[TokenRow],
+) -> Result<Option<Secret>, OrderError> {
+    let mut access = AccessChanges::default();
+    let line = writer.next_id(now);
+    let mut drawn = None;
+    match order {
+        // Of two that came at once, the second.
+        AccessOrder::Create(_) if by.is_setup() && !known.is_empty() => return Err(OrderError::SetupOver),
+        AccessOrder::Create(new) => {
+            let secret = draw(writer.next_id(now))?;
+            let row = token_row(new, &secret, now);
+            access.audit.push(created(by, line, &row));
+            access.tokens.push(row);
+            drawn = Some(secret);
         }
-        self.writer.commit(&Changes { access, ..Changes::default() }).await?;
-        self.guard.read_again().await?;
-        Ok(drawn)
+        AccessOrder::Revoke(id) => {
+            let row = known.iter().find(|row| row.id == *id).ok_or(OrderError::NoSuchToken(*id))?;
+            let Some((row, audit)) = revoked(by, line, row, now) else { return Ok(None) };
+            access.tokens.push(row);
+            access.audit.push(audit);
+        }
+        AccessOrder::SignIn { token } => {
+            let secret = draw(writer.next_id(now))?;
+            let expires_at = UtcMicros(now.0.saturating_add(guard.session_us()));
+            let id = secret.id;
+            access.sessions.push(SessionRow {
+                id,
+                token: *token,
+                secret_sha256: secret.sha256(),
+                began_at: now,
+                expires_at,
+            });
+            access.ended = guard.ended_sessions(now);
+            access.audit.push(by.line(line, now, ("sign in", format!("sessions/{id}")), NOTHING, NOTHING));
+            drawn = Some(secret);
+        }
+        AccessOrder::SignOut { session } => {
+            access.ended.push(*session);
+            access.audit.push(by.line(line, now, ("sign out", format!("sessions/{session}")), NOTHING, NOTHING));
+        }
     }
+    writer.commit(&Changes { access, ..Changes::default() }).await?;
+    guard.read_again().await?;
+    Ok(drawn)
 }
 
 const NOTHING: Option<&()> = None;

@@ -21,53 +21,49 @@ pub enum HypothesisOrder {
     End(String),
 }
 
-/// The writer at work on hypotheses.
-pub(crate) struct HypothesisHandler<'a> {
-    pub store: &'a Store,
-    pub writer: &'a mut Writer,
-    pub now: UtcMicros,
-    pub cache: &'a ModelCache,
-}
-
-impl HypothesisHandler<'_> {
-    /// Carries out one order; on disk when this returns. The same again changes nothing.
-    pub async fn carry_out(&mut self, order: &HypothesisOrder, by: &Actor) -> Result<Accepted, OrderError> {
-        let competing = store::hypothesis::in_force(self.store).await?;
-        let read = |row: HypothesisRow| -> Result<_, StoreError> { Ok((stored(row.clone())?, row)) };
-        let known: Vec<(StoredHypothesis, HypothesisRow)> =
-            competing.into_iter().map(read).collect::<Result<_, _>>()?;
-        let named = |name: &str| known.iter().find(|(stored, _)| stored.effect.id() == name);
-        let (row, action, name) = match order {
-            HypothesisOrder::Add { effect, author, reason } => {
-                let name = effect.id().to_owned();
-                match named(&name) {
-                    Some((same, _)) if same.effect == *effect => {
-                        return Ok(Accepted::there(same.id));
-                    }
-                    Some(_) => return Err(OrderError::HypothesisTaken(name)),
-                    None if known.len() >= MOST => return Err(OrderError::TooManyHypotheses(MOST)),
-                    None => {}
+/// Carries out one order; on disk when this returns. The same again changes nothing.
+pub(crate) async fn order_hypothesis(
+    store: &Store,
+    writer: &mut Writer,
+    now: UtcMicros,
+    cache: &ModelCache,
+    order: &HypothesisOrder,
+    by: &Actor,
+) -> Result<Accepted, OrderError> {
+    let competing = store::hypothesis::in_force(store).await?;
+    let read = |row: HypothesisRow| -> Result<_, StoreError> { Ok((stored(row.clone())?, row)) };
+    let known: Vec<(StoredHypothesis, HypothesisRow)> = competing.into_iter().map(read).collect::<Result<_, _>>()?;
+    let named = |name: &str| known.iter().find(|(stored, _)| stored.effect.id() == name);
+    let (row, action, name) = match order {
+        HypothesisOrder::Add { effect, author, reason } => {
+            let name = effect.id().to_owned();
+            match named(&name) {
+                Some((same, _)) if same.effect == *effect => {
+                    return Ok(Accepted::there(same.id));
                 }
-                let written = effect.hypothesis().map(|own| HypothesisBody::from(&own.written));
-                let (id, body) = (self.writer.next_id(self.now), text(&written));
-                let (author, reason) = (author.clone(), reason.clone());
-                let row = HypothesisRow { id, body, author, reason, added_at: self.now, ended_at: None };
-                (row, "add hypothesis", name)
+                Some(_) => return Err(OrderError::HypothesisTaken(name)),
+                None if known.len() >= MOST => return Err(OrderError::TooManyHypotheses(MOST)),
+                None => {}
             }
-            HypothesisOrder::End(name) => {
-                let (_, row) = named(name).ok_or_else(|| OrderError::NoSuchHypothesis(name.clone()))?;
-                (HypothesisRow { ended_at: Some(self.now), ..row.clone() }, "end hypothesis", name.clone())
-            }
-        };
-        let hypothesis: serde_json::Value = serde_json::from_str(&row.body).unwrap_or_default();
-        let said = serde_json::json!({ "author": row.author, "reason": row.reason, "hypothesis": hypothesis });
-        let (before, after) = if row.ended_at.is_some() { (Some(&said), None) } else { (None, Some(&said)) };
-        let line = self.writer.next_id(self.now);
-        let (id, mut changes) = (row.id, Changes::default());
-        changes.access.audit.push(by.line(line, self.now, (action, format!("hypotheses/{name}")), before, after));
-        changes.hypotheses.push(row);
-        self.writer.commit(&changes).await?;
-        self.cache.read_again(self.store).await?;
-        Ok(Accepted::stored(id))
-    }
+            let written = effect.hypothesis().map(|own| HypothesisBody::from(&own.written));
+            let (id, body) = (writer.next_id(now), text(&written));
+            let (author, reason) = (author.clone(), reason.clone());
+            let row = HypothesisRow { id, body, author, reason, added_at: now, ended_at: None };
+            (row, "add hypothesis", name)
+        }
+        HypothesisOrder::End(name) => {
+            let (_, row) = named(name).ok_or_else(|| OrderError::NoSuchHypothesis(name.clone()))?;
+            (HypothesisRow { ended_at: Some(now), ..row.clone() }, "end hypothesis", name.clone())
+        }
+    };
+    let hypothesis: serde_json::Value = serde_json::from_str(&row.body).unwrap_or_default();
+    let said = serde_json::json!({ "author": row.author, "reason": row.reason, "hypothesis": hypothesis });
+    let (before, after) = if row.ended_at.is_some() { (Some(&said), None) } else { (None, Some(&said)) };
+    let line = writer.next_id(now);
+    let (id, mut changes) = (row.id, Changes::default());
+    changes.access.audit.push(by.line(line, now, (action, format!("hypotheses/{name}")), before, after));
+    changes.hypotheses.push(row);
+    writer.commit(&changes).await?;
+    cache.read_again(store).await?;
+    Ok(Accepted::stored(id))
 }

@@ -20,9 +20,9 @@ use tokio::sync::mpsc;
 use tokio::time::{Interval, MissedTickBehavior, interval_at};
 
 use super::admit::Memory;
-use crate::pipeline::access::{AccessHandler, Secret};
+use crate::pipeline::access::{Secret, order_access};
 use crate::pipeline::alerts::AlertCache;
-use crate::pipeline::diagnoses::{DiagnosisHandler, HypothesisHandler};
+use crate::pipeline::diagnoses::{DiagnosisHandler, order_hypothesis};
 use crate::pipeline::hooks::{Found, HookCache, HookHandler, heard_by};
 use crate::pipeline::ingest::judge::Judge;
 use crate::pipeline::prelude::*;
@@ -288,7 +288,7 @@ impl Task {
 
     async fn order_hypothesis(&mut self, order: &HypothesisOrder, by: &Actor) -> Result<Accepted, OrderError> {
         let (store, now, cache) = (&self.state.store, self.state.clock.now(), &self.state.after.models);
-        let done = HypothesisHandler { store, writer: &mut self.state.writer, now, cache }.carry_out(order, by).await;
+        let done = order_hypothesis(store, &mut self.state.writer, now, cache, order, by).await;
         // One that was being made meanwhile is not kept, and is due again.
         self.state.after.due.send_modify(|moved| *moved += 1);
         done
@@ -298,7 +298,7 @@ impl Task {
     async fn register(&mut self, order: &AccessOrder, by: &Actor) -> Result<Option<Secret>, OrderError> {
         let known = store::access::tokens(&self.state.store).await?;
         let (guard, writer, now) = (&self.state.after.guard, &mut self.state.writer, self.state.clock.now());
-        AccessHandler { guard, writer, now }.carry_out(order, by, &known).await
+        order_access(guard, writer, now, order, by, &known).await
     }
 
     /// One transaction for all; where the database refuses it, one for each, so that only the culprit is refused.

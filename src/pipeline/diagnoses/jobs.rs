@@ -20,68 +20,41 @@ pub enum DiagnosisOrder {
     Cancel(Id),
 }
 
-/// The writer at work on orders.
-pub(crate) struct DiagnosisHandler<'a> {
-    pub store: &'a Store,
-    pub writer: &'a mut Writer,
-    pub now: UtcMicros,
-    /// What makes diagnoses now.
-    pub program: String,
-}
-
-impl DiagnosisHandler<'_> {
-    /// Carries out one order; on disk when this returns. One that is already being worked off is not begun a second
-    /// time.
-    pub async fn carry_out(&mut self, order: &DiagnosisOrder, by: &Actor) -> Result<Accepted, OrderError> {
-        match order {
-            DiagnosisOrder::Start(wanted) => self.start(wanted, by).await,
-            DiagnosisOrder::Cancel(id) => self.cancel(*id, by).await,
+/// Carries out one order; on disk when this returns. One that is already being worked off is not begun a second time.
+/// `program`: what makes diagnoses now.
+pub(crate) async fn order_diagnoses(
+    store: &Store,
+    writer: &mut Writer,
+    now: UtcMicros,
+    program: String,
+    order: &DiagnosisOrder,
+    by: &Actor,
+) -> Result<Accepted, OrderError> {
+    let (id, diagnosis_jobs, action, after) = match order {
+        DiagnosisOrder::Start(WantedDiagnoses { asked, which }) => {
+            let (wanted, which, again) = (asked, *which, asked.again);
+            let asked = text(wanted);
+            if let Some(id) = store::diagnosis_job::open_as_asked(store, &asked).await? {
+                return Ok(Accepted::there(id));
+            }
+            let (id, asked_by) = (writer.next_id(now), by.name().to_owned());
+            let started = vec![NewJob { id, asked_at: now, asked_by, asked, which, again, program }];
+            (id, JobChanges { started, ..JobChanges::default() }, "start diagnoses", Some(wanted))
         }
-    }
-
-    async fn start(&mut self, wanted: &WantedDiagnoses, by: &Actor) -> Result<Accepted, OrderError> {
-        let asked = text(&wanted.asked);
-        if let Some(id) = store::diagnosis_job::open_as_asked(self.store, &asked).await? {
-            return Ok(Accepted::there(id));
+        DiagnosisOrder::Cancel(id) => {
+            let row = store::diagnosis_job::get(store, *id).await?.ok_or(OrderError::NoSuchDiagnoses(*id))?;
+            match (row.canceled, row.ended_at) {
+                (true, _) => return Ok(Accepted::there(*id)),
+                (false, Some(_)) => return Err(OrderError::DiagnosesEnded(*id)),
+                (false, None) => {}
+            }
+            let canceled = vec![(*id, now)];
+            (*id, JobChanges { canceled, ..JobChanges::default() }, "cancel diagnoses", None)
         }
-        let (now, id) = (self.now, self.writer.next_id(self.now));
-        let job = NewJob {
-            id,
-            asked_at: now,
-            asked_by: by.name().to_owned(),
-            asked,
-            which: wanted.which,
-            again: wanted.asked.again,
-            program: self.program.clone(),
-        };
-        let started = JobChanges { started: vec![job], ..JobChanges::default() };
-        self.commit(started, "start diagnoses", id, by, Some(&wanted.asked)).await?;
-        Ok(Accepted::stored(id))
-    }
-
-    async fn cancel(&mut self, id: Id, by: &Actor) -> Result<Accepted, OrderError> {
-        let row = store::diagnosis_job::get(self.store, id).await?.ok_or(OrderError::NoSuchDiagnoses(id))?;
-        match (row.canceled, row.ended_at) {
-            (true, _) => return Ok(Accepted::there(id)),
-            (false, Some(_)) => return Err(OrderError::DiagnosesEnded(id)),
-            (false, None) => {}
-        }
-        let canceled = JobChanges { canceled: vec![(id, self.now)], ..JobChanges::default() };
-        self.commit(canceled, "cancel diagnoses", id, by, None).await?;
-        Ok(Accepted::stored(id))
-    }
-
-    async fn commit(
-        &mut self,
-        diagnosis_jobs: JobChanges,
-        action: &str,
-        id: Id,
-        by: &Actor,
-        after: Option<&WhichBody>,
-    ) -> Result<(), StoreError> {
-        let line = self.writer.next_id(self.now);
-        let mut changes = Changes { diagnosis_jobs, ..Changes::default() };
-        changes.access.audit.push(by.line(line, self.now, (action, format!("diagnoses/{id}")), None::<&()>, after));
-        self.writer.commit(&changes).await
-    }
+    };
+    let line = writer.next_id(now);
+    let mut changes = Changes { diagnosis_jobs, ..Changes::default() };
+    changes.access.audit.push(by.line(line, now, (action, format!("diagnoses/{id}")), None::<&()>, after));
+    writer.commit(&changes).await?;
+    Ok(Accepted::stored(id))
 }

@@ -56,7 +56,7 @@ pub(super) use forecasts::newest_verdict;
 pub use hypotheses::StoredHypothesis;
 pub use hypothesis_orders::HypothesisOrder;
 pub(super) use hypothesis_orders::order_hypothesis;
-pub(super) use jobs::DiagnosisHandler;
+pub(super) use jobs::order_diagnoses;
 pub use jobs::{DiagnosisOrder, WantedDiagnoses};
 pub(super) use made::Made;
 pub use models::{Adoption, InForce};

@@ -22,7 +22,7 @@ use tokio::time::{Interval, MissedTickBehavior, interval_at};
 use super::admit::Memory;
 use crate::pipeline::access::{Secret, order_access};
 use crate::pipeline::alerts::AlertCache;
-use crate::pipeline::diagnoses::{DiagnosisHandler, order_hypothesis};
+use crate::pipeline::diagnoses::{order_diagnoses, order_hypothesis};
 use crate::pipeline::hooks::{Found, HookCache, HookHandler, heard_by};
 use crate::pipeline::ingest::judge::Judge;
 use crate::pipeline::prelude::*;
@@ -280,8 +280,7 @@ impl Task {
     /// Begins or cancels an order of diagnoses, and has what is new worked off.
     async fn order_diagnoses(&mut self, order: &DiagnosisOrder, by: &Actor) -> Result<Accepted, OrderError> {
         let (now, program) = (self.state.clock.now(), self.state.after.models.competing().program.clone());
-        let mut admission = DiagnosisHandler { store: &self.state.store, writer: &mut self.state.writer, now, program };
-        let done = admission.carry_out(order, by).await;
+        let done = order_diagnoses(&self.state.store, &mut self.state.writer, now, program, order, by).await;
         self.state.after.due.send_modify(|moved| *moved += 1);
         done
     }

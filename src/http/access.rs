@@ -51,7 +51,7 @@ pub async fn admit(Gate { app, rules }: &Gate, mut request: Request, next: Next)
         Err(denied) => return refuse(&denied, &request),
     };
     if matches!(caller.by, By::Presence) && !is_probed(route.as_str()) && !names_this_machine(headers) {
-        return misnamed().into_response();
+        return Problem::new(421, "title_other_name", message!("other_name")).into_response();
     }
     let by_cookie = matches!(caller.by, By::Session { .. });
     let by_token = matches!(caller.by, By::Token(_) | By::Setup);
@@ -127,10 +127,6 @@ fn names_this_machine(headers: &HeaderMap) -> bool {
     let name = authority.host().trim_start_matches('[').trim_end_matches(']');
     let is_loopback = |address: IpAddr| address.to_canonical().is_loopback();
     name.eq_ignore_ascii_case("localhost") || name.parse().is_ok_and(is_loopback)
-}
-
-fn misnamed() -> Problem {
-    Problem::new(421, "title_other_name", message!("other_name"))
 }
 
 /// Nobody has shown who they are, and this takes more than being on this machine: a proxy on it lets everybody in.

@@ -67,7 +67,7 @@ fn of_array(file: &[u8], prefix: &str) -> Result<Vec<Named>, Message> {
     let header = rest[from..].get(..length).ok_or_else(broken)?;
     let header = Header::read(&String::from_utf8_lossy(header)).ok_or_else(broken)?;
     let data = &rest[from + length..];
-    if header.is_pickled() {
+    if header.fields.iter().any(|field| field.of.kind == 'O') {
         return Err(message!("npy_pickled"));
     }
     let size: usize = header.fields.iter().map(Field::size).sum();
@@ -232,10 +232,6 @@ impl Header {
             return None;
         }
         Some(Field { name, of: Type::read(kind)?, parts: count })
-    }
-
-    fn is_pickled(&self) -> bool {
-        self.fields.iter().any(|field| field.of.kind == 'O')
     }
 }
 

@@ -213,10 +213,6 @@ impl TableMap {
         told.peek()?;
         Some(if told.any(of_record) { RowKind::Record } else { RowKind::Bench })
     }
-
-    fn leaves_aside(&self) -> bool {
-        !self.columns.is_empty()
-    }
 }
 
 /// What is known of a table before its rows are read.
@@ -246,7 +242,8 @@ impl<'a> RecordTable<'a> {
         for (column, theirs) in header.iter().enumerate() {
             let Some(name) = map.ours(theirs).filter(|name| !name.is_empty()) else { continue };
             if !known.contains(&name) {
-                if !map.leaves_aside() {
+                // Those that no entry of a map names are left aside.
+                if map.columns.is_empty() {
                     faults.push("", at(unknown(&name, known.iter().cloned()), column));
                     otherwise.extend(meant(&name, known.iter().cloned()));
                 }

@@ -99,7 +99,8 @@ impl Records {
             verified.faults.push(format!("record {id}: is stored under another time than its text says"));
         }
         // A campaign that cannot be fitted with the model in force, or has other gyros by it, stays as it came.
-        let by_model_in_force = self.reader.restated_anew(again).filter(|anew| counts && same_gyros(anew, again));
+        let places = |of: &Calibration| of.gyros.iter().map(|gyro| gyro.place).collect::<Vec<_>>();
+        let by_model_in_force = self.reader.restated_anew(again).filter(|anew| counts && places(anew) == places(again));
         for gyro in by_model_in_force.iter().flat_map(|anew| &anew.gyros) {
             let figures = |of: &CalibratedGyro| figures_of(&of.separation, id, row.calibrated_at, row.imu, row.station);
             let was = again.gyros.iter().find(|was| was.place == gyro.place);
@@ -204,10 +205,6 @@ impl Records {
 
 fn name(table: &Table, number: u32) -> String {
     table.name(number).map_or_else(|| format!("number {number}"), ToString::to_string)
-}
-
-fn same_gyros(a: &Calibration, b: &Calibration) -> bool {
-    a.gyros.iter().map(|gyro| gyro.place).eq(b.gyros.iter().map(|gyro| gyro.place))
 }
 
 /// What of the stored figures is not as computed, but for the states, which are the verdicts'.

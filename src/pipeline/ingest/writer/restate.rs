@@ -68,13 +68,9 @@ impl Restating<'_> {
         let now = self.now;
         let mut sent: HashMap<Id, &Calibration> = HashMap::new();
         for (id, calibration) in restated {
-            let rows = match calibration {
-                Some(calibration) => match store::record::get(&self.state.store, *id).await? {
-                    Some(stored) => rows_as_stated(&self.state.store, &stored, calibration),
-                    None => None,
-                },
-                None => None,
-            };
+            let stored = if calibration.is_some() { store::record::get(&self.state.store, *id).await? } else { None };
+            let rows = calibration.as_ref().zip(stored.as_ref());
+            let rows = rows.and_then(|(stated, stored)| rows_as_stated(&self.state.store, stored, stated));
             let (Some(calibration), Some(rows)) = (calibration, rows) else {
                 tracing::warn!(calibration = %id, "cannot be stated by the model that is adopted, and stays as it is");
                 continue;

@@ -4,10 +4,8 @@
 //! ([`Sent::Refused`]), or something else is ([`Trouble`]): then the document stays where it is.
 
 use std::fmt::Display;
-use std::path::PathBuf;
 use std::time::Duration;
 
-use anyhow::{Context, bail};
 use bytes::Bytes;
 use reqwest::header::{ACCEPT_LANGUAGE, CONTENT_TYPE, RETRY_AFTER};
 use reqwest::{Certificate, Method, StatusCode};
@@ -16,13 +14,13 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::common::service_address;
-use super::errors::{said, word};
+use super::prelude::*;
 use crate::core::message::sent;
 use crate::system::{self, Proxies};
 use crate::wire::cause;
 use crate::wire::note::NoteBody;
 use crate::wire::problem::ProblemBody;
-use crate::{message, words};
+use crate::words;
 
 pub const JSON: &str = "application/json";
 pub const NDJSON: &str = "application/x-ndjson";

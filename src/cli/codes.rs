@@ -1,8 +1,6 @@
 //! `codes`: every message that the service may answer.
 
-use clap::Args;
-
-use super::document;
+use super::prelude::*;
 use crate::words;
 
 /// Print every code of an error, with the names of its parameters and its words

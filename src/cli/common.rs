@@ -1,10 +1,9 @@
 //! What subcommands share: the runtime, the progress bar, and arguments that clap cannot check.
 
-use crate::cli::errors::said;
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::prelude::*;
 use crate::core::time::UtcMicros;
-use crate::wire::time;
 
 /// Runs a subcommand that waits for the network. One thread is plenty: the service is where the work is.
 pub(super) fn block_on<T>(work: impl Future<Output = anyhow::Result<T>>) -> anyhow::Result<T> {

@@ -1,13 +1,11 @@
 //! `completions` and `man`: what a shell and `man` know of the command line, made from its definition.
 
-use std::path::PathBuf;
 use std::{fs, io};
 
-use anyhow::Context;
-use clap::{Args, Command};
+use clap::Command;
 use clap_complete::Shell;
 
-use super::document;
+use super::prelude::*;
 
 /// Print what completes commands and options in a shell
 ///

@@ -1,20 +1,15 @@
 //! `void` and `revise`: what was stored counts no more, or another stands in its place. Nothing is deleted.
 
-use std::path::PathBuf;
-
-use anyhow::bail;
 use bytes::Bytes;
 use serde_json::{Value, json};
 
 use super::client::{Connection, JSON, Sent, Service, Trouble};
 use super::import::{source, withdrawn};
-use super::{block_on, document, faults};
-use crate::cli::errors::{said, word};
+use super::prelude::*;
+use super::{block_on, faults};
 use crate::core::message::{Message, list, sent};
-use crate::message;
 use crate::wire::campaign_csv::parse_csv_as_sent;
 use crate::wire::problem::ProblemBody;
-use crate::wire::time;
 
 /// Say that a stored record, campaign or bench result counts no more; it stays, with who said so and why
 #[derive(Debug, clap::Args)]

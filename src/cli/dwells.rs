@@ -1,11 +1,7 @@
 //! `dwells`: raw logs of a station in, the campaign of their dwells out. Nothing is stored.
 
-use std::path::PathBuf;
-
-use anyhow::bail;
-
-use super::{Usage, document};
-use crate::cli::errors::said;
+use super::Usage;
+use super::prelude::*;
 use crate::core::campaign::Campaign;
 use crate::core::fault::{Fault, Faults};
 use crate::logs::campaign::{Made, campaign_of};
@@ -17,7 +13,7 @@ use crate::logs::text::of_any;
 use crate::wire::campaign::to_json;
 use crate::wire::campaign_csv::to_csv;
 use crate::wire::differences::counted;
-use crate::{message, words};
+use crate::words;
 
 /// Make a campaign from raw logs: find what is still and what turns, average it, and say how far the means are known
 ///

@@ -16,6 +16,7 @@ mod dwells;
 mod errors;
 mod faults;
 mod import;
+mod prelude;
 #[cfg(feature = "server")]
 mod service;
 mod template;

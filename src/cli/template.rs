@@ -1,16 +1,13 @@
 //! `template`: a worked example of each document that a station writes, to be filled with its own figures.
 
 use std::io::{IsTerminal, Write};
-use std::path::{Path, PathBuf};
 
-use anyhow::Context;
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use rust_xlsxwriter::{Format, Workbook};
 
-use super::{Usage, document};
-use crate::cli::errors::{said, word};
-use crate::message;
+use super::Usage;
+use super::prelude::*;
 use crate::simulate::presets::preset;
 use crate::simulate::{Scenario, simulate};
 use crate::wire::campaign::CampaignBody;

@@ -5,10 +5,9 @@ use std::fmt;
 use serde_json::Value;
 
 use crate::cli::document::note;
-use crate::cli::errors::{said, word};
+use crate::cli::prelude::*;
 use crate::core::judge::Status;
 use crate::core::message::list;
-use crate::message;
 
 /// Displays D_I and D_S of each gyro or why there are none, how many verdicts there are of each status, what was
 /// judged beyond its limit, and what could not be checked; nothing for other answers.

@@ -11,19 +11,15 @@ mod send;
 pub(super) mod source;
 mod watch;
 
-use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use anyhow::{Context, bail};
 use indicatif::ProgressBar;
 
 use super::client::{Connection, Service};
 use super::common::{block_on, progress};
-use super::document;
-use crate::cli::errors::{said, word};
+use super::prelude::*;
 use crate::logs::error::LogError;
 use crate::logs::text::of_any;
-use crate::message;
 use crate::wire::record_table::TableMap;
 use crate::wire::text::toml_fault;
 use answer_summary::AnswerSummary;

@@ -5,16 +5,13 @@ use std::ffi::{OsStr, OsString};
 use std::io::Read;
 use std::time::{Duration, SystemTime};
 
-use anyhow::Context;
-
 use super::folder::Dir;
 use super::source::MAX_DOCUMENT_BYTES;
 use crate::cli::client::Service;
 use crate::cli::correct::{ReasonArgs, replace};
-use crate::cli::errors::said;
+use crate::cli::prelude::*;
 use crate::logs::sheet::readable;
 use crate::logs::text::of_any;
-use crate::message;
 use crate::system::Clock;
 
 pub const REVISE: &str = "revise";

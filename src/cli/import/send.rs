@@ -10,11 +10,10 @@ use serde_json::Value;
 
 use super::source::{Content, ImportDocument, MAX_DOCUMENT_BYTES, read_line};
 use crate::cli::client::{ImportLineAnswer, Sent, Service, Trouble};
-use crate::cli::errors::said;
 use crate::cli::faults;
+use crate::cli::prelude::*;
 use crate::core::message::list;
 use crate::core::note::Note;
-use crate::message;
 use crate::wire::differences::counted;
 use crate::wire::document::DocumentKind;
 use crate::wire::note;

@@ -4,23 +4,20 @@
 //! endpoint, byte for byte, so that the service's complaints name places in the file as it is.
 
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
-use std::path::Path;
 use std::time::Duration;
 
-use anyhow::Context;
 use serde::de::IgnoredAny;
 use serde_json::value::RawValue;
 
 use crate::cli::Usage;
 use crate::cli::client::JSON;
 use crate::cli::document::name;
-use crate::cli::errors::said;
 use crate::cli::faults;
+use crate::cli::prelude::*;
 use crate::core::fault::Faults;
 use crate::core::message::Message;
 use crate::core::note::Note;
 use crate::logs::sheet::readable;
-use crate::message;
 use crate::wire::json::said_of;
 use crate::wire::note;
 use crate::wire::record_table::{TableMap, documents};

@@ -8,10 +8,7 @@
 use std::collections::{HashMap, HashSet};
 use std::ffi::{OsStr, OsString};
 use std::io::Write;
-use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-
-use anyhow::Context;
 
 use super::answer_summary::AnswerSummary;
 use super::folder::{Dir, FileStamp};
@@ -19,14 +16,12 @@ use super::revise::{self, REVISE, WHY, with};
 use super::send::{Event, ImportCounts, Importer, Refusal, end};
 use super::source::{self, Content, Patience};
 use crate::cli::client::{Service, Trouble};
-use crate::cli::document;
-use crate::cli::errors::{said, with_causes, word};
+use crate::cli::errors::with_causes;
+use crate::cli::prelude::*;
 use crate::core::message::Message;
 use crate::core::time::UtcMicros;
-use crate::message;
 use crate::system::Clock;
 use crate::wire::record_table::TableMap;
-use crate::wire::time;
 
 const POLL: Duration = Duration::from_millis(200);
 /// How long a file must not change before it is sent: one document in JSON, and what has no end of its own.

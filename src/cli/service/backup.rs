@@ -1,14 +1,8 @@
 //! `backup`: a copy of the database, taken while it is served, and checked.
 
-use std::path::PathBuf;
-
-use anyhow::Context;
-use clap::Args;
-
 use super::settings::ConfigArgs;
 use crate::cli::common::block_on;
-use crate::cli::errors::said;
-use crate::message;
+use crate::cli::prelude::*;
 use crate::store::{self, Holdings};
 
 /// Copy the database into one file, served or not, and check the copy

@@ -1,11 +1,9 @@
 //! `gyrowatch blindcheck`: how well does the diagnosis do on campaigns whose cause is hidden from it?
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Error};
-use clap::Args;
+use anyhow::Error;
 use comfy_table::Table;
 
 use super::hypothesis;
@@ -20,16 +18,16 @@ use crate::blindcheck::score::Score;
 use crate::blindcheck::seal;
 use crate::blindcheck::tally::Tally;
 use crate::cli::common::positive;
-use crate::cli::document::{Format, part_of, table_of, write, write_all};
-use crate::cli::errors::{said, word};
+use crate::cli::document::{part_of, write, write_all};
 use crate::cli::faults;
+use crate::cli::prelude::*;
 use crate::core::augmented::{AugmentedModel, Options};
 use crate::core::diagnose::diagnose;
 use crate::core::effects::Effect;
 use crate::simulate::Scenario;
 use crate::simulate::cause::{CATALOGUE, listed};
 use crate::simulate::truth::Key;
-use crate::{blindcheck, message, wire};
+use crate::{blindcheck, wire};
 
 /// Draw campaigns with a hidden cause, diagnose them from their file alone, score the answers
 ///

@@ -3,7 +3,6 @@
 use std::time::Instant;
 
 use anyhow::Error;
-use clap::Args;
 
 use super::blindcheck_service::ask;
 use super::tallies::{demand, figures, progress, target};
@@ -11,9 +10,8 @@ use crate::blindcheck::history::draw::{DrawnFleet, HiddenCause};
 use crate::blindcheck::history::report::{HistoryRate, HistoryReport};
 use crate::blindcheck::history::run;
 use crate::blindcheck::history::speed::{Speed, measure};
-use crate::cli::document::{Format, table_of};
-use crate::cli::errors::{said, with_causes};
-use crate::message;
+use crate::cli::errors::with_causes;
+use crate::cli::prelude::*;
 
 /// Draw fleets with a hidden cause, send each to a service of its own, score what it answers of every gyro
 ///

@@ -1,19 +1,14 @@
 //! `calibrate`: campaigns of raw dwells in, the fit and the drift coefficients out. Nothing is stored or judged.
 
-use std::path::{Path, PathBuf};
-
-use anyhow::{Context, bail};
-
 use super::separate::{SeparationMethod, check_kind, drift_and_mounting, figure};
 use super::{model, settings};
-use crate::cli::document::{self, Format, coefficient, part_of, table_of};
-use crate::cli::errors::{said, word};
+use crate::cli::document::{coefficient, part_of};
+use crate::cli::prelude::*;
 use crate::config::Config;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::calibrate::repeats_between::repeated;
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::imu_model::of_one_imu;
-use crate::message;
 use crate::wire::calibration::{CampaignAnswer, CampaignsAnswer, GyroFitBody, RepeatedBody};
 use crate::wire::document::{DocumentKind, parse};
 use crate::wire::unit;

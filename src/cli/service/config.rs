@@ -1,9 +1,7 @@
 //! `config`: what is in force, from the defaults, the files and the environment.
 
-use clap::Args;
-
 use super::settings::ConfigArgs;
-use crate::cli::document;
+use crate::cli::prelude::*;
 
 /// Check the configuration and print what is in force, as one file
 #[derive(Debug, Args)]

@@ -1,14 +1,10 @@
 //! `copy`: a database in a file taken over to PostgreSQL.
 
-use anyhow::{Context, bail};
-use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::common::block_on;
-use crate::cli::document;
-use crate::cli::errors::{said, word};
+use crate::cli::prelude::*;
 use crate::config::Config;
-use crate::message;
 use crate::store::{self, Copied, Options};
 
 /// Copy a database from a file to an empty one on PostgreSQL and compare the two; interrupted, it goes on when run

@@ -1,19 +1,14 @@
 //! `diagnose`: where a campaign and the error model part, which unmodelled effect parts them, how far the gap shrinks.
 
-use std::path::{Path, PathBuf};
-
-use anyhow::{Context, bail};
-
 use super::predict::against_model;
 use super::{diagnose_all, diagnose_gyro, diagnose_record, hypothesis, model, settings};
-use crate::cli::document::{self, Format, coefficient, table_of, verdict};
-use crate::cli::errors::{said, word};
+use crate::cli::document::{coefficient, verdict};
+use crate::cli::prelude::*;
 use crate::core::augmented::{AugmentedModel, Options};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{Diagnosis, FALSE_ALARM, Reference, diagnose, may_be_split, split};
 use crate::core::imu_model::changed_since;
 use crate::core::message::list;
-use crate::message;
 use crate::pages::{Subject, diagnosis_report};
 use crate::wire::campaign::parse_json;
 use crate::wire::diagnosis::{DiagnosisBody, TableBody};
@@ -21,7 +16,7 @@ use crate::wire::document::{DocumentKind, is_csv, parse};
 use crate::wire::forecast::ChangedBody;
 use crate::wire::record::parse_record;
 use crate::wire::split::SplitBody;
-use crate::wire::{self, time, unit};
+use crate::wire::{self, unit};
 use crate::words::asked;
 
 /// Diagnose the gap between a campaign and the error model, or all campaigns of a running service

@@ -6,17 +6,15 @@
 
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, bail};
 use bytes::Bytes;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use crate::cli::client::{Connection, JSON, Sent, Service, Trouble};
 use crate::cli::common::{block_on, progress};
-use crate::cli::document::{Format, part_of, table_of, verdict};
-use crate::cli::errors::{said, word};
+use crate::cli::document::{part_of, verdict};
+use crate::cli::prelude::*;
 use crate::core::message::Message;
-use crate::message;
 use crate::wire::diagnoses::{
     CoverageBody, DoubtBody, FailureBody, FindingBody, JobDetailBody, SummaryBody, WhichBody,
 };

@@ -2,9 +2,7 @@
 
 use super::diagnose_all::FleetArgs;
 use crate::cli::common::block_on;
-use crate::cli::document::{Format, table_of};
-use crate::cli::errors::said;
-use crate::message;
+use crate::cli::prelude::*;
 use crate::wire::history::{CoefficientBody, HistoryDiagnosisBody};
 use crate::wire::text::encoded;
 

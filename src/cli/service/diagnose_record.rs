@@ -1,16 +1,14 @@
 //! `diagnose RECORD`: what the closure of a calibration record says, where there are no dwells to ask.
 
 use super::settings;
-use crate::cli::document::{self, Format, table_of, verdict};
-use crate::cli::errors::{said, word};
+use crate::cli::document::verdict;
+use crate::cli::prelude::*;
 use crate::core::diagnose::closures;
 use crate::core::message::list;
 use crate::core::record::GyroParameters;
 use crate::core::separate::{separate, stated_covariance};
-use crate::message;
 use crate::wire::closure::ClosureBody;
 use crate::wire::record::parse_record;
-use crate::wire::time;
 
 /// Prints the diagnosis of a record.
 pub fn run(bytes: &[u8], format: Format) -> anyhow::Result<()> {

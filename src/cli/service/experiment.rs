@@ -2,10 +2,9 @@
 
 use std::io::Write;
 
-use crate::cli::document::{part_of, table_of};
-use crate::cli::errors::{said, word};
+use crate::cli::document::part_of;
+use crate::cli::prelude::*;
 use crate::experiment::{HEADLINE, MethodComparison, compare_many};
-use crate::message;
 
 const RIGID: &str = "method_rigid";
 const PUBLISHED: &str = "terminal_published";

@@ -2,20 +2,14 @@
 
 use std::sync::Arc;
 
-use anyhow::Context;
-use clap::Args;
-
 use super::settings::ConfigArgs;
 use crate::cli::common::block_on;
-use crate::cli::document;
-use crate::cli::errors::{said, word};
+use crate::cli::prelude::*;
 use crate::core::judge::{FleetNoise as Found, NoiseParameters, Spacing};
 use crate::core::message::figure;
-use crate::message;
 use crate::pipeline::Pipeline;
 use crate::store;
 use crate::system::Clock;
-use crate::wire::time;
 
 /// Fit the fleet's noise constants (correlation, random walk, what stations differ by) to the stored history, and print
 /// the lines for the configuration

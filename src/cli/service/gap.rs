@@ -1,23 +1,16 @@
 //! `gyrowatch gap`: the forecast error of an IMU's campaigns, step by step from the paper's model to the noise.
 
-use std::path::PathBuf;
-
-use anyhow::Context;
-use clap::Args;
 use serde::Serialize;
 
 use super::predict::{identified, noise_floor, state, step};
 use super::settings;
 use crate::cli::client::Connection;
 use crate::cli::common::{Usage, block_on};
-use crate::cli::document::{self, Format, table_of};
-use crate::cli::errors::{said, word};
+use crate::cli::prelude::*;
 use crate::core::imu_model::{compare, ladder};
 use crate::core::judge::Limits;
-use crate::message;
 use crate::wire::forecast::{ClosingBody, ComparedBody, ForecastBody, ForecastPointBody, ForecastSeriesBody, RungBody};
 use crate::wire::text::encoded;
-use crate::wire::time;
 
 /// Show the gap between the model of an IMU and its later campaigns: model (6), each effect, the noise floor
 ///

@@ -3,16 +3,15 @@
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::time::Duration;
 
-use anyhow::{anyhow, bail};
-use clap::Args;
+use anyhow::anyhow;
 use serde_json::Value;
 
 use super::settings::ConfigArgs;
 use crate::cli::common::block_on;
-use crate::cli::errors::said;
+use crate::cli::prelude::*;
 use crate::config::Server;
+use crate::system;
 use crate::wire::cause;
-use crate::{message, system};
 
 const PATIENCE: Duration = Duration::from_secs(10);
 

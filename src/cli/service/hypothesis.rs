@@ -1,15 +1,9 @@
 //! `--hypothesis`: files with hypotheses of one's own.
 
-use std::path::PathBuf;
-
-use anyhow::{Context, bail};
-
-use crate::cli::document;
-use crate::cli::errors::said;
+use crate::cli::prelude::*;
 use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;
 use crate::core::effects::{Effect, Lack, axes};
-use crate::message;
 use crate::wire::hypothesis::{parse_toml, with_one_id_each};
 
 /// The hypotheses in the files; beside what a model holds already, each has an id of its own or is the very same.

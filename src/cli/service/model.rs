@@ -1,14 +1,8 @@
 //! `--model`: terms of model (6) by name, or a model file.
 
-use std::path::{Path, PathBuf};
-
-use anyhow::{Context, bail};
-
-use crate::cli::document;
-use crate::cli::errors::said;
+use crate::cli::prelude::*;
 use crate::core::augmented::AugmentedModel;
 use crate::core::model::Terms;
-use crate::message;
 use crate::wire::campaign::terms_from_names;
 use crate::wire::model;
 

@@ -1,14 +1,11 @@
 //! `gyrowatch model fit`: the model of one IMU from its campaigns.
 
-use std::path::{Path, PathBuf};
-
-use anyhow::bail;
-use clap::{Args, Subcommand};
+use clap::Subcommand;
 
 use super::calibrate::files_of_one_imu;
 use super::{hypothesis, model, settings};
-use crate::cli::document::{self, Format, coefficient, table_of};
-use crate::cli::errors::{said, word};
+use crate::cli::document::coefficient;
+use crate::cli::prelude::*;
 use crate::core::augmented::{Adopted, AugmentedModel};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::Verdict;
@@ -17,9 +14,8 @@ use crate::core::imu_model::{CampaignSample, Chosen, Identified, Of, asked_for, 
 use crate::core::message::sent;
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::Slot;
-use crate::message;
 use crate::system::sha256;
-use crate::wire::{self, time, unit};
+use crate::wire::{self, unit};
 
 /// Make a model of one IMU from its campaigns
 #[derive(Debug, Args)]

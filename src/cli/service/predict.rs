@@ -1,18 +1,12 @@
 //! `gyrowatch predict`: what the model of an IMU forecasts of a campaign, and how far it came true.
 
-use std::path::{Path, PathBuf};
-
-use anyhow::{Context, bail};
-use clap::Args;
-
 use super::{model, settings};
-use crate::cli::document::{self, Format, coefficient, table_of};
-use crate::cli::errors::{said, word};
+use crate::cli::document::coefficient;
+use crate::cli::prelude::*;
 use crate::core::campaign::Campaign;
 use crate::core::imu_model::{Identified, changed, compare, forecast, ladder, most_telling, promised};
 use crate::core::judge::Limits;
 use crate::core::message::Message;
-use crate::message;
 use crate::simulate::of_model::scenario_of;
 use crate::simulate::{Scenario, simulate};
 use crate::wire::forecast::{ChangedBody, ClosingBody, ComparedBody, ForecastBody, RungBody};

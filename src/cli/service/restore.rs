@@ -1,15 +1,9 @@
 //! `restore`: a backup checked, and put where a database is missing.
 
-use std::path::PathBuf;
-
-use anyhow::Context;
-use clap::Args;
-
 use super::backup::holdings_said;
 use super::settings::ConfigArgs;
 use crate::cli::common::block_on;
-use crate::cli::errors::said;
-use crate::message;
+use crate::cli::prelude::*;
 use crate::store;
 
 /// Check a backup and put it where the database is to be; what is there already is never overwritten

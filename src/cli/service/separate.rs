@@ -1,25 +1,19 @@
 //! `separate`: one record in, its drift coefficients out. Nothing is stored; what is judged is E and G against what
 //! is required of them, which takes no history.
 
-use std::path::PathBuf;
-
-use anyhow::{Context, bail};
 use comfy_table::Table;
 
 use super::settings;
-use crate::cli::document::{self, Format, table_of};
-use crate::cli::errors::{said, word};
+use crate::cli::prelude::*;
 use crate::config::Judging;
 use crate::core::fault::{Fault, Faults};
 use crate::core::judge::{State, Verdict};
 use crate::core::record::{GyroParameters, Record};
 use crate::core::separate::{JudgedMethod, NotPublished, Published, Separation, separate, stated_covariance};
-use crate::message;
 use crate::pages::figure::with_sd;
 use crate::wire::answer::{RecordAnswer, SeparationBody, VerdictBody};
 use crate::wire::document::DocumentKind;
 use crate::wire::record::parse_record;
-use crate::wire::time;
 use crate::words::asked;
 
 /// Separate D_I and D_S of the gyros of one calibration record

@@ -5,8 +5,6 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
-use anyhow::Context;
-use clap::Args;
 use tokio::net::TcpListener;
 use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::watch;
@@ -15,12 +13,11 @@ use tracing_subscriber::EnvFilter;
 
 use super::notify;
 use super::settings::ConfigArgs;
-use crate::cli::errors::said;
+use crate::cli::prelude::*;
 use crate::config::{Config, Log, LogFormat};
 use crate::core::message::text;
 use crate::http::tls::Tls;
 use crate::http::{self, App};
-use crate::message;
 use crate::pages::{self, Pages};
 use crate::pipeline::{Outbox, Pipeline};
 use crate::system::Clock;

@@ -1,10 +1,6 @@
 //! The configuration that subcommands read.
 
-use std::path::{Path, PathBuf};
-
-use anyhow::Context;
-
-use crate::cli::document;
+use crate::cli::prelude::*;
 use crate::config::Config;
 use crate::core::campaign::Campaign;
 use crate::core::record::Plausibility;

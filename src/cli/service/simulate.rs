@@ -1,21 +1,15 @@
 //! `gyrowatch simulate`: made-up campaigns, and their truth apart; the paper's experiment, and its table.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
-
-use anyhow::{Context, bail};
-use clap::Args;
 
 use super::{experiment, hypothesis, model};
 use crate::cli::common::{Usage, positive};
-use crate::cli::document;
-use crate::cli::errors::{said, word};
+use crate::cli::prelude::*;
 use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;
 use crate::core::effects::Effect;
 use crate::core::message::sent;
 use crate::core::mounting::Slot;
-use crate::message;
 use crate::simulate::augment::augment;
 use crate::simulate::cause::known;
 use crate::simulate::experiment::{Test, tests};

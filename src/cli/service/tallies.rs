@@ -1,12 +1,10 @@
 //! How the blind checks show their progress and their proportions.
 
-use anyhow::bail;
 use indicatif::ProgressBar;
 
 use crate::blindcheck::tally::Tally;
 use crate::cli::common;
-use crate::cli::errors::{said, word};
-use crate::message;
+use crate::cli::prelude::*;
 
 pub(super) fn progress(count: usize, of: &str) -> ProgressBar {
     common::progress(count as u64, &format!("{{bar:40}} {{pos}}/{{len}} {of}, {{eta}} left"))

@@ -1,24 +1,21 @@
 //! `token`: who may use the service. Works on the database itself, so that the first token can be made before the
 //! service runs and nobody is locked out.
 
-use anyhow::bail;
-use clap::{Args, Subcommand};
+use clap::Subcommand;
 
 use super::healthcheck;
 use super::settings::ConfigArgs;
 use crate::cli::common::{block_on, instant};
-use crate::cli::document;
-use crate::cli::errors::{said, word};
+use crate::cli::prelude::*;
 use crate::config::Config;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::core::message::sent;
 use crate::core::time::UtcMicros;
-use crate::message;
 use crate::pipeline::{NewToken, OrderError, create_beside, revoke_beside};
 use crate::store::{Beside, StoreError, TokenRow};
 use crate::system::Clock;
-use crate::wire::{text, time};
+use crate::wire::text;
 
 /// Make, list and revoke access tokens
 #[derive(Debug, Args)]

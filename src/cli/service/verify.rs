@@ -2,14 +2,9 @@
 
 use std::sync::Arc;
 
-use anyhow::{Context, bail};
-use clap::Args;
-
 use super::settings::ConfigArgs;
 use crate::cli::common::block_on;
-use crate::cli::document;
-use crate::cli::errors::said;
-use crate::message;
+use crate::cli::prelude::*;
 use crate::pipeline::{Pipeline, Verified};
 use crate::store;
 use crate::system::Clock;

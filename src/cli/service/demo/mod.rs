@@ -6,19 +6,16 @@ mod happening;
 mod paper;
 
 use std::net::SocketAddr;
-use std::path::PathBuf;
 
-use anyhow::{Context, bail};
 use bytes::Bytes;
-use clap::Args;
 use indicatif::ProgressBar;
 use serde_json::Value;
 
 use super::serve;
 use crate::cli::client::{JSON, Sent, Service};
-use crate::cli::errors::{said, with_causes};
+use crate::cli::errors::with_causes;
+use crate::cli::prelude::*;
 use crate::core::message::text;
-use crate::message;
 use happening::Happening;
 
 use crate::config::Config;

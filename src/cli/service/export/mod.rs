@@ -7,11 +7,10 @@ mod parquet;
 
 use std::fs::File;
 use std::io::BufWriter;
-use std::path::PathBuf;
 use std::sync::Arc;
 
-use anyhow::{Context, anyhow, bail};
-use clap::{Args, ValueEnum};
+use anyhow::anyhow;
+use clap::ValueEnum;
 
 use self::columns::ExportRow;
 use self::csv::Csv;
@@ -19,10 +18,9 @@ use self::csv::Csv;
 use self::parquet::Parquet;
 use super::settings::ConfigArgs;
 use crate::cli::common::{Usage, block_on, end, start};
-use crate::cli::errors::said;
+use crate::cli::prelude::*;
 use crate::core::figures::Figures;
 use crate::core::time::{Span, UtcMicros};
-use crate::message;
 use crate::pipeline::Statuses;
 use crate::store::{self, Store};
 

@@ -6,21 +6,17 @@ mod table;
 
 use std::collections::HashMap;
 
-use serde::Deserialize;
-
 use super::form::{ActionForm, Word, choice, rule_choice, see_other};
-use super::layout::{encoded, query, written, written_day};
+use super::layout::{query, written_day};
 use super::prelude::*;
 use super::silences::{days_field, silent_until};
 use super::verdicts::violated;
 use super::{bullet, silences, status};
 use crate::core::alert_decision::Standing;
 use crate::core::alert_filter::AlertFilter;
-use crate::core::fault::Faults;
-use crate::core::judge::{Coefficient, Rule, Severity, Status};
+use crate::core::judge::{Coefficient, Severity};
 use crate::core::named::named;
 use crate::pipeline::{self, AlertChange, AlertOrder, BEYOND, Violation};
-use crate::wire::alert::AlertBody;
 use table::known;
 
 /// Gyros on one page.

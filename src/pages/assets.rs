@@ -3,10 +3,9 @@
 
 use std::sync::LazyLock;
 
-use axum::extract::Path;
-use axum::http::StatusCode;
 use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE};
-use axum::response::{IntoResponse, Response};
+
+use super::prelude::*;
 
 /// Something that pages load.
 pub(super) struct Asset {

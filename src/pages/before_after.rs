@@ -1,12 +1,11 @@
 //! What a gyro was before and after each environmental test.
 
 use super::history::event_name;
-use super::layout::{DRIFTS, instant, or_dash, symbol};
 use super::prelude::*;
-use super::{figure, status};
+use super::status;
 use crate::config::JudgedMethod;
 use crate::core::figures::Figures;
-use crate::core::judge::{Event, Limit, Measured, Rule, Status};
+use crate::core::judge::{Event, Limit};
 use crate::pipeline::{Course, Tested, sample_of};
 
 /// By the judged method, the newest test first; nothing for a gyro that was never tested.

@@ -1,10 +1,7 @@
 //! A load as a bar the height of a word: every one on the same scale, so that the eye can run down a column.
 
-use super::figure;
-use super::layout::{DRIFTS, symbol};
 use super::prelude::*;
 use super::status::sign;
-use crate::core::judge::{Measured, Rule, Status};
 use crate::pipeline::{Standing, Violation};
 
 /// Loads beyond this stand at the edge, as an arrow.

@@ -4,14 +4,13 @@ use std::borrow::Cow;
 
 use axum::response::Redirect;
 
-use super::layout::{encoded, instant, joined, label, noted, or_dash, symbol};
+use super::layout::{joined, noted};
 use super::parameters::{self, Parameters};
 use super::prelude::*;
 use super::verdicts::{self, SeenVerdict};
-use super::{corrections, figure, residuals, separation};
+use super::{corrections, residuals, separation};
 use crate::core::diagnose::{ClosureDiagnosis, GyroClosure};
-use crate::core::id::Id;
-use crate::core::judge::{Rule, State, Verdict};
+use crate::core::judge::{State, Verdict};
 use crate::core::kind::Kind;
 use crate::core::message::text;
 use crate::core::mounting::Slot;

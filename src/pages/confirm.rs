@@ -2,9 +2,8 @@
 //! about.
 
 use super::form::{ActionForm, ItemAction, Word, see_other};
-use super::layout::{instant, noted};
+use super::layout::noted;
 use super::prelude::*;
-use crate::core::id::Id;
 use crate::core::message::text;
 use crate::pipeline::{Actor, Confirmation, Submission};
 use crate::wire::note;

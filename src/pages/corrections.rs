@@ -1,15 +1,11 @@
 //! `…/void`: a record, a campaign or a bench result counts no more, said on a page that tells what that changes; and
 //! how an item stands that was voided or revised.
 
-use super::figure;
 use super::form::{ActionForm, ItemAction, Word, see_other};
-use super::layout::{DRIFTS, encoded, instant, label, symbol};
 use super::prelude::*;
 use crate::core::correction::{CorrectedResult, CorrectionItem};
-use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::message::text;
-use crate::core::time::UtcMicros;
 use crate::pipeline::{Actor, Corrected, Correction, Submission};
 
 async fn void(pages: &Pages, item: Corrected, form: ActionForm, word: Word) -> Result<Response, Problem> {

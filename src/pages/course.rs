@@ -1,13 +1,8 @@
 //! A course over time, drawn by the service: measured points, and lines of what explains them.
 
-use maud::{Markup, html};
-
 use super::chart::{Across, Chart, Dot, Flag, Level, Track, bounds, millis, widened};
-use super::figure;
 use super::history_plot::{MOST_FLAGS, list};
-use super::layout::symbol;
-use super::text::Text;
-use crate::core::time::UtcMicros;
+use super::prelude::*;
 
 /// One coefficient.
 pub(super) struct Course<'a> {

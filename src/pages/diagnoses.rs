@@ -2,16 +2,12 @@
 
 mod orders;
 
-use axum::http::StatusCode;
-use serde::Deserialize;
-
 use super::figure::percent;
 use super::form::{choice, fault_list, see_other};
-use super::layout::{effect_named, encoded, joined, or_dash, query, symbol, written};
+use super::layout::{effect_named, joined, query};
 use super::prelude::*;
 use super::residuals::closure_bar;
 use crate::core::effects::CATALOGUE;
-use crate::core::fault::Faults;
 use crate::pipeline::DiagnosisOrder;
 use crate::wire::diagnoses::{
     AtStationBody, DoubtBody, FindingBody, OverviewBody, SightingBody, SummaryBody, WhichBody,

@@ -1,11 +1,7 @@
 //! `/gyros/{serial}/events/new`: what was done to a gyro, or a new baseline, on a page that says what that changes.
 
-use serde::Deserialize;
-
 use super::form::{ActionForm, Word, see_other, typed_time};
-use super::layout::encoded;
 use super::prelude::*;
-use crate::core::fault::Faults;
 use crate::core::judge::Event;
 use crate::core::record::Name;
 use crate::pipeline::{Accepted, Actor, GyroEvent, Submission};

@@ -1,11 +1,7 @@
 //! `/find`: what a name or an identifier is of. Where that is one thing, its page; else the fleet, searched.
 
-use serde::Deserialize;
-
 use super::form::see_other;
-use super::layout::encoded;
 use super::prelude::*;
-use crate::core::id::Id;
 use crate::pipeline::FleetFilter;
 
 #[derive(Debug, Default, Deserialize)]

@@ -2,17 +2,14 @@
 //! coefficients are others now.
 
 use super::chart::{Across, Chart, Dot, Track, bounds, millis, widened};
-use super::figure::{self, short};
-use super::layout::{effect_word, encoded, instant, or_dash, symbol, written};
+use super::figure::short;
+use super::layout::effect_word;
 use super::prelude::*;
 use crate::core::augmented::AugmentedModel;
-use crate::core::judge::Status;
-use crate::core::time::UtcMicros;
 use crate::pipeline::AdoptedModel;
 use crate::wire::diagnosis::{InUseBody, InUseEffectBody};
 use crate::wire::forecast::{ChangedBody, ClosingBody, ComparedBody, ForecastPointBody, ThenNowBody};
 use crate::wire::model::ModelBody;
-use crate::wire::time;
 
 /// The forecasts of an IMU's campaigns, oldest first; nothing where there are none.
 pub(super) fn series(t: &Text, points: &[ForecastPointBody]) -> Markup {

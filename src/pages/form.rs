@@ -1,17 +1,13 @@
 //! Forms for whatever changes something: with who and why, and that it is meant where it cannot be undone. That they come from this site's own
 //! pages is seen to where every request is admitted.
 
+use axum::http::HeaderValue;
 use axum::http::header::LOCATION;
-use axum::http::{HeaderValue, StatusCode};
-use serde::Deserialize;
 
 use super::prelude::*;
 use super::viewer::is_local;
-use crate::core::fault::Faults;
-use crate::core::judge::Rule;
-use crate::core::message::Message;
 use crate::routes::{Least, Routes};
-use crate::wire::{text, time};
+use crate::wire::text;
 
 /// Goes on with another page, which may be loaded again without sending the form again.
 pub(super) fn see_other(path: &str) -> Response {

@@ -2,19 +2,14 @@
 
 use std::time::Duration;
 
-use serde::Deserialize;
 use tokio::time::Instant;
 
 use super::gyro_facts::{Facts, ROWS, first_row};
-use super::layout::{DRIFTS, encoded, instant, label, symbol};
 use super::prelude::*;
 use super::verdicts::{self, SeenVerdict};
 use super::view::{AskedView, Shown, View};
-use super::{before_after, figure, gyro_attributes, gyro_head, history, history_plot, status};
+use super::{before_after, gyro_attributes, gyro_head, history, history_plot, status};
 use crate::core::figures::Figures;
-use crate::core::id::Id;
-use crate::core::judge::Status;
-use crate::core::time::UtcMicros;
 use crate::pipeline::{Comparison, Course, ExplainedHistory, Names, Statuses, sample_of};
 use crate::wire::answer::VerdictBody;
 

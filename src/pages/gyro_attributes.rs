@@ -1,11 +1,8 @@
 //! `/gyros/{serial}/attributes`: batch, type and unit of a gyro, shown and edited.
 
-use serde::Deserialize;
-
 use super::form::{ActionForm, Word, see_other};
-use super::layout::{encoded, joined};
+use super::layout::joined;
 use super::prelude::*;
-use crate::core::fault::Faults;
 use crate::core::gyro_attributes::{GyroAttributes, GyroAttributesPatch};
 use crate::core::record::Name;
 use crate::pipeline::{Actor, AttributesOrder, Submission};

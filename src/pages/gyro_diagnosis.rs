@@ -2,12 +2,9 @@
 //! own.
 
 use super::course::Course;
-use super::figure;
 use super::gyro_head::{named, own_first};
-use super::layout::{encoded, symbol};
 use super::prelude::*;
 use crate::core::changes::{DriftBudget, HistoryDiagnosis};
-use crate::core::time::UtcMicros;
 use crate::pipeline::ExplainedHistory;
 
 pub(super) async fn page(Visit(ref pages, ref viewer): Visit, Path(ref serial): Path<String>) -> Result<Page, Problem> {

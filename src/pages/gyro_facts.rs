@@ -10,7 +10,6 @@ use super::{alerts, status};
 use crate::core::figures::Figures;
 use crate::core::judge::State;
 use crate::pipeline::{Comparison, Course, Standing, Statuses};
-use crate::wire::alert::AlertBody;
 
 /// Records of a run that are told from what is only drifting; an older one began before.
 const LONGEST_RUN: usize = 400;

@@ -3,19 +3,15 @@
 use super::gyro_facts::Facts;
 use super::history::seat;
 use super::history_plot::epoch_of;
-use super::layout::{DRIFTS, day, encoded, instant, symbol};
+use super::layout::day;
 use super::prelude::*;
 use super::verdicts::{SeenVerdict, seen};
-use super::{bullet, figure, gyro_attributes, status};
+use super::{bullet, gyro_attributes, status};
 use crate::config::JudgedMethod;
 use crate::core::changes::{ChangeCause, HistoryDiagnosis, NamedCause};
-use crate::core::judge::{
-    Coefficient, Event, Finding, Load, Measured, Rule, Standpoint, Status, Suggestion, Verdict, suggest,
-};
+use crate::core::judge::{Coefficient, Event, Finding, Load, Standpoint, Suggestion, Verdict, suggest};
 use crate::core::message::text;
-use crate::core::time::UtcMicros;
 use crate::pipeline::{EventItem, ExplainedHistory, Names, Violation, sample_of};
-use crate::wire::time;
 
 /// Causes of one coefficient's change in the head; all of them are on the page of the diagnosis.
 const MOST_CAUSES: usize = 3;

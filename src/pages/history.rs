@@ -1,10 +1,8 @@
 //! What happened to a gyro: events, changes of seat and station, results that count no more.
 
 use super::corrections;
-use super::layout::instant;
 use super::prelude::*;
 use crate::core::figures::Figures;
-use crate::core::time::UtcMicros;
 use crate::pipeline::{Course, EventItem, Names};
 
 /// `IMU-07 G1`.

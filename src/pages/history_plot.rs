@@ -4,20 +4,18 @@ use std::collections::HashMap;
 
 use super::chart::{Across, Ahead, Chart, Dot, Flag, Level, Segment, Track, bounds, millis, widened};
 use super::history::{event_label, seat};
-use super::layout::{DRIFTS, clock, symbol};
+use super::layout::clock;
 use super::prelude::*;
 use super::status::sign;
 use super::verdicts::{SeenVerdict, seen};
 use super::view::{Shown, View};
-use super::{bullet, downsample, figure};
+use super::{bullet, downsample};
 use crate::config::JudgedMethod;
 use crate::core::bench::BenchMethod;
 use crate::core::figures::Figures;
 use crate::core::judge::limits::DEFAULT_BUDGET;
-use crate::core::judge::{Finding, Measured, Rule, Sample, Status};
-use crate::core::time::UtcMicros;
+use crate::core::judge::{Finding, Sample};
 use crate::pipeline::{Baseline, BenchItem, Course, EventItem, Names, Statuses, sample_of};
-use crate::wire::time;
 
 /// Points of one coefficient that are drawn one by one at the most.
 pub(super) const MOST_POINTS: usize = 1000;

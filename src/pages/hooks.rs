@@ -3,11 +3,9 @@
 mod actions;
 mod deliveries;
 
-use super::layout::written;
 use super::prelude::*;
 use super::status;
-use crate::core::id::Id;
-use crate::core::judge::{Rule, Severity, Status};
+use crate::core::judge::Severity;
 use crate::wire::hook::{FilterBody, HookBody};
 
 pub(super) use crate::pages::hooks::actions::{DeleteHook, add, ask_add, redeliver, redeliver_dead, switch, test};

@@ -15,19 +15,16 @@ use std::sync::Arc;
 
 use axum::Extension;
 use axum::extract::Request;
-use axum::http::StatusCode;
 
 use self::multipart::Upload;
 use super::fleet::violated;
-use super::layout::{DRIFTS, day, encoded, instant, joined, noted, or_dash, symbol};
+use super::layout::{day, joined, noted};
 use super::prelude::*;
 use super::upload_parts::{Piece, pieces};
-use super::{bullet, figure, off_the_loop, status};
+use super::{bullet, off_the_loop, status};
 use crate::core::alert_decision::Late;
-use crate::core::fault::{Fault, Faults};
+use crate::core::fault::Fault;
 use crate::core::history_note::HistoryNote;
-use crate::core::id::Id;
-use crate::core::judge::Measured;
 use crate::core::note::Note;
 use crate::logs::campaign::Made;
 use crate::logs::report;

@@ -3,16 +3,14 @@
 use std::collections::HashMap;
 
 use super::alerts::{self, is_open};
-use super::layout::{DRIFTS, encoded, instant, label, query, symbol};
+use super::layout::query;
 use super::parameters::{self, Parameters};
 use super::prelude::*;
-use super::{bullet, figure, forecast, status};
+use super::{bullet, forecast, status};
 use crate::core::alert_filter::AlertFilter;
 use crate::core::effects::Effect;
-use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::pipeline::{Conclusion, ListedRecord, Seats, Standing, sample_of};
-use crate::wire::alert::AlertBody;
 use crate::wire::campaign::CampaignBody;
 use crate::wire::record::RecordBody;
 

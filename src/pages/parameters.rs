@@ -3,11 +3,9 @@
 
 use std::collections::BTreeSet;
 
-use super::layout::encoded;
 use super::prelude::*;
-use super::{figure, status};
+use super::status;
 use crate::config::Judging;
-use crate::core::judge::Status;
 use crate::core::judge::limits::{Bounds, Requirement};
 use crate::core::mounting::Slot;
 use crate::wire::calibration::{GyroFitBody, ParameterBody};

@@ -1,14 +1,9 @@
 //! The gap of a campaign against an earlier calibration of its IMU, split into parameters, structure and noise: a
 //! section of the page of its diagnosis.
 
-use serde::Deserialize;
-
-use super::figure::{self, short};
-use super::layout::{instant, or_dash, symbol, written};
+use super::figure::short;
 use super::prelude::*;
-use crate::core::id::Id;
 use crate::core::kind::Kind;
-use crate::core::message::Message;
 use crate::pipeline::{ListedRecord, NotSplit, StoredCampaign};
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::split::{MovedBody, PartsBody, SplitBody};

@@ -9,11 +9,10 @@ use tokio::time::Instant;
 
 use super::gyro::{agreement, calibration_table, explained};
 use super::gyro_facts::{Facts, MOST_ROWS};
-use super::layout::{DRIFTS, instant, symbol};
 use super::prelude::*;
 use super::view::View;
-use super::{before_after, figure, gyro_head, history, history_plot, imu, verdicts};
-use crate::core::judge::{Event, Limits, Rule};
+use super::{before_after, gyro_head, history, history_plot, imu, verdicts};
+use crate::core::judge::{Event, Limits};
 use crate::core::kind::Kind;
 use crate::pipeline::{ExplainedHistory, Names};
 use crate::system;

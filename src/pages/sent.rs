@@ -3,11 +3,10 @@
 use axum::extract::rejection::FormRejection;
 use axum::extract::{self, FromRequest, FromRequestParts, Request};
 use axum::http::request::Parts;
-use axum::response::{IntoResponse, Response};
 use serde::de::DeserializeOwned;
 
 use super::Pages;
-use crate::wire::problem::Problem;
+use super::prelude::*;
 use crate::wire::unreadable;
 
 pub(super) struct Query<T>(pub T);

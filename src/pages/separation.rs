@@ -1,7 +1,5 @@
 //! What was separated from one calibration: D_I, D_S and the closure by both methods, angles and branches.
 
-use super::figure;
-use super::layout::{DRIFTS, encoded, label, or_dash, symbol};
 use super::prelude::*;
 use crate::core::mounting::Slot;
 use crate::wire::answer::{FigureBody, SeparationBody, UncertaintiesBody, UncertaintyBody};

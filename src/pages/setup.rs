@@ -1,12 +1,10 @@
 //! `/setup`: the limits in force and where each comes from; who may use the service, and what was done with it.
 
-use super::figure;
-use super::layout::{DRIFTS, instant, symbol};
 use super::prelude::*;
 use crate::config::{Config, Layer};
 use crate::core::access::{AuditEntry, AuditFilter};
+use crate::core::judge::Limit;
 use crate::core::judge::limits::{Bounds, LimitKey, Requirement};
-use crate::core::judge::{Limit, Rule};
 use crate::core::mounting::Slot;
 use crate::pipeline::Token;
 

@@ -4,8 +4,7 @@ use std::net::SocketAddr;
 
 use axum::extract::{ConnectInfo, State as Held};
 use axum::http::header::{LOCATION, RETRY_AFTER, SET_COOKIE, USER_AGENT};
-use axum::http::{HeaderMap, HeaderValue, StatusCode};
-use serde::Deserialize;
+use axum::http::{HeaderMap, HeaderValue};
 
 use super::prelude::*;
 use super::viewer::is_local;

@@ -1,16 +1,9 @@
 //! Silences of many alerts: those that hold, on the page of alerts; begun and ended on pages of their own.
 
-use serde::Deserialize;
-
 use super::form::{ActionForm, ItemAction, Word, rule_choice, see_other};
-use super::layout::{remark, written};
+use super::layout::remark;
 use super::prelude::*;
 use crate::core::alert_filter::Matchers;
-use crate::core::fault::Faults;
-use crate::core::id::Id;
-use crate::core::judge::Rule;
-use crate::core::message::Message;
-use crate::core::time::UtcMicros;
 use crate::pipeline::SilenceOrder;
 use crate::wire::silence::MatchersBody;
 use crate::wire::text;

@@ -1,8 +1,7 @@
 //! A gyro's last values as a line the height of a word.
 
-use maud::{Markup, html};
-
-use crate::core::time::{Span, UtcMicros};
+use super::prelude::*;
+use crate::core::time::Span;
 
 const WIDTH: f64 = 56.0;
 const HEIGHT: f64 = 22.0;

@@ -1,18 +1,14 @@
 //! `/stations/{name}`: one station by what the gyros of the fleet share there.
 
+use super::alerts;
 use super::alerts::is_open_of;
 use super::bullet::percent;
 use super::course::Course;
-use super::layout::{DRIFTS, day, encoded, instant, symbol};
+use super::layout::day;
 use super::prelude::*;
-use super::{alerts, figure};
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{FleetStations, Shared, Spread, StationColumn, StationFigures};
-use crate::core::judge::Measured;
 use crate::core::suspect_window::SuspectWindow;
-use crate::core::time::UtcMicros;
-use crate::wire::alert::AlertBody;
-use crate::wire::time;
 
 pub(super) async fn page(Visit(ref pages, ref viewer): Visit, Path(ref name): Path<String>) -> Result<Page, Problem> {
     let t = viewer.text();

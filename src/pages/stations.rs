@@ -2,12 +2,11 @@
 
 use super::alerts::is_open_of;
 use super::bullet;
-use super::layout::{DRIFTS, day, encoded, label, symbol};
+use super::layout::day;
 use super::prelude::*;
 use super::station::changes;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{Shared, StationFigures};
-use crate::core::judge::{Measured, Status};
 
 pub(super) async fn page(Visit(ref pages, ref viewer): Visit) -> Result<Page, Problem> {
     let t = viewer.text();

@@ -1,12 +1,8 @@
 //! `/stations/{name}/suspect` and `/stations/{name}/trust`: what a station measured in a window of time does not count,
 //! and counts again.
 
-use serde::Deserialize;
-
 use super::form::{ActionForm, Word, see_other, typed_time};
-use super::layout::encoded;
 use super::prelude::*;
-use crate::core::fault::Faults;
 use crate::core::suspect_window::{Mark, SuspectWindow};
 use crate::pipeline::{Actor, WindowMark};
 use crate::wire::text;

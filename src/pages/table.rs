@@ -1,7 +1,6 @@
 //! Tables that scroll sideways by themselves, with the keyboard too, where a screen is narrower than they are.
 
-use maud::{Markup, html};
-
+use super::prelude::*;
 /// `class`: of the style sheet, or empty; `heads`: the cells of its head.
 pub(super) fn wide_table(class: &str, heads: Markup, rows: Markup) -> Markup {
     scrolled("scroll", class, &heads, &rows)

@@ -7,24 +7,19 @@ use std::time::Duration;
 
 use axum::http::Uri;
 use axum::response::Redirect;
-use serde::Deserialize;
 
 use super::alerts::{self, done_to_alerts, is_open, open_ones};
 use super::fleet::{Filters, as_day, bad_parameter, slopes, violated};
-use super::layout::{DRIFTS, day, encoded, symbol, written_day};
+use super::layout::{day, written_day};
 use super::prelude::*;
 use super::station::changes;
-use super::{bullet, figure, status as badges};
+use super::{bullet, status as badges};
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{FleetStations, Shared};
-use crate::core::judge::{Measured, Rule, Status};
-use crate::core::time::UtcMicros;
 use crate::pipeline::{
     CommonShift, DueDate, DueImu, FirstOf, FleetFilter, FleetPage, LINES, Names, Standing, Today, Together, Violation,
     today,
 };
-use crate::wire::alert::AlertBody;
-use crate::wire::time;
 
 /// Gyros that drift whose dates are asked for.
 const DATED: usize = 12;

@@ -1,11 +1,10 @@
 //! Verdicts in words: the worst first, what has passed folded away.
 
-use super::layout::{encoded, remark, symbol, written};
+use super::layout::remark;
 use super::prelude::*;
-use super::{figure, status};
-use crate::core::judge::{Coefficient, Finding, Rule, Status, Unit, Verdict, digits, sd_digits};
+use super::status;
+use crate::core::judge::{Coefficient, Finding, Unit, Verdict, digits, sd_digits};
 use crate::pipeline::Violation;
-use crate::wire::alert::AlertBody;
 use crate::wire::answer::VerdictBody;
 
 /// A verdict, and what its rule saw, from which words are made in the viewer's language.

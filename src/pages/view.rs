@@ -1,11 +1,7 @@
 //! How a gyro's history is looked at: by which method, on which axis, from when to when. All of it is in the address.
 
-use serde::Deserialize;
-
-use super::text::Text;
+use super::prelude::*;
 use crate::config::JudgedMethod;
-use crate::core::time::UtcMicros;
-use crate::wire::time;
 
 /// Whose figures are shown.
 #[derive(Debug, Clone, Copy, PartialEq)]

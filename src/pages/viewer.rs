@@ -3,15 +3,12 @@
 use std::convert::Infallible;
 
 use axum::extract::{FromRequestParts, Query};
-use axum::http::StatusCode;
 use axum::http::header::{LOCATION, SET_COOKIE};
 use axum::http::request::Parts;
-use axum::response::{IntoResponse, Response};
-use serde::Deserialize;
 
 use super::Pages;
-use super::text::{Language, Text};
-use crate::core::access::Role;
+use super::prelude::*;
+use super::text::Language;
 use crate::core::named::named;
 use crate::pipeline::{By, Caller};
 use crate::{cookies, words};

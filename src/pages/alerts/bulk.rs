@@ -1,17 +1,13 @@
 //! One word for many alerts: of the gyros that are ticked, or of those that are named.
 
-use axum::http::StatusCode;
-
 use super::table::{known, open_ones, table};
 use crate::core::alert_decision::Standing;
-use crate::core::fault::{Fault, Faults};
-use crate::core::id::Id;
+use crate::core::fault::Fault;
 use crate::pages::form::{fault_list, see_other, who};
 use crate::pages::prelude::*;
 use crate::pages::silences::{days_field, silent_until};
 use crate::pages::viewer::is_local;
 use crate::pipeline::{AlertChange, AlertOrder};
-use crate::wire::alert::AlertBody;
 use crate::wire::text;
 
 /// Alerts of one form, and gyros that are looked through for them.

@@ -2,14 +2,10 @@
 
 use super::table::table;
 use crate::core::alert_decision::Action;
-use crate::core::id::Id;
-use crate::core::judge::Rule;
 use crate::pages::form::who;
 use crate::pages::history::event_name;
-use crate::pages::layout::{encoded, instant, symbol};
 use crate::pages::prelude::*;
 use crate::pipeline::{AlertStep, EventItem};
-use crate::wire::time;
 
 pub(in crate::pages) async fn page(
     Visit(ref pages, ref viewer): Visit,

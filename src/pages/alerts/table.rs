@@ -2,13 +2,10 @@
 
 use crate::core::alert_decision::Standing;
 use crate::core::alert_filter::AlertFilter;
-use crate::core::id::Id;
-use crate::core::judge::{Rule, Severity};
-use crate::pages::layout::written;
+use crate::core::judge::Severity;
 use crate::pages::prelude::*;
 use crate::pages::status;
 use crate::pages::verdicts::{actions, remarks, violated};
-use crate::wire::alert::AlertBody;
 
 /// Alerts of one gyro, one for each coefficient and rule: never more than so many.
 const MOST_OF_A_GYRO: u32 = 200;

@@ -9,11 +9,8 @@ mod ticks;
 
 use std::fmt::Write;
 
-use maud::{Markup, html};
-
+use super::prelude::*;
 use super::status::sign;
-use crate::core::judge::Status;
-use crate::core::time::UtcMicros;
 use ticks::{dates, figures_apart, round_steps};
 
 /// How wide the figures of the left axis are, and room above the points, pixels. The style sheet's `.picture` and

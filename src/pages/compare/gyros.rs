@@ -2,17 +2,15 @@
 
 use crate::core::figures::Figures;
 use crate::core::judge::limits::DEFAULT_BUDGET;
-use crate::core::judge::{Finding, Measured, Rule, Status, Verdict};
-use crate::core::time::UtcMicros;
+use crate::core::judge::{Finding, Verdict};
 use crate::pages::chart::{Across, Chart, Dot, Flag, Level, Track, bounds, millis, widened};
 use crate::pages::gyro_facts::Facts;
 use crate::pages::history::event_label;
 use crate::pages::history_plot::{MOST_FLAGS, epoch_of, list};
-use crate::pages::layout::{DRIFTS, encoded, label, or_dash, symbol};
 use crate::pages::prelude::*;
 use crate::pages::verdicts::{SeenVerdict, seen};
 use crate::pages::view::View;
-use crate::pages::{bullet, figure, history, status};
+use crate::pages::{bullet, history, status};
 use crate::pipeline::{EventItem, Names, StoredRecord, sample_of};
 use crate::wire::answer::{FigureBody, VerdictBody};
 

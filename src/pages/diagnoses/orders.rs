@@ -2,13 +2,8 @@
 //! into the fields of such a form.
 
 use axum::extract::State as Held;
-use serde::Deserialize;
 
-use crate::core::fault::Faults;
-use crate::core::id::Id;
-use crate::core::judge::Status;
 use crate::pages::form::{fault_list, see_other};
-use crate::pages::layout::{or_dash, written};
 use crate::pages::prelude::*;
 use crate::pages::status;
 use crate::pipeline::DiagnosisOrder;

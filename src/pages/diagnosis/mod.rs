@@ -6,13 +6,11 @@ pub(super) mod sections;
 
 use std::time::Duration;
 
-use axum::http::StatusCode;
 use axum::http::header::REFRESH;
 
 pub use report::{Subject, report};
 
 use super::calibration::stored_campaign;
-use super::layout::{encoded, instant};
 use super::prelude::*;
 use super::reference::{Against, ReferenceQuery};
 use super::residuals::Setting;

@@ -1,16 +1,15 @@
 //! A diagnosis as one HTML file that needs nothing else: no script, no font, no network. It can be mailed, printed
 //! and filed with the campaign.
 
-use maud::{DOCTYPE, PreEscaped, html};
+use maud::{DOCTYPE, PreEscaped};
 
 use super::sections;
 use crate::core::campaign::Campaign;
 use crate::pages::assets::STYLE;
-use crate::pages::layout::written;
+use crate::pages::prelude::*;
 use crate::pages::reference;
 use crate::pages::residuals::Setting;
 use crate::wire::diagnosis::DiagnosisBody;
-use crate::wire::time;
 use crate::words::Language;
 
 /// Whose campaign it is.

@@ -2,17 +2,12 @@
 
 use axum::http::HeaderValue;
 use axum::http::header::HeaderName;
-use serde::Deserialize;
 
 use crate::core::fleet_order::FleetOrder;
-use crate::core::judge::{Rule, Status};
-use crate::core::message::Message;
-use crate::core::time::UtcMicros;
 use crate::pages::form::rule_choice;
 use crate::pages::layout::query;
 use crate::pages::prelude::*;
 use crate::pipeline::{BEYOND, FleetFilter, FleetPage};
-use crate::wire::time;
 
 /// Stations that the form offers.
 const MOST_OFFERED: usize = 100;

@@ -1,8 +1,6 @@
 //! The fleet by IMU: a card an IMU, a row a slot, a cell a coefficient, each with its load; for a screen on a wall.
 
 use super::filters::Filters;
-use crate::core::judge::Status;
-use crate::pages::layout::{DRIFTS, encoded, or_dash, symbol};
 use crate::pages::prelude::*;
 use crate::pages::{bullet, status as badges};
 use crate::pipeline::Standing;

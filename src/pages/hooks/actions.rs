@@ -1,15 +1,12 @@
 //! What is done about hooks: set up, tried, switched, deleted; and what they were told, sent again.
 
 use axum::extract::State as Held;
-use axum::http::StatusCode;
-use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
 use super::known;
 use crate::core::delivery::DeliveryState;
-use crate::core::fault::{Fault, Faults};
-use crate::core::id::Id;
-use crate::core::judge::{Severity, Status};
+use crate::core::fault::Fault;
+use crate::core::judge::Severity;
 use crate::core::message::text;
 use crate::pages::form::{ActionForm, ItemAction, Word, choice, see_other};
 use crate::pages::prelude::*;

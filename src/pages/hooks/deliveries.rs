@@ -1,17 +1,13 @@
 //! `/hooks/{id}`: what one hook was told, newest first, with the dead letters.
 
 use axum::http::header::REFRESH;
-use serde::Deserialize;
 
 use super::{buttons, filter, known, state, written};
 use crate::core::delivery::DeliveryState;
-use crate::core::id::Id;
-use crate::core::judge::Status;
 use crate::pages::prelude::*;
 use crate::pages::status;
 use crate::pages::verdicts::violated;
 use crate::pipeline::DeliveryPage;
-use crate::wire::alert::AlertBody;
 use crate::wire::hook::DeliveryBody;
 
 /// Deliveries on one page.

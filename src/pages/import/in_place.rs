@@ -1,12 +1,9 @@
 //! A document of the import page takes the place of the one that is stored for its IMU and time.
 
 use axum::Extension;
-use serde::Deserialize;
 
 use super::logs::Sent;
 use super::{framed, off_the_loop, read_all};
-use crate::core::fault::Faults;
-use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::pages::form::{Word, fault_list, see_other};
 use crate::pages::prelude::*;

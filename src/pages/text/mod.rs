@@ -4,12 +4,10 @@ mod words;
 
 pub(super) use words::Text;
 
-use crate::core::access::Role;
+use super::prelude::*;
 use crate::core::bench::BenchMethod;
 use crate::core::effects::Effect;
-use crate::core::judge::{Coefficient, Event, Rule, Status};
-use crate::core::message::Message;
-use crate::message;
+use crate::core::judge::{Coefficient, Event};
 use crate::wire::reason::Reason;
 use crate::wire::unit;
 

@@ -21,10 +21,8 @@ pub enum Outside {
     TemperatureRate,
     /// T t.
     TemperatureTime,
-    Sawtooth {
-        period_h: f64,
-        phase: f64,
-    },
+    /// From -1/2 up to 1/2 in each period.
+    Sawtooth { period_h: f64, phase: f64 },
     /// Time since the body's vertical last changed.
     FaceAge,
     /// Scale factor running away: w_I t.
@@ -32,9 +30,7 @@ pub enum Outside {
     /// Mass unbalance running away: a_S t.
     GTime,
     /// Scale factor that steps at a dwell.
-    ScaleStep {
-        first: usize,
-    },
+    ScaleStep { first: usize },
     /// w_S of the dwell before.
     RateMemory,
     /// |w_S|^(1/2) with its sign: a bearing that slips.

@@ -11,82 +11,43 @@ use crate::core::named::named;
 #[derive(Debug, Clone, PartialEq)]
 pub enum CampaignNote {
     /// Some dwells lack an optional column; by index.
-    Missing {
-        column: DwellColumn,
-        dwells: Vec<usize>,
-        of: usize,
-    },
+    Missing { column: DwellColumn, dwells: Vec<usize>, of: usize },
     /// A dwell's temperature is a fault value of the sensor.
-    TemperatureOutlier {
-        dwell: usize,
-        celsius: f64,
-        median: f64,
-    },
+    TemperatureOutlier { dwell: usize, celsius: f64, median: f64 },
     /// The median of the temperatures is none that a gyro is calibrated at: another unit.
-    TemperatureUnit {
-        median: f64,
-    },
+    TemperatureUnit { median: f64 },
     /// What was commanded contradicts itself, where that hardly matters.
     Commanded(CommandFinding),
     /// Static dwells whose rate is not the Earth's at their attitude: how many of how many, and the worst of them.
-    RateNotOfAttitude {
-        off: usize,
-        of: usize,
-        dwell: usize,
-        most_arcsec_s: f64,
-    },
+    RateNotOfAttitude { off: usize, of: usize, dwell: usize, most_arcsec_s: f64 },
+    /// Outputs come without standard errors: scatter alone shows their noise.
     NoStandardErrors,
+    /// No orientation was measured twice.
     NoRepeats,
     /// The noise at the fastest rate over that at rest.
-    NoiseGrows {
-        times: f64,
-    },
+    NoiseGrows { times: f64 },
     /// Correlation of the two gyros that share most noise.
-    NoiseShared {
-        correlation: f64,
-    },
+    NoiseShared { correlation: f64 },
     /// Dwells near in time err alike: how likely, and by how much in the gyro that wanders most.
-    NoiseRemembers {
-        probability: f64,
-        deg_per_h: f64,
-    },
+    NoiseRemembers { probability: f64, deg_per_h: f64 },
     /// How many times the stated standard errors are too large.
-    ErrorsOverstated {
-        gyros: Vec<(Slot, f64)>,
-    },
-    ResidualsExceedNoise {
-        gyros: Vec<Slot>,
-    },
+    ErrorsOverstated { gyros: Vec<(Slot, f64)> },
+    /// Gyros whose residuals are more than the noise of their outputs.
+    ResidualsExceedNoise { gyros: Vec<Slot> },
     /// An effect of the model was not fitted.
-    EffectLeftOut {
-        slot: Option<Slot>,
-        effect: Effect,
-        why: LeftOut,
-    },
+    EffectLeftOut { slot: Option<Slot>, effect: Effect, why: LeftOut },
     /// D_I and D_S leave out what a hypothesis of one's own is at the reference temperature.
-    EffectAtReference {
-        effect: Effect,
-    },
+    EffectAtReference { effect: Effect },
     /// None of the model's effects was fitted.
-    EffectsLeftOut {
-        why: Refusal,
-    },
+    EffectsLeftOut { why: Refusal },
     /// What a station states of itself is not in the standard deviations.
-    StationLeftOut {
-        parts: Vec<StationPart>,
-        why: StationLack,
-    },
+    StationLeftOut { parts: Vec<StationPart>, why: StationLack },
     /// A product of specific forces that a bench test does not fit moves a coefficient by so much of itself.
     ProductAliased(Alias),
     /// D_I of all gyros is near the shift that a wrong sign of the latitude makes, deg/(h g0).
-    LatitudeSign {
-        shift: f64,
-    },
+    LatitudeSign { shift: f64 },
     /// The campaign does not determine E, whose size along the nominal axis is taken, pulse/arcsec.
-    NominalAxis {
-        slot: Slot,
-        scale: f64,
-    },
+    NominalAxis { slot: Slot, scale: f64 },
 }
 
 /// Why the campaign cannot tell what an error of its station does.

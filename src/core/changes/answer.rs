@@ -71,33 +71,26 @@ impl StationForm {
 /// What a cause is tied to.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Tie {
+    /// The time, throughout.
     Slope,
     /// A repair makes another gyro of it: a slope of its own before and after.
     SlopeUntil(UtcMicros),
+    /// The time after a repair.
     SlopeAfter(UtcMicros),
     /// It began after this record.
     SlopeSince(UtcMicros),
     /// Every event between two records that follow one another: none of them is told from another.
     Events(Vec<(Event, UtcMicros)>),
-    Moved {
-        from: String,
-        to: String,
-        at: UtcMicros,
-    },
-    Temperature {
-        mean_c: f64,
-        missing: usize,
-    },
-    Station {
-        name: Arc<str>,
-        against: Arc<str>,
-        form: StationForm,
-    },
+    /// A step where the gyro comes to another IMU or slot.
+    Moved { from: String, to: String, at: UtcMicros },
+    /// The temperature about its mean; how many records state none.
+    Temperature { mean_c: f64, missing: usize },
+    /// What a station does; where that is an offset, against another.
+    Station { name: Arc<str>, against: Arc<str>, form: StationForm },
+    /// D_S, in proportion to which D_O moves.
     Proportion,
-    Instant {
-        after: UtcMicros,
-        before: UtcMicros,
-    },
+    /// A step between two records, which no event explains.
+    Instant { after: UtcMicros, before: UtcMicros },
 }
 
 impl Tie {
@@ -232,20 +225,12 @@ pub struct NamedCause {
 pub enum WhyRejected {
     /// These records do not tell it from what is named.
     NotSeparable,
-    NotSignificant {
-        p: f64,
-    },
+    /// As large by chance too often.
+    NotSignificant { p: f64 },
     /// A wandering coefficient does as much.
-    NoBetterThanWandering {
-        p: f64,
-    },
+    NoBetterThanWandering { p: f64 },
     /// The other gyros that the station measured say otherwise.
-    OthersDeny {
-        own: f64,
-        others: f64,
-        sd: f64,
-        gyros: usize,
-    },
+    OthersDeny { own: f64, others: f64, sd: f64, gyros: usize },
 }
 
 impl WhyRejected {

@@ -161,39 +161,27 @@ impl Rule {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Finding {
     /// Not enough records since the last event that resets the rule; weeks with records where the rule counts those.
-    TooFew {
-        have: usize,
-        need: usize,
-    },
+    TooFew { have: usize, need: usize },
     /// Not enough results that lie close enough in time to be compared.
-    FewWithin {
-        have: usize,
-        need: usize,
-        days: f64,
-    },
+    FewWithin { have: usize, need: usize, days: f64 },
     /// The gyro is in another IMU or slot than before, and has too few records there.
-    Moved {
-        since: UtcMicros,
-        have: usize,
-        need: usize,
-    },
+    Moved { since: UtcMicros, have: usize, need: usize },
+    /// Of the newest record from those before it.
     Step {
         /// Median of the three records before.
         level: f64,
         now: f64,
     },
-    Range {
-        records: usize,
-        since: UtcMicros,
-        lowest: (UtcMicros, f64),
-        highest: (UtcMicros, f64),
-    },
+    /// Between the records that lie furthest apart.
+    Range { records: usize, since: UtcMicros, lowest: (UtcMicros, f64), highest: (UtcMicros, f64) },
+    /// From the baseline.
     Baseline {
         level: f64,
         /// First of the records that make the baseline; none where it is fixed.
         since: Option<UtcMicros>,
         now: f64,
     },
+    /// From the level of the closure.
     Closure {
         level: f64,
         since: Option<UtcMicros>,
@@ -210,6 +198,7 @@ pub enum Finding {
         /// Where a change of level explains the records better.
         step: Option<UtcMicros>,
     },
+    /// A slope, and where it leads.
     Trend {
         cells: usize,
         since: UtcMicros,
@@ -227,6 +216,7 @@ pub enum Finding {
         /// Whether the noise constants are the fleet's.
         of_fleet: bool,
     },
+    /// Of the newest cells from the level of those before.
     Shift {
         level: f64,
         /// Cells that make the level.
@@ -240,11 +230,13 @@ pub enum Finding {
         /// The departure that matters; the limit is three standard deviations where they are more.
         least: f64,
     },
+    /// Of the differences between records that follow one another.
     RmsSuccessive {
         since: UtcMicros,
         /// The part that the stations' standard deviations explain, where they are known.
         explained: Option<f64>,
     },
+    /// From before a test to after it.
     BeforeAfter {
         before: (UtcMicros, f64),
         /// The test.
@@ -263,9 +255,7 @@ pub enum Finding {
         shift: f64,
     },
     /// Gyros of an IMU, all of which have moved.
-    ImuShift {
-        gyros: usize,
-    },
+    ImuShift { gyros: usize },
     /// The gyro of the campaign that is furthest from its forecast.
     Forecast {
         slot: Slot,
@@ -279,11 +269,8 @@ pub enum Finding {
         campaigns: usize,
         unseen: Option<Unseen>,
     },
-    Agreement {
-        results: usize,
-        lowest: (FigureSource, UtcMicros, f64),
-        highest: (FigureSource, UtcMicros, f64),
-    },
+    /// Between results of all methods.
+    Agreement { results: usize, lowest: (FigureSource, UtcMicros, f64), highest: (FigureSource, UtcMicros, f64) },
     /// pulse/arcsec or pulse/(s g0).
     Requirement {
         figure: &'static str,
@@ -293,9 +280,7 @@ pub enum Finding {
         others: [Option<&'static str>; MOST_FIGURES - 1],
     },
     /// Days.
-    Overdue {
-        last: UtcMicros,
-    },
+    Overdue { last: UtcMicros },
 }
 
 named! {

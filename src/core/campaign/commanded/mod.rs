@@ -63,7 +63,9 @@ pub enum AffectedDwells {
 /// What it most likely is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MistakeKind {
+    /// Specific force with the other sign, that of gravity.
     ForceReversed,
+    /// Rates with the other sign.
     RateReversed,
     /// The sign of the site's latitude, or of the one that the rates were made with.
     LatitudeReversed,
@@ -71,39 +73,26 @@ pub enum MistakeKind {
     NedForEnu,
     /// The attitude turns body coordinates into nav coordinates instead of the reverse.
     AttitudeInverted,
+    /// Rates are the table's alone.
     EarthRateLeftOut,
     /// Rates in `unit` instead of arcsec/s.
-    RateUnit {
-        unit: &'static str,
-        part: AffectedDwells,
-    },
-    AxisReversed {
-        axis: usize,
-        of: Vectors,
-    },
-    AxesExchanged {
-        axes: (usize, usize),
-        of: Vectors,
-    },
+    RateUnit { unit: &'static str, part: AffectedDwells },
+    /// One component with the other sign.
+    AxisReversed { axis: usize, of: Vectors },
+    /// Two components, each in the place of the other.
+    AxesExchanged { axes: (usize, usize), of: Vectors },
     /// The rates are those of another latitude than the site's, degrees.
-    OtherLatitude {
-        degrees: f64,
-    },
+    OtherLatitude { degrees: f64 },
     /// |w| is the same everywhere and not the Earth's: 15 arcsec/s is that of a solar day.
-    OtherEarthRate {
-        arcsec_s: f64,
-    },
+    OtherEarthRate { arcsec_s: f64 },
     /// The rates of static dwells are made with other headings than the attitudes.
     OtherHeadings,
-    ForceUnit {
-        unit: &'static str,
-    },
+    /// Specific force in `unit` instead of g0.
+    ForceUnit { unit: &'static str },
     /// Unit vectors where the site's gravity is another.
     ForceNormalised,
     /// |f| over gravity, the same in all dwells.
-    ForceScale {
-        ratio: f64,
-    },
+    ForceScale { ratio: f64 },
 }
 
 impl MistakeKind {

@@ -1,13 +1,8 @@
 //! Who may do what, seen from outside: tokens and roles on every route, signing in with a browser, guesses, exposure.
 
-use std::collections::BTreeSet;
-use std::time::Duration;
-
-use crate::behind;
 use crate::command::{beside, on_database};
-use crate::support;
-use crate::support::{Answer, FORM, Server, data, document, gyrowatch};
-use serde_json::{Value, json};
+use crate::prelude::*;
+use crate::support::{Answer, FORM};
 
 /// Routes that need no token.
 const OPEN: [&str; 7] = [

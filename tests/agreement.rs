@@ -1,8 +1,7 @@
 //! Table 5 of the paper: the results of every method side by side.
 
-use serde_json::{Value, json};
-
-use crate::lab::{Lab, NDJSON, assert_close, bench, record, verdict};
+use crate::lab::{NDJSON, assert_close, bench, verdict};
+use crate::prelude::*;
 
 /// Table 5: slot, serial, then D_I and D_S of bench before, separation, bench after, and the printed range in 1e-4.
 const TABLE_5: [(&str, &str, [[f64; 3]; 2], [f64; 2]); 3] = [

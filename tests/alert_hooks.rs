@@ -1,11 +1,8 @@
 //! From a record that a station posts to what a hook is told: nothing but HTTP.
 
-use std::collections::BTreeMap;
-
-use crate::lab::{day, record};
-use crate::receiver::{Receiver, Told};
-use crate::support::{NEVER_LATE, Server};
-use serde_json::{Value, json};
+use crate::prelude::*;
+use crate::receiver::Told;
+use crate::support::NEVER_LATE;
 
 /// D_I of the gyro on given days, posted in the order given.
 async fn station_posts(server: &Server, serial: &str, history: &[(i64, f64)]) {

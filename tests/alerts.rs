@@ -1,14 +1,11 @@
 //! What an engineer sees when a gyro goes out of its limits, and what becomes of it.
 
-use std::collections::BTreeSet;
-
 use crate::lab;
+use crate::prelude::*;
 use gyrowatch::core::time::UtcMicros;
 use gyrowatch::wire::time;
-use serde_json::{Value, json};
 
-use crate::lab::{Lab, bench, day, record};
-use crate::support::once;
+use crate::lab::bench;
 
 /// The alerts that a query finds, as `coefficient rule state severity`, in the order of these words.
 async fn engineer_sees(lab: &Lab, query: &str) -> Vec<String> {

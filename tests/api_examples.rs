@@ -1,19 +1,12 @@
 //! Examples in the description of the API: what the service answers in one scenario. They are kept in
 //! `src/http/examples.json`, which `GYROWATCH_WRITE_EXAMPLES=1 cargo test --test all api_examples::` writes anew.
 
-use std::collections::BTreeMap;
-use std::time::Duration;
-
-use crate::behind;
-use crate::cluster;
-use crate::lab::{Answer, JSON, Lab, NDJSON};
-use crate::receiver::Receiver;
-use crate::support;
-use crate::support::{data, document};
+use crate::lab::{Answer, JSON, NDJSON};
+use crate::prelude::*;
 use gyrowatch::telemetry;
 use reqwest::Method;
 use reqwest::header::CONTENT_TYPE;
-use serde_json::{Map, Value, json};
+use serde_json::Map;
 
 const FILE: &str = "src/http/examples.json";
 const PROBLEM: &str = "application/problem+json";

@@ -1,11 +1,9 @@
 //! Copies of the database: taken while it is served, checked, damaged, and put back.
 
 use std::os::unix::fs::PermissionsExt;
-use std::path::Path;
 
 use crate::command::on_database;
-use crate::support;
-use crate::support::{Server, data};
+use crate::prelude::*;
 use sqlx::ConnectOptions;
 
 async fn with_the_papers_figures() -> Server {

@@ -3,18 +3,12 @@
 //! A row is one request. Each must be answered with problem+json of the given status, name the given place (a JSON
 //! pointer, or the code of a fault), and leave the service's holdings as they were.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::time::Duration;
-
-use crate::behind;
-use crate::cluster;
+use crate::prelude::*;
 use crate::spoken;
-use crate::support;
-use crate::support::{Server, asked, document, seed};
+use crate::support::{asked, seed};
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use serde_json::{Value, json};
 use tokio::io::AsyncReadExt;
 
 /// Tables 3 and 4 of the paper.

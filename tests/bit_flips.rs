@@ -4,14 +4,12 @@
 //! bytes are used is read from the file itself, by its format (sqlite.org/fileformat2.html).
 
 use std::ops::Range;
-use std::path::Path;
 
-use crate::behind;
 use crate::command::{self, on_database, verified};
-use crate::support::{SUMMARY, Server, asked, data, file_url, once, paper_record, seed};
+use crate::prelude::*;
+use crate::support::{SUMMARY, asked, file_url, seed};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use serde_json::json;
 
 /// Everything that the service keeps is in it.
 async fn a_service_with_everything() -> Server {

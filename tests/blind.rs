@@ -1,8 +1,5 @@
 //! The blind check itself: campaigns are sound, the seal holds, and the score tells truth-tellers from liars.
 
-use std::collections::BTreeSet;
-
-use crate::support::root;
 use gyrowatch::blindcheck::answer::{Answer, AnsweredEffect, AnsweredHeldOut, AnsweredShift, Unseen};
 use gyrowatch::blindcheck::draw::{Case, Draw, Trial};
 use gyrowatch::blindcheck::report::{Rate, Report};
@@ -15,6 +12,8 @@ use gyrowatch::simulate::detectability::Sight;
 use gyrowatch::simulate::truth::Key;
 use gyrowatch::wire::campaign::{parse_json, to_json};
 use nalgebra::Vector3;
+
+use crate::prelude::*;
 
 const COUNT: usize = 240;
 

@@ -2,18 +2,13 @@
 //! import a file with errors. Whatever they do, the console does not complain and no request leaves the service.
 
 use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
-use std::process::{Child, Stdio};
-use std::time::Duration;
+use std::process::Child;
 
 use crate::chromium;
 use crate::chromium::Browser;
 use crate::command::beside;
 use crate::nginx::Nginx;
-use crate::receiver::Receiver;
-use crate::support;
-use crate::support::{Server, data, document, gyrowatch, root};
-use serde_json::Value;
+use crate::prelude::*;
 
 /// `gyrowatch demo`: two years of a fleet, the paper's tables, campaigns with something hidden in them.
 struct Demo {

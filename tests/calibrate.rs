@@ -3,8 +3,7 @@
 use std::io::Write;
 
 use crate::command::{answer, complaint, printed};
-use crate::support::document;
-use serde_json::Value;
+use crate::prelude::*;
 
 const CAMPAIGN: &str = "tests/data/practice/campaign-00.json";
 const XSENS: &str = "tests/data/measured/xsens-mti.json";

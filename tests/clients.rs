@@ -1,10 +1,7 @@
 //! The clients that come with the service, against the service.
 
-use std::path::Path;
-use std::process::Command;
-
-use crate::support::{Server, required, root};
-use serde_json::json;
+use crate::prelude::*;
+use crate::support::required;
 
 /// By the system's Python, which needs nothing else, and by one that has pandas.
 #[tokio::test]

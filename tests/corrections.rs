@@ -2,10 +2,8 @@
 //! record itself.
 
 use crate::lab;
-use crate::lab::{Lab, bench, day, record, verdict};
-use crate::support;
-use crate::support::document;
-use serde_json::{Value, json};
+use crate::lab::{bench, verdict};
+use crate::prelude::*;
 
 fn of_a(at: i64, d_i: f64) -> Value {
     record("IMU-1", &day(at), &[("G1", "A", d_i, 2.0)])

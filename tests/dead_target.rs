@@ -1,17 +1,13 @@
 //! A target that is down for days, on a simulated clock: the ladder is climbed as it is documented, nothing is lost,
 //! the others are told at once, and what is given up can be looked at and sent again.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
 
-use crate::lab::Lab;
-use crate::receiver::{Receiver, Told};
-use crate::support::once;
+use crate::prelude::*;
+use crate::receiver::Told;
 use axum::http::StatusCode;
 use gyrowatch::core::time::UtcMicros;
 use gyrowatch::wire::time;
-use serde_json::{Value, json};
 
 const MINUTE: f64 = 60.0;
 const HOUR: f64 = 60.0 * MINUTE;

@@ -1,11 +1,7 @@
 //! Diagnoses over HTTP are made without anybody asking, kept on disk, and made again only when they must be.
 
-use std::time::Duration;
-
-use crate::cluster;
-use crate::lab::{Lab, at};
-use crate::support::{document, id, once};
-use serde_json::{Value, json};
+use crate::lab::at;
+use crate::prelude::*;
 
 /// A practice campaign with `temperature_bias` in it, at some time.
 fn campaign(measured_at: &str) -> Value {

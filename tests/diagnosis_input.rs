@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use crate::command::run;
 use crate::lab::effects;
-use crate::support::document;
+use crate::prelude::*;
 use gyrowatch::simulate::scenario::EffectChoice;
 use gyrowatch::simulate::{Scenario, simulate};
 use gyrowatch::wire::campaign::to_json;
@@ -13,7 +13,6 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rstest::rstest;
-use serde_json::{Value, json};
 
 /// Practice campaign 0: nothing is hidden in it.
 fn clean() -> Value {

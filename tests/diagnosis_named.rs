@@ -1,9 +1,6 @@
 //! What a diagnosis says of campaigns whose truth is known: names, gyros, class, closure and floor. The campaigns of
 //! the simulator are few here; `gyrowatch blindcheck` has the figures.
 
-use std::collections::BTreeSet;
-
-use crate::support::document;
 use gyrowatch::blindcheck::draw::{Case, Draw, Trial};
 use gyrowatch::core::augmented::Options;
 use gyrowatch::core::diagnose::{Diagnosis, Verdict, diagnose};
@@ -12,7 +9,8 @@ use gyrowatch::core::mounting::Slot;
 use gyrowatch::simulate::scenario::{EffectChoice, Profile, Scenario};
 use gyrowatch::simulate::simulate;
 use gyrowatch::wire::campaign::parse_json;
-use serde_json::Value;
+
+use crate::prelude::*;
 
 fn drawn(case: Case, count: usize) -> Vec<(Trial, Diagnosis)> {
     let draw = Draw { seed: 20_261, cases: vec![case], effects: vec![], detectability: vec![12.0] };

@@ -1,12 +1,8 @@
 //! A campaign held against an earlier one or a record of its IMU: what of the gap is parameters, structure and noise.
 
-use std::path::{Path, PathBuf};
-
 use crate::command::{answer, ended};
-use crate::lab::Lab;
-use crate::support;
-use crate::support::{Server, data_path, document, gyrowatch};
-use serde_json::{Value, json};
+use crate::prelude::*;
+use crate::support::data_path;
 
 /// Practice campaign 0: nothing is hidden in it.
 fn clean() -> Value {

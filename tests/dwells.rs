@@ -3,10 +3,8 @@
 
 use std::fmt::Write;
 use std::fs;
-use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use crate::support::root;
 use assert_cmd::Command;
 use gyrowatch::core::campaign::{Campaign, Dwell, Phase};
 use gyrowatch::simulate::presets::preset;
@@ -14,7 +12,8 @@ use gyrowatch::simulate::simulate;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
-use serde_json::Value;
+
+use crate::prelude::*;
 
 const G: f64 = 9.806_65;
 

@@ -1,15 +1,14 @@
 //! Alerts by e-mail: what a mail server receives, and what becomes of mail that it refuses.
 
-use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::sync::Mutex;
 
-use crate::support::{Server, paper_record};
 use gyrowatch::core::time::UtcMicros;
 use gyrowatch::system::Clock;
 use gyrowatch::wire::time;
-use serde_json::{Value, json};
 use tokio::io::{AsyncBufReadExt, AsyncWriteExt, BufReader};
 use tokio::net::{TcpListener, TcpStream};
+
+use crate::prelude::*;
 
 /// A mail server that keeps what it is handed; the first so many messages it refuses.
 struct MailServer {

@@ -1,18 +1,14 @@
 //! What takes long or takes much: giant bodies, a clock that jumps, and hours of load. `scripts/soak` runs the long
 //! forms.
 
-use std::collections::BTreeSet;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
 
+use crate::prelude::*;
 use crate::receiver;
-use crate::receiver::Receiver;
-use crate::support;
-use crate::support::{NEVER_LATE, Server, asked, paper_record, required};
+use crate::support::{NEVER_LATE, asked, required};
 use axum::http::StatusCode;
 use axum::response::IntoResponse;
-use serde_json::{Value, json};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 

@@ -1,21 +1,18 @@
 //! Many writers on several servers judge as one would: what they store at the same time is computed again afterwards,
 //! and the alerts of gyros that have a sender of their own take the steps that they take at a single server.
 
-use std::collections::BTreeMap;
 use std::panic::AssertUnwindSafe;
-use std::sync::Arc;
-use std::time::Duration;
 
-use crate::cluster::{self, count};
+use crate::cluster::count;
+use crate::command;
 use crate::database_proxy::Proxy;
-use crate::lab::{JSON, record};
-use crate::support::{NEVER_LATE, Server, client, id};
-use crate::{command, support};
+use crate::lab::JSON;
+use crate::prelude::*;
+use crate::support::{NEVER_LATE, client};
 use futures::FutureExt as _;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use reqwest::{Client, Method, StatusCode};
-use serde_json::{Value, json};
 use sqlx::{Connection, PgConnection};
 use tokio::task::JoinSet;
 

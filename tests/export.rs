@@ -1,11 +1,7 @@
 //! The history as a file for those who analyse elsewhere: it says what the service answers, in both forms.
 
-use std::collections::BTreeMap;
-use std::path::Path;
-
 use crate::command::on_database;
-use crate::support::{Server, document};
-use serde_json::json;
+use crate::prelude::*;
 
 const CALIBRATIONS: usize = 5;
 

@@ -1,17 +1,12 @@
 //! The disk is full, cannot be written, or fails to flush: what the service answers then, and how it comes back.
 
-use std::path::{Path, PathBuf};
-use std::process::Stdio;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
 
 use crate::command::beside;
+use crate::prelude::*;
 use crate::prometheus::Prometheus;
-use crate::support;
-use crate::support::{
-    Answer, Server, client, file_url, fill, gyrowatch_under, on_a_small_disk, paper_record, required, small_disks_work,
-};
+use crate::support::{Answer, client, file_url, fill, gyrowatch_under, on_a_small_disk, required, small_disks_work};
 
 fn record(number: usize) -> String {
     paper_record(number % 20, number).to_string()

@@ -1,15 +1,11 @@
 //! The database behind the servers changes under them: a standby takes over that has lost commits, a host falls
 //! silent, is far away, or is one of several. Nothing is mixed up, and writing goes on.
 
-use std::collections::BTreeMap;
-use std::time::{Duration, Instant};
-
-use crate::cluster::{self, Cluster, count};
+use crate::cluster::{Cluster, count};
 use crate::command::verified;
 use crate::database_proxy::Proxy;
-use crate::support;
-use crate::support::{NEVER_LATE, Server, free_port};
-use serde_json::{Value, json};
+use crate::prelude::*;
+use crate::support::{NEVER_LATE, free_port};
 use sqlx::{Connection, PgConnection};
 
 const LEASE: Duration = Duration::from_secs(3);

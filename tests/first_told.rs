@@ -1,15 +1,12 @@
 //! A hook that begins to listen is first told what fires, and never hears the end of what it did not hear fire.
 
 use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
 
-use crate::lab::{Lab, day, record};
-use crate::receiver::Receiver;
-use crate::support::once;
 use axum::http::StatusCode;
 use gyrowatch::core::time::UtcMicros;
 use gyrowatch::pipeline::{AlertChange, AlertOrder};
-use serde_json::{Value, json};
+
+use crate::prelude::*;
 
 /// The gyro steps at its fourth record.
 async fn steps(lab: &Lab, serial: &str) {

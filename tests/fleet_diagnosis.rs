@@ -1,18 +1,13 @@
 //! Many campaigns diagnosed at once: an engineer orders it, follows it, cancels it, and reads what they say together.
 //! The campaigns are the simulator's, so what is in them, and since when, is known.
 
-use std::collections::BTreeSet;
-use std::time::{Duration, Instant};
-
 use crate::lab;
-use crate::lab::Lab;
-use crate::support::{Server, gyrowatch, id, once};
+use crate::prelude::*;
 use gyrowatch::simulate::presets::preset;
 use gyrowatch::simulate::scenario::EffectChoice;
 use gyrowatch::simulate::{Scenario, simulate};
 use gyrowatch::wire::campaign::to_json;
 use reqwest::Method;
-use serde_json::{Value, json};
 
 /// A campaign of an IMU: measured at noon of a day of May, by a station, with a cause in it.
 fn campaign(imu: &str, day: u32, station: &str, hidden: Option<EffectChoice>) -> Value {

@@ -1,8 +1,7 @@
 //! Why a coefficient changed: the history of a gyro, diagnosed from what the service holds.
 
-use serde_json::Value;
-
-use crate::lab::{Lab, day, record, scatter};
+use crate::lab::scatter;
+use crate::prelude::*;
 use gyrowatch::wire::time;
 
 /// Twenty-four records, four weeks apart, every third one by the second station.

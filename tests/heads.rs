@@ -1,13 +1,11 @@
 //! The row of each gyro that lists are made of: as what is stored says, whatever has changed how the gyro stands; made
 //! where it is missing, and found out where it is wrong.
 
-use crate::cluster;
-use crate::lab::{JSON, Lab, NDJSON, bench, day, record};
-use crate::support::{Server, id, once};
+use crate::lab::{JSON, NDJSON, bench};
+use crate::prelude::*;
 use gyrowatch::config::Config;
 use gyrowatch::core::time::UtcMicros;
 use gyrowatch::system::Clock;
-use serde_json::{Value, json};
 
 /// A laboratory on a file, and one on PostgreSQL where there is that.
 async fn on_both(change: impl Fn(&mut Config)) -> Vec<Lab> {

@@ -1,9 +1,7 @@
 //! What hooks are told with is not to be read in a backup, where there is a key (GYROWATCH_SECRETS_KEY).
 
 use crate::command::{beside, on_database};
-use crate::receiver::Receiver;
-use crate::support::Server;
-use serde_json::{Value, json};
+use crate::prelude::*;
 use standardwebhooks::Webhook;
 
 const KEY: &str = "GYROWATCH_SECRETS_KEY";

@@ -4,10 +4,9 @@
 
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Duration;
 
+use crate::prelude::*;
 use crate::support::{asked, seed};
 use gyrowatch::alert::deliver::{Attempt, AttemptLimits, Courier, DeliveryOutcome, Destination};
 use gyrowatch::alert::payload::Payload;

@@ -1,15 +1,12 @@
 //! Whoever runs a fleet sets up hooks, tries them out, and sees what has become of what they were told.
 
-use std::sync::Arc;
-use std::time::{Duration, Instant};
-
+use crate::prelude::*;
 use crate::receiver;
-use crate::receiver::{Receiver, Told};
-use crate::support::{Answer, Server, once};
+use crate::receiver::Told;
+use crate::support::Answer;
 use axum::http::StatusCode;
 use axum::response::IntoResponse;
 use base64::Engine;
-use serde_json::{Value, json};
 use tokio::io::AsyncWriteExt;
 use tokio::sync::Notify;
 

@@ -1,14 +1,10 @@
 //! The model of one IMU: fitted to its campaigns, it foretells the next ones, says what has changed, and is what
 //! `simulate --model` draws.
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::time::Duration;
-
 use crate::command::{answer, printed, read_json, run};
-use crate::lab::{Lab, at};
-use crate::receiver::Receiver;
-use crate::support::{Server, data_path, once};
+use crate::lab::at;
+use crate::prelude::*;
+use crate::support::data_path;
 use gyrowatch::core::alert_decision::Late;
 use gyrowatch::core::augmented::{Adopted, AugmentedModel, KnownEffect};
 use gyrowatch::core::calibrate::outcome::{Outcome, evaluate_with};
@@ -26,7 +22,6 @@ use gyrowatch::pipeline::Submission;
 use gyrowatch::simulate::scenario::GyroChoice;
 use gyrowatch::simulate::{Scenario, simulate};
 use gyrowatch::wire;
-use serde_json::{Value, json};
 
 /// Change of D_I and D_S of G1 with temperature, deg/(h g0 K).
 const K: [f64; 2] = [0.003, -0.002];

@@ -1,11 +1,8 @@
 //! The error model of an IMU over HTTP: adopted with a reason, used by the later campaigns, kept through a restart,
 //! undone.
 
-use crate::cluster;
-use serde_json::{Value, json};
-
-use crate::lab::{Answer, Lab, at, effects};
-use crate::support::document;
+use crate::lab::{Answer, at, effects};
+use crate::prelude::*;
 use gyrowatch::core::alert_decision::Late;
 use gyrowatch::pipeline::{Accepted, Submission};
 use gyrowatch::wire::campaign::Form;

@@ -1,15 +1,11 @@
 //! What a station sees: records are accepted, judged and kept, or refused with the place named.
 
-use std::collections::BTreeSet;
-
-use crate::behind;
-use crate::cluster;
 use gyrowatch::config::{Config, SlotRequirements};
 use reqwest::Method;
 use reqwest::header::CONTENT_TYPE;
-use serde_json::{Value, json};
 
-use crate::lab::{Answer, JSON, Lab, NDJSON, assert_close, bench, day, record, tables_3_and_4, verdict};
+use crate::lab::{Answer, JSON, NDJSON, assert_close, bench, tables_3_and_4, verdict};
+use crate::prelude::*;
 
 #[tokio::test]
 async fn the_papers_record_is_separated_by_both_methods_to_the_golden_figures() {

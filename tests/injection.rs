@@ -1,12 +1,10 @@
 //! SQL in every string and in every parameter: it is stored word for word or refused, and does nothing else.
 
-use std::collections::BTreeMap;
-
-use crate::support::{Server, asked, data, seed};
+use crate::prelude::*;
+use crate::support::{asked, seed};
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use serde_json::{Value, json};
 
 const SQL: [&str; 8] = [
     "'; DROP TABLE record; --",

@@ -5,16 +5,14 @@
 //! written again.
 
 use std::io::{Read, Write};
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 
-use crate::cluster;
 use crate::command::verified;
-use crate::support::{SUMMARY, Server, data, data_path, document, file_url, gyrowatch};
+use crate::prelude::*;
+use crate::support::{SUMMARY, data_path, file_url};
 use flate2::Compression;
 use flate2::read::ZlibDecoder;
 use flate2::write::ZlibEncoder;
-use serde_json::{Map, Value, json};
+use serde_json::Map;
 
 /// Fills a service with some of everything that is kept.
 async fn fill(server: &Server) {

@@ -4,8 +4,7 @@
 use std::collections::VecDeque;
 use std::ops::Range;
 
-use crate::lab::{Lab, day, record};
-use serde_json::{Value, json};
+use crate::prelude::*;
 
 /// A record of one gyro that scatters, jumps and creeps.
 fn of_day(k: i64) -> Value {

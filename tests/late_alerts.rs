@@ -1,11 +1,7 @@
 //! Whoever imports history is told once what still fires, and of what long ago began and ended, nothing.
 
-use std::time::Duration;
-
-use crate::lab::{Lab, NDJSON, day, record};
-use crate::receiver::Receiver;
-use crate::support::{gyrowatch, once};
-use serde_json::{Value, json};
+use crate::lab::NDJSON;
+use crate::prelude::*;
 
 /// The day of 2025 that the laboratory's clock shows: noon of 2026-11-21.
 const TODAY: i64 = 689;

@@ -1,11 +1,8 @@
 //! Lists of what is stored: every item once, whatever the page size, narrowed down by IMU, station, kind and time.
 
-use std::collections::BTreeSet;
-
-use crate::support;
-use crate::support::{Server, data, paper_record};
 use rstest::rstest;
-use serde_json::{Value, json};
+
+use crate::prelude::*;
 
 /// All pages of a list, as the `Link` header leads on.
 async fn pages(server: &Server, path: &str, member: &str) -> Vec<Value> {

@@ -95,6 +95,7 @@ mod database_proxy;
 mod lab;
 mod nginx;
 mod power;
+mod prelude;
 mod prometheus;
 mod queue;
 mod receiver;

@@ -1,15 +1,13 @@
 //! What is noted about a record beside what is known of its IMU and gyros: nothing where there is nothing, each kind
 //! where it was put in; and records whose time is in doubt, which count when somebody has confirmed it.
 
-use crate::behind;
-use crate::cluster;
 use crate::command::verified;
 use crate::lab;
-use crate::lab::{Lab, day, record, verdict};
+use crate::lab::verdict;
+use crate::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use serde_json::{Value, json};
 
 /// The codes of an answer's notes, in order.
 fn codes(answer: &Value) -> Vec<&str> {

@@ -1,15 +1,10 @@
 //! Running the service: is it ready, what does it count, and what does it refuse to be started on.
 
 use std::io::{BufRead, BufReader};
-use std::path::Path;
-use std::process::Stdio;
-use std::time::{Duration, Instant};
 
-use crate::behind;
+use crate::prelude::*;
 use crate::prometheus::Prometheus;
-use crate::receiver::Receiver;
-use crate::support::{Server, data, document, gyrowatch, metric, required, root};
-use serde_json::{Value, json};
+use crate::support::{metric, required};
 
 #[tokio::test]
 async fn it_is_not_ready_while_another_program_holds_the_database_and_says_so() {

@@ -1,21 +1,18 @@
 //! What is queued arrives: every message, in order per alert, whatever becomes of the service or of other targets.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::process::{Child, Command, Stdio};
+use std::process::Child;
 use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
 
-use crate::behind;
 use crate::lab;
+use crate::prelude::*;
 use crate::queue::Queue;
 use crate::receiver;
-use crate::receiver::{Receiver, Told};
-use crate::support::{NEVER_LATE, Server, asked, free_port, once, root};
+use crate::receiver::Told;
+use crate::support::{NEVER_LATE, asked, free_port};
 use axum::http::StatusCode;
 use axum::response::IntoResponse;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use serde_json::{Value, json};
 
 /// For what takes a moment, on a machine that is twenty times as slow as usual.
 const PATIENCE: Duration = Duration::from_secs(120);

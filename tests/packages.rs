@@ -1,11 +1,8 @@
 //! What is installed elsewhere, as far as it can be told without installing it: `scripts/packages` and
 //! `scripts/bare_debian` are the long forms.
 
-use std::collections::BTreeSet;
-use std::path::Path;
-use std::process::Command;
-
-use crate::support::{gyrowatch, required, root};
+use crate::prelude::*;
+use crate::support::required;
 
 fn read(path: impl AsRef<Path>) -> String {
     let path = root().join(path);

@@ -1,10 +1,8 @@
 //! The web pages as they leave the service, before any script: whole, in the viewer's language, naming no other host.
 
-use crate::receiver::Receiver;
+use crate::prelude::*;
 use crate::spoken;
-use crate::support;
-use crate::support::{Answer, FORM, Server, document, once};
-use serde_json::{Value, json};
+use crate::support::{Answer, FORM};
 
 /// A calibration of one gyro: D_I and D_S along its nominal triad, E of length one.
 fn record(imu: &str, station: &str, serial: &str, day: u32, d: [f64; 2]) -> Value {

@@ -1,17 +1,13 @@
 //! PostgreSQL under Patroni: its leader dies or hands over while records arrive, and nothing acknowledged is lost.
 
 use std::io::{BufRead, BufReader, Write};
-use std::path::PathBuf;
-use std::process::{Child, ChildStdout, Stdio};
+use std::process::{Child, ChildStdout};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
 
-use crate::cluster;
 use crate::command::verified;
-use crate::support;
-use crate::support::{Server, free_port, paper_record, required};
+use crate::prelude::*;
+use crate::support::{free_port, required};
 use gyrowatch::system;
-use serde_json::{Value, json};
 use sqlx::{Connection, PgConnection};
 
 const SENDERS: usize = 4;

@@ -3,21 +3,17 @@
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
-use std::process::{Command, Stdio};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
 
-use crate::cluster::{self, Cluster, count};
+use crate::cluster::{Cluster, count};
 use crate::command;
-use crate::lab::{day, record, verdict};
+use crate::lab::verdict;
+use crate::prelude::*;
 use crate::receiver;
-use crate::receiver::Receiver;
-use crate::support;
-use crate::support::{NEVER_LATE, Server, client, document, file_url};
+use crate::support::{NEVER_LATE, client, file_url};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use serde_json::{Value, json};
 use sqlx::{Connection, PgConnection, Row};
 
 const LEASE: Duration = Duration::from_secs(3);

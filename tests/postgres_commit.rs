@@ -2,17 +2,13 @@
 //! again, once.
 
 use std::net::{Ipv4Addr, SocketAddr};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
-use std::time::Duration;
 
-use crate::cluster::{self, count};
-use crate::lab::{day, record};
-use crate::receiver::Receiver;
-use crate::support::{NEVER_LATE, Server, once};
+use crate::cluster::count;
+use crate::prelude::*;
+use crate::support::NEVER_LATE;
 use axum::http::StatusCode;
 use axum::response::IntoResponse;
-use serde_json::json;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
 

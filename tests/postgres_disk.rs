@@ -1,13 +1,12 @@
 //! The disk under PostgreSQL is full: what servers answer then, and how they come back.
 
 use std::collections::HashSet;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
 
-use crate::cluster::{self, Cluster, Crowded};
-use crate::support;
-use crate::support::{Server, fill, paper_record, small_disks_work};
+use crate::cluster::{Cluster, Crowded};
+use crate::prelude::*;
+use crate::support::{fill, small_disks_work};
 use sqlx::{Connection, PgConnection};
 
 const SENDERS: usize = 16;

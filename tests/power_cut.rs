@@ -2,19 +2,16 @@
 //! found after a cut at a moment of that run, and what clients were told is looked for in it. `scripts/soak power`
 //! tries 1,000 moments.
 
-use std::collections::{BTreeMap, HashMap};
-use std::path::Path;
+use std::collections::HashMap;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
 
-use crate::behind;
 use crate::power::disk::{Disk, Flushing};
 use crate::power::{CALLS, Call, Moment, Recording};
-use crate::support::{Server, asked, client, gyrowatch, paper_record, required};
+use crate::prelude::*;
+use crate::support::{asked, client, required};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use serde_json::Value;
 
 /// Records of two IMUs, so that each gyro soon has enough of them to be folded into its place.
 fn record(number: usize) -> String {

@@ -1,12 +1,9 @@
 //! Behind a real nginx: as it comes, with the headers that it is told to send, and under a prefix.
 
-use std::collections::BTreeSet;
-use std::process::Command;
-
 use crate::command::beside;
 use crate::nginx::Nginx;
-use crate::support::{FORM, Server, data, data_path, paper_record, required};
-use serde_json::{Value, json};
+use crate::prelude::*;
+use crate::support::{FORM, data_path, required};
 
 /// Who asks through nginx: curl, which speaks HTTP/2 and follows nothing.
 struct Client {

@@ -2,8 +2,7 @@
 
 use std::process::Output;
 
-use crate::support::{Server, gyrowatch};
-use serde_json::{Value, json};
+use crate::prelude::*;
 
 const BENCHES: &str = "# station: BENCH-1\n# method: torque_feedback\n\
     serial;measured_at;d_i_deg_per_h_g0;d_s_deg_per_h_g0;d_i_sd;d_s_sd\n\

@@ -1,21 +1,16 @@
 //! What must not happen whatever happens: short forms of the tests of docs/reliability.md. `scripts/soak` runs the
 //! long ones, which differ in their numbers alone.
 
-use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader};
-use std::process::Stdio;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
 
-use crate::behind;
 use crate::command::beside;
-use crate::support;
-use crate::support::{Server, asked, client, paper_record, seed};
+use crate::prelude::*;
+use crate::support::{asked, client, seed};
 use rand::seq::IndexedRandom;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use serde_json::{Value, json};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
 fn record(number: usize) -> Value {

@@ -1,9 +1,8 @@
 //! Starting and stopping the service, as an init system or an engineer at the terminal does.
 
-use std::time::Duration;
-
-use crate::support::{Server, gyrowatch};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
+
+use crate::prelude::*;
 
 #[tokio::test]
 async fn it_says_where_it_listens_and_that_it_lives() {

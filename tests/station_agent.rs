@@ -3,11 +3,9 @@
 
 use std::fs;
 use std::os::unix::fs::{PermissionsExt, symlink};
-use std::path::Path;
-use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::process::Child;
 
-use crate::support::{Server, data, gyrowatch, once};
+use crate::prelude::*;
 
 struct Agent(Child);
 

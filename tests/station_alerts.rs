@@ -1,16 +1,12 @@
 //! Gyros that moved together because their station or IMU did: one alert of that, and none of what it explains.
 
-use std::time::Duration;
-
-use crate::cluster;
 use crate::lab;
-use crate::lab::{Lab, day, record, scatter};
-use crate::receiver::{Receiver, Told};
-use crate::support::{Server, once};
+use crate::lab::scatter;
+use crate::prelude::*;
+use crate::receiver::Told;
 use gyrowatch::system::Clock;
 use gyrowatch::wire::time;
 use reqwest::Method;
-use serde_json::{Value, json};
 
 const SLOTS: [&str; 3] = ["G1", "G2", "G3"];
 /// Of the station, and of one gyro by itself, deg/(h g0); the budget is 0.01.

@@ -1,12 +1,6 @@
 //! What a station copies: each example is run where Debian has its program, and each template fits.
 
-use std::path::{Path, PathBuf};
-use std::process::Command;
-
-use crate::support;
-use crate::support::{Server, root};
-use serde_json::Value;
-
+use crate::prelude::*;
 fn example(name: &str) -> PathBuf {
     root().join("examples/stations").join(name)
 }

@@ -3,18 +3,17 @@
 //!
 //! `GYROWATCH_LOGS=100 cargo test --test all table_logs:: -- --nocapture` prints the figures.
 
-use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::fs;
-use std::path::Path;
 use std::process::Output;
 
 use assert_cmd::Command;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
-use serde_json::Value;
+
+use crate::prelude::*;
 
 type V = [f64; 3];
 

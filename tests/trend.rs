@@ -1,11 +1,10 @@
 //! What an engineer sees of one gyro over the years.
 
-use crate::cluster;
 use crate::lab;
+use crate::prelude::*;
 use reqwest::Method;
-use serde_json::{Value, json};
 
-use crate::lab::{Answer, Lab, assert_close, bench, day, record, verdict};
+use crate::lab::{Answer, assert_close, bench, verdict};
 
 fn states(points: &[Value]) -> Vec<&str> {
     points.iter().map(|point| point["state"].as_str().unwrap()).collect()

@@ -1,15 +1,11 @@
 //! Databases of every earlier version, with data in them, are brought up to date at the start, and say what they said
 //! before.
 
-use std::path::Path;
-
-use crate::behind;
-use crate::cluster;
 use crate::command::{beside, ended, verified};
 use crate::lab;
+use crate::prelude::*;
 use crate::receiver;
-use crate::support::{NEVER_LATE, SUMMARY, Server, data, document, file_url, gyrowatch, id, once, root};
-use serde_json::{Value, json};
+use crate::support::{NEVER_LATE, SUMMARY, file_url};
 use sqlx::migrate::Migrator;
 use sqlx::{AssertSqlSafe, ConnectOptions, Connection, PgConnection, SqliteConnection};
 

@@ -1,9 +1,7 @@
 //! `gyrowatch verify`: what is stored is what follows from what was sent, and what is not is named.
 
-use crate::behind;
 use crate::command::{all_of, beside, on_database};
-use crate::support::{Server, data, document, gyrowatch};
-use serde_json::Value;
+use crate::prelude::*;
 use sqlx::Row;
 
 /// A stopped service with records, one of which came late, a campaign, bench results and an event.

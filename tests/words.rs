@@ -2,11 +2,8 @@
 //!
 //! The messages are read with Fluent's own parser; the code's uses of `message!` from the sources.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::{Path, PathBuf};
 
-use crate::support::root;
 use gyrowatch::core::bench::BenchMethod;
 use gyrowatch::core::changes::ChangeCause;
 use gyrowatch::core::diagnose::Variable;
@@ -14,6 +11,8 @@ use gyrowatch::core::effects::{CATALOGUE, COMPETITORS};
 use gyrowatch::core::judge::{Event, Rule, Severity, Status, Suggestion, Unseen};
 
 use fluent_syntax::ast::{CallArguments, Entry, Expression, InlineExpression, Pattern, PatternElement};
+
+use crate::prelude::*;
 
 /// A message: the text with its places marked, and the names of its parameters.
 struct Said {

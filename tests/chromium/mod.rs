@@ -2,17 +2,15 @@
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
-use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::Child;
 use std::sync::atomic::AtomicUsize;
 use std::sync::atomic::Ordering::Relaxed;
-use std::time::{Duration, Instant};
 
-use crate::support::{client, root};
+use crate::prelude::*;
+use crate::support::client;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use gyrowatch::system;
-use serde_json::{Value, json};
 
 /// WebDriver's name for a reference to an element.
 const ELEMENT: &str = "element-6066-11e4-a52e-4f735466cecf";

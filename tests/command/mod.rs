@@ -1,11 +1,9 @@
 //! The command line program, run to its end.
 
-use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
-use serde_json::Value;
-
-use crate::support::{file_url, gyrowatch};
+use crate::prelude::*;
+use crate::support::file_url;
 
 /// A folder of a test's own.
 pub struct Folder(tempfile::TempDir);

@@ -1,11 +1,10 @@
 //! A disk with a cache that forgets: what was flushed stays, what was not may be there, missing, or torn between
 //! sectors.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use rand::{Rng, RngExt};
 
 use super::{Call, Moment, Recording};
+use crate::prelude::*;
 
 const SECTOR: usize = 512;
 

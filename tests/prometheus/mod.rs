@@ -1,13 +1,11 @@
 //! A real Prometheus, for tests.
 
-use std::process::{Child, Command, Stdio};
-use std::time::Duration;
+use std::process::Child;
 
 use gyrowatch::system;
-use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::support::{Server, root};
+use crate::prelude::*;
 
 /// Prometheus with the rules that ship, looking every second; it ends with the test.
 pub struct Prometheus {

@@ -1,12 +1,10 @@
 //! Fills the outbox of a stopped service with the steps of alerts, from below: what is told and in which order is then
 //! known in advance.
 
-use std::path::Path;
-
-use crate::behind;
 use gyrowatch::system::Clock;
-use serde_json::{Value, json};
 use sqlx::{Connection, SqliteConnection};
+
+use crate::prelude::*;
 
 /// So many alerts, each with so many steps, all of them to be told to every hook.
 #[derive(Clone, Copy)]

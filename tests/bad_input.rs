@@ -5,7 +5,7 @@
 
 use crate::prelude::*;
 use crate::spoken;
-use crate::support::{asked, seed};
+use crate::support::{asked, seed, with_member};
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -26,18 +26,8 @@ fn with(pointer: &str, value: Value) -> Vec<u8> {
     changed(paper(), pointer, value)
 }
 
-fn changed(mut document: Value, pointer: &str, value: Value) -> Vec<u8> {
-    let (parent, member) = pointer.rsplit_once('/').unwrap();
-    match document.pointer_mut(parent).unwrap() {
-        Value::Object(members) => _ = members.insert(member.into(), value),
-        Value::Array(items) => items[member.parse::<usize>().unwrap()] = value,
-        other => panic!("{other} has no members"),
-    }
-    document.to_string().into_bytes()
-}
-
-fn changed_text(document: Value, pointer: &str, value: Value) -> String {
-    String::from_utf8(changed(document, pointer, value)).unwrap()
+fn changed(document: Value, pointer: &str, value: Value) -> Vec<u8> {
+    with_member(document, pointer, value).to_string().into_bytes()
 }
 
 fn without(pointer: &str) -> Vec<u8> {
@@ -82,6 +72,7 @@ fn records() -> Vec<Row> {
         String::from_utf8(with("/note", json!(note))).expect("UTF-8").chars().map(|letter| letter as u8).collect()
     };
     let deep = |n: usize| format!("{}{}", "[".repeat(n), "]".repeat(n));
+    let at = |what, pointer, value| row(what, with(pointer, value), 422, At(pointer));
     let long = "x".repeat(65);
     vec![
         row("not JSON", b"imu: IMU-07".to_vec(), 400, Says("not_json")),
@@ -115,8 +106,8 @@ fn records() -> Vec<Row> {
         row("a NUL between members", text("\"imu\"", "\0\"imu\""), 400, Says("not_json")),
         row("no object", b"[]".to_vec(), 422, At("")),
         row("null", b"null".to_vec(), 422, At("")),
-        row("unknown member", with("/colour", json!("red")), 422, At("/colour")),
-        row("unknown member of a gyro", with("/gyros/1/colour", json!("red")), 422, At("/gyros/1/colour")),
+        at("unknown member", "/colour", json!("red")),
+        at("unknown member of a gyro", "/gyros/1/colour", json!("red")),
         row(
             "unknown member holding 10^5 brackets",
             text("\"imu\"", &format!("\"x\":{},\"imu\"", deep(100_000))),
@@ -135,20 +126,19 @@ fn records() -> Vec<Row> {
         row("missing member", without("/station"), 422, At("/station")),
         row("missing E", without(e), 422, At(e)),
         row("missing G", without(g), 422, At(g)),
-        row("G in both units", with("/gyros/0/g_deg_per_h_g0", json!([1, 2, 3])), 422, At("/gyros/0/g_deg_per_h_g0")),
-        row("text for a number", with("/temperature_c", json!("45")), 422, At("/temperature_c")),
-        row("number for a text", with("/imu", json!(7)), 422, At("/imu")),
-        row("object for an array", with(e, json!({"x": 1})), 422, At(e)),
+        at("G in both units", "/gyros/0/g_deg_per_h_g0", json!([1, 2, 3])),
+        at("text for a number", "/temperature_c", json!("45")),
+        at("number for a text", "/imu", json!(7)),
+        at("object for an array", e, json!({"x": 1})),
         row("text among numbers", with(e, json!([0.8, "x", 1.0])), 422, At("/gyros/0/e_pulse_per_arcsec/1")),
         row("null among numbers", with(e, json!([0.8, null, 1.0])), 422, At("/gyros/0/e_pulse_per_arcsec/1")),
-        row("two elements", with(e, json!([0.8, 1.0])), 422, At(e)),
-        row("four elements", with(e, json!([0.8, -0.6, 1.0, 0.0])), 422, At(e)),
-        row("no gyro", with("/gyros", json!([])), 422, At("/gyros")),
-        row(
+        at("two elements", e, json!([0.8, 1.0])),
+        at("four elements", e, json!([0.8, -0.6, 1.0, 0.0])),
+        at("no gyro", "/gyros", json!([])),
+        at(
             "four gyros",
-            with("/gyros", json!([paper()["gyros"][0], paper()["gyros"][1], paper()["gyros"][2], paper()["gyros"][0]])),
-            422,
-            At("/gyros"),
+            "/gyros",
+            json!([paper()["gyros"][0], paper()["gyros"][1], paper()["gyros"][2], paper()["gyros"][0]]),
         ),
         row("NaN", text("0.8473", "NaN"), 400, Says("not_json")),
         row("Infinity", text("0.8473", "Infinity"), 400, Says("not_json")),
@@ -156,11 +146,11 @@ fn records() -> Vec<Row> {
         row("1e400", text("0.8473", "1e400"), 422, At("/gyros/0/e_pulse_per_arcsec/0")),
         row("1e308", text("0.8473", "1e308"), 422, At(e)),
         row("G of 1e308", text("2.421", "1e308"), 422, At(g)),
-        row("E of zero", with(e, json!([0, 0, 0])), 422, At(e)),
-        row("E beyond its limits", with(e, json!([8.473e6, -6.011e6, 1.0367e7])), 422, At(e)),
-        row("E far from the declared geometry", with(e, json!([1.0, 1.0, 0.0])), 422, At(e)),
-        row("E of the wrong sign", with(e, json!([-0.8473, 0.6011, -1.0367])), 422, At(e)),
-        row("unknown geometry", with("/geometry", json!("cubic")), 422, At("/geometry")),
+        at("E of zero", e, json!([0, 0, 0])),
+        at("E beyond its limits", e, json!([8.473e6, -6.011e6, 1.0367e7])),
+        at("E far from the declared geometry", e, json!([1.0, 1.0, 0.0])),
+        at("E of the wrong sign", e, json!([-0.8473, 0.6011, -1.0367])),
+        at("unknown geometry", "/geometry", json!("cubic")),
         row(
             "a geometry of skewed axes that are not perpendicular",
             with("/geometry", json!({"G1": {"input": [1, 0, 0], "spin": [0.6, 0.8, 0]}})),
@@ -173,71 +163,47 @@ fn records() -> Vec<Row> {
             422,
             At("/gyros/0/slot"),
         ),
-        row("unknown slot", with("/gyros/0/slot", json!("G4")), 422, At("/gyros/0/slot")),
-        row("the same slot twice", with("/gyros/1/slot", json!("G1")), 422, At("/gyros/1/slot")),
-        row("the same serial twice", with("/gyros/1/serial", json!("LFG-0101")), 422, At("/gyros/1/serial")),
-        row("empty serial", with("/gyros/0/serial", json!("")), 422, At("/gyros/0/serial")),
-        row("over-long serial", with("/gyros/0/serial", json!(long)), 422, At("/gyros/0/serial")),
-        row(
-            "serial of half a megabyte",
-            with("/gyros/0/serial", json!("x".repeat(500_000))),
-            422,
-            At("/gyros/0/serial"),
-        ),
-        row("NUL in the serial", with("/gyros/0/serial", json!("LFG\u{0}0101")), 422, At("/gyros/0/serial")),
-        row("line break in the IMU", with("/imu", json!("IMU\n07")), 422, At("/imu")),
-        row("nothing but blanks", with("/imu", json!(" \u{3000}")), 422, At("/imu")),
-        row("no width in the IMU", with("/imu", json!("IMU-07\u{200b}")), 422, At("/imu")),
-        row("direction in the serial", with("/gyros/0/serial", json!("LFG\u{202e}-0101")), 422, At("/gyros/0/serial")),
-        row(
-            "a clock that was never set",
-            with("/calibrated_at", json!("1970-01-01T00:00:12Z")),
-            422,
-            At("/calibrated_at"),
-        ),
-        row("escape character in the note", with("/note", json!("\u{1b}[31m")), 422, At("/note")),
+        at("unknown slot", "/gyros/0/slot", json!("G4")),
+        at("the same slot twice", "/gyros/1/slot", json!("G1")),
+        at("the same serial twice", "/gyros/1/serial", json!("LFG-0101")),
+        at("empty serial", "/gyros/0/serial", json!("")),
+        at("over-long serial", "/gyros/0/serial", json!(long)),
+        at("serial of half a megabyte", "/gyros/0/serial", json!("x".repeat(500_000))),
+        at("NUL in the serial", "/gyros/0/serial", json!("LFG\u{0}0101")),
+        at("line break in the IMU", "/imu", json!("IMU\n07")),
+        at("nothing but blanks", "/imu", json!(" \u{3000}")),
+        at("no width in the IMU", "/imu", json!("IMU-07\u{200b}")),
+        at("direction in the serial", "/gyros/0/serial", json!("LFG\u{202e}-0101")),
+        at("a clock that was never set", "/calibrated_at", json!("1970-01-01T00:00:12Z")),
+        at("escape character in the note", "/note", json!("\u{1b}[31m")),
         row("half a surrogate pair", text("IMU-07", "IMU-\\ud800"), 422, At("/imu")),
-        row("time without offset", with("/calibrated_at", json!("2026-03-01T08:00:00")), 422, At("/calibrated_at")),
-        row("time of another kind", with("/calibrated_at", json!("01.03.2026 08:00")), 422, At("/calibrated_at")),
-        row("time as a number", with("/calibrated_at", json!(1_772_352_000)), 422, At("/calibrated_at")),
-        row("offset +99:99", with("/calibrated_at", json!("2026-03-01T08:00:00+99:99")), 422, At("/calibrated_at")),
-        row("30 February", with("/calibrated_at", json!("2026-02-30T08:00:00Z")), 422, At("/calibrated_at")),
-        row(
-            "a leap second where there is none",
-            with("/calibrated_at", json!("2026-03-01T08:00:60Z")),
-            422,
-            At("/calibrated_at"),
-        ),
-        row("the year 9999", with("/calibrated_at", json!("9999-12-31T23:59:59Z")), 422, At("/calibrated_at")),
-        row("the year mistyped", with("/calibrated_at", json!("0206-03-01T08:00:00Z")), 422, At("/calibrated_at")),
-        row("far future", with("/calibrated_at", json!("2140-01-01T00:00:00Z")), 422, At("/calibrated_at")),
+        at("time without offset", "/calibrated_at", json!("2026-03-01T08:00:00")),
+        at("time of another kind", "/calibrated_at", json!("01.03.2026 08:00")),
+        at("time as a number", "/calibrated_at", json!(1_772_352_000)),
+        at("offset +99:99", "/calibrated_at", json!("2026-03-01T08:00:00+99:99")),
+        at("30 February", "/calibrated_at", json!("2026-02-30T08:00:00Z")),
+        at("a leap second where there is none", "/calibrated_at", json!("2026-03-01T08:00:60Z")),
+        at("the year 9999", "/calibrated_at", json!("9999-12-31T23:59:59Z")),
+        at("the year mistyped", "/calibrated_at", json!("0206-03-01T08:00:00Z")),
+        at("far future", "/calibrated_at", json!("2140-01-01T00:00:00Z")),
         row("negative sd", with("/gyros/0/e_sd", json!([1e-6, -1e-6, 1e-6])), 422, At("/gyros/0/e_sd/1")),
         row("negative sd of G", with("/gyros/2/g_sd", json!([1e-3, 1e-3, -0.5])), 422, At("/gyros/2/g_sd/2")),
-        row("colder than can be", with("/temperature_c", json!(-300)), 422, At("/temperature_c")),
+        at("colder than can be", "/temperature_c", json!(-300)),
     ]
 }
 
 fn bench_results() -> Vec<Row> {
+    let at = |what, pointer, value| row(what, changed(bench(), pointer, value), 422, At(pointer));
     vec![
         row("not JSON", b"serial,station".to_vec(), 400, Says("not_json")),
-        row("unknown method", changed(bench(), "/method", json!("guess")), 422, At("/method")),
-        row("unknown member", changed(bench(), "/colour", json!("red")), 422, At("/colour")),
-        row("empty serial", changed(bench(), "/serial", json!("")), 422, At("/serial")),
-        row("negative sd", changed(bench(), "/d_i_sd", json!(-1e-4)), 422, At("/d_i_sd")),
-        row("a drift beyond belief", changed(bench(), "/d_s_deg_per_h_g0", json!(1e300)), 422, At("/d_s_deg_per_h_g0")),
-        row(
-            "time without offset",
-            changed(bench(), "/measured_at", json!("2026-02-10T08:00:00")),
-            422,
-            At("/measured_at"),
-        ),
-        row(
-            "the year mistyped",
-            changed(bench(), "/measured_at", json!("0206-02-10T08:00:00Z")),
-            422,
-            At("/measured_at"),
-        ),
-        row("far future", changed(bench(), "/measured_at", json!("2140-01-01T00:00:00Z")), 422, At("/measured_at")),
+        at("unknown method", "/method", json!("guess")),
+        at("unknown member", "/colour", json!("red")),
+        at("empty serial", "/serial", json!("")),
+        at("negative sd", "/d_i_sd", json!(-1e-4)),
+        at("a drift beyond belief", "/d_s_deg_per_h_g0", json!(1e300)),
+        at("time without offset", "/measured_at", json!("2026-02-10T08:00:00")),
+        at("the year mistyped", "/measured_at", json!("0206-02-10T08:00:00Z")),
+        at("far future", "/measured_at", json!("2140-01-01T00:00:00Z")),
     ]
 }
 
@@ -291,7 +257,7 @@ async fn a_bad_record_is_refused_at_its_place_and_nothing_is_kept() {
 #[tokio::test]
 async fn a_problem_is_said_in_the_language_asked_for_and_has_the_same_codes_in_each() {
     let server = Server::start().await;
-    let record = changed_text(paper(), "/imu", json!("x".repeat(65)));
+    let record = with_member(paper(), "/imu", json!("x".repeat(65))).to_string();
     let asked = |language: &'static str| {
         let (headers, body) = ([("content-type", "application/json"), ("accept-language", language)], record.clone());
         let server = &server;
@@ -326,7 +292,7 @@ async fn a_bad_bench_result_is_refused_at_its_place_and_nothing_is_kept() {
 #[tokio::test]
 async fn many_documents_where_one_is_taken_are_told_where_they_belong() {
     let server = Server::start().await;
-    let benches = format!("{}\n{}\n", bench(), changed_text(bench(), "/serial", json!("LFG-0102")));
+    let benches = format!("{}\n{}\n", bench(), with_member(bench(), "/serial", json!("LFG-0102")));
     for (route, body) in [
         ("/v1/records", benches.clone()),
         ("/v1/campaigns", benches.clone()),

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::command;
 use crate::lab::{Answer, JSON, Lab, assert_close, tables_3_and_4, verdict};
-use crate::support::{data_path, document};
+use crate::support::{data_path, document, with_member};
 use gyrowatch::config::StatedUncertainty;
 
 const CSV: &str = "text/csv";
@@ -353,14 +353,8 @@ fn bad_members() -> Vec<(&'static str, &'static str, Value)> {
 fn with(pointer: &str, value: Value) -> Value {
     let mut document = campaign();
     let pointer = pointer.strip_suffix("/1").filter(|p| *p == "/model").unwrap_or(pointer);
-    let (parent, member) = pointer.rsplit_once('/').unwrap();
     document["station_uncertainty"] = json!({"levelling_arcsec": 5.0});
-    match document.pointer_mut(parent).unwrap() {
-        Value::Object(members) => _ = members.insert(member.into(), value),
-        Value::Array(items) => items[member.parse::<usize>().unwrap()] = value,
-        other => panic!("{other} has no members"),
-    }
-    document
+    with_member(document, pointer, value)
 }
 
 fn command_line_refuses(text: &str, words: &str) {

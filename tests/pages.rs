@@ -1408,14 +1408,7 @@ async fn a_gyro_out_of_use_is_not_overdue_and_says_so() {
 
 /// A campaign with one member replaced, or added.
 fn campaign_with(pointer: &str, value: Value) -> String {
-    let mut document = document("practice/campaign-00.json");
-    let (parent, member) = pointer.rsplit_once('/').unwrap();
-    match document.pointer_mut(parent).unwrap() {
-        Value::Object(members) => _ = members.insert(member.into(), value),
-        Value::Array(items) => items[member.parse::<usize>().unwrap()] = value,
-        other => panic!("{other} has no members"),
-    }
-    document.to_string()
+    support::with_member(document("practice/campaign-00.json"), pointer, value).to_string()
 }
 
 #[tokio::test]

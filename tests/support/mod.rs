@@ -37,6 +37,17 @@ pub fn document(name: &str) -> Value {
     serde_json::from_str(&data(name)).unwrap()
 }
 
+/// A document with one member replaced, or added.
+pub fn with_member(mut document: Value, pointer: &str, value: Value) -> Value {
+    let (parent, member) = pointer.rsplit_once('/').unwrap();
+    match document.pointer_mut(parent).unwrap() {
+        Value::Object(members) => _ = members.insert(member.into(), value),
+        Value::Array(items) => items[member.parse::<usize>().unwrap()] = value,
+        other => panic!("{other} has no members"),
+    }
+    document
+}
+
 /// The directory of the project.
 pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -159,10 +159,7 @@ async fn a_synchronous_standby_has_all_that_was_acknowledged() {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_host_that_falls_silent_holds_nobody_up_for_longer_than_two_leases() {
-    if !cluster::is_there() {
-        return;
-    }
-    let url = cluster::fresh_database().await;
+    let Some(url) = cluster::database_if_there().await else { return };
     let between = Proxy::before(&url).await;
     let mut server = server_on(&between.url(&url), &[("GYROWATCH_SERVER__SHUTDOWN_GRACE_S", "4")]).await;
     server.takes("/v1/records", &record("before", 0.0, 0)).await;
@@ -192,11 +189,8 @@ async fn a_host_that_falls_silent_holds_nobody_up_for_longer_than_two_leases() {
 /// `scripts/soak far` measures it.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn an_import_over_a_long_way_asks_a_handful_of_questions() {
-    if !cluster::is_there() {
-        return;
-    }
     let records = support::asked("GYROWATCH_SOAK_FAR", 600);
-    let url = cluster::fresh_database().await;
+    let Some(url) = cluster::database_if_there().await else { return };
     let near = server_on(&url, &[]).await;
     let import = |minutes: std::ops::Range<usize>| {
         let lines = minutes.map(|k| record(&format!("far{}", k % (records / 3)), 0.0, k).to_string());
@@ -228,10 +222,7 @@ async fn an_import_over_a_long_way_asks_a_handful_of_questions() {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_note_at_one_server_makes_another_read_that_gyro_alone() {
-    if !cluster::is_there() {
-        return;
-    }
-    let url = cluster::fresh_database().await;
+    let Some(url) = cluster::database_if_there().await else { return };
     let between = Proxy::before(&url).await;
     let (a, b) = (server_on(&between.url(&url), &[]).await, server_on(&url, &[]).await);
     let lines: Vec<String> = (0..400).map(|k| record(&format!("n{k}"), 0.0, k).to_string()).collect();

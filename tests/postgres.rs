@@ -110,10 +110,7 @@ impl Load {
 
 #[tokio::test]
 async fn what_one_server_stores_the_others_judge_by_and_show() {
-    if !cluster::is_there() {
-        return;
-    }
-    let url = cluster::fresh_database().await;
+    let Some(url) = cluster::database_if_there().await else { return };
     let (one, other) = (server_on(&url).await, server_on(&url).await);
     for at in 0..12 {
         let server = if at % 2 == 0 { &one } else { &other };
@@ -142,18 +139,13 @@ async fn what_one_server_stores_the_others_judge_by_and_show() {
 
 #[tokio::test]
 async fn a_server_that_writes_nothing_shows_what_another_stores_and_has_it_told_by_whose_duty_that_is() {
-    if !cluster::is_there() {
-        return;
-    }
     const SOON: Duration = Duration::from_secs(2);
-    let url = cluster::fresh_database().await;
+    let Some(url) = cluster::database_if_there().await else { return };
     let on_duty = server_on(&url).await;
     let holder = "SELECT count(*) FROM lease WHERE holder <> 0 AND until > now()";
     until("the leases are taken", LEASE, async || count(&url, holder).await == 2).await;
     let other = server_on(&url).await;
-    let told = Receiver::start().await;
-    let hook = json!({"name": "h", "kind": "standard-webhooks", "url": told.url(), "filter": {"rules": ["step"]}, "batch": false});
-    assert_eq!(on_duty.post_json("/v1/hooks", &hook).await.status, 201);
+    let told = told_of_steps(&on_duty).await;
     let first = record("IMU-1", &day(0), &[("G1", "LFG-1", 1.0, 2.0)]);
     assert_eq!(on_duty.post_json("/v1/records", &first).await.status, 201);
     until("the gyro is known", SOON, async || other.get("/v1/gyros/LFG-1/trend?coefficient=D_I").await.status == 200)
@@ -165,10 +157,7 @@ async fn a_server_that_writes_nothing_shows_what_another_stores_and_has_it_told_
 
 #[tokio::test]
 async fn a_record_whose_names_are_new_is_shown_by_another_server_at_once() {
-    if !cluster::is_there() {
-        return;
-    }
-    let url = cluster::fresh_database().await;
+    let Some(url) = cluster::database_if_there().await else { return };
     let (one, other) = (server_on(&url).await, server_on(&url).await);
     for number in 0..12 {
         let sent = record(&format!("IMU-{number}"), &day(0), &[("G1", &format!("LFG-{number}"), 1.0, 2.0)]);
@@ -176,6 +165,15 @@ async fn a_record_whose_names_are_new_is_shown_by_another_server_at_once() {
         let shown = other.get(&format!("/v1/records/{}", stored["id"].as_str().unwrap())).await;
         assert_eq!(shown.status, 200, "{}", shown.text());
     }
+}
+
+/// Whoever is told of every step, each in a message of its own.
+async fn told_of_steps(server: &Server) -> Receiver {
+    let told = Receiver::start().await;
+    let hook = json!({"name": "h", "kind": "standard-webhooks", "url": told.url(), "filter": {"rules": ["step"]},
+        "batch": false});
+    assert_eq!(server.post_json("/v1/hooks", &hook).await.status, 201);
+    told
 }
 
 /// Four gyros that jump and come back; each record of a gyro goes to another server than the one before.
@@ -201,17 +199,12 @@ async fn alerts_of(url: &str) -> Vec<(String, i64, String)> {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn two_servers_raise_the_alerts_that_one_would_and_tell_each_step_once() {
-    if !cluster::is_there() {
-        return;
-    }
-    let alone = cluster::fresh_database().await;
+    let Some(alone) = cluster::database_if_there().await else { return };
     sent_in_turn(&[&server_on(&alone).await]).await;
 
     let url = cluster::fresh_database().await;
     let servers = [server_on(&url).await, server_on(&url).await];
-    let told = Receiver::start().await;
-    let hook = json!({"name": "h", "kind": "standard-webhooks", "url": told.url(), "filter": {"rules": ["step"]}, "batch": false});
-    assert_eq!(servers[0].post_json("/v1/hooks", &hook).await.status, 201);
+    let told = told_of_steps(&servers[0]).await;
     sent_in_turn(&[&servers[0], &servers[1]]).await;
     let (found, expected) = (alerts_of(&url).await, alerts_of(&alone).await);
     assert!(expected.len() > 24 && found == expected, "{found:?}\n{expected:?}");
@@ -222,10 +215,7 @@ async fn two_servers_raise_the_alerts_that_one_would_and_tell_each_step_once() {
 
 #[tokio::test]
 async fn a_token_made_at_one_server_opens_the_others_until_it_is_revoked_there() {
-    if !cluster::is_there() {
-        return;
-    }
-    let url = cluster::fresh_database().await;
+    let Some(url) = cluster::database_if_there().await else { return };
     let (one, other) = (server_on(&url).await, server_on(&url).await);
     let made = one.post_json("/v1/tokens", &json!({"name": "lead", "role": "admin"})).await.created();
     let bearer = format!("Bearer {}", made["token"].as_str().unwrap());
@@ -244,12 +234,9 @@ async fn a_token_made_at_one_server_opens_the_others_until_it_is_revoked_there()
 /// A server reads all tokens every second; what another has changed it reads as soon as it sees it.
 #[tokio::test]
 async fn a_token_that_is_revoked_at_one_server_opens_the_others_for_a_fraction_of_a_second() {
-    if !cluster::is_there() {
-        return;
-    }
     const PHASES: u32 = 4;
     const MOST: Duration = Duration::from_millis(700);
-    let url = cluster::fresh_database().await;
+    let Some(url) = cluster::database_if_there().await else { return };
     let (one, other) = (server_on(&url).await, server_on(&url).await);
     let lead = one.post_json("/v1/tokens", &json!({"name": "lead", "role": "admin"})).await.json();
     let lead = format!("Bearer {}", lead["token"].as_str().unwrap());
@@ -286,10 +273,7 @@ async fn a_token_that_is_revoked_at_one_server_opens_the_others_for_a_fraction_o
 
 #[tokio::test]
 async fn one_record_sent_160_times_through_two_servers_is_stored_once() {
-    if !cluster::is_there() {
-        return;
-    }
-    let url = cluster::fresh_database().await;
+    let Some(url) = cluster::database_if_there().await else { return };
     let servers = [server_on(&url).await, server_on(&url).await];
     let station = Station::of(&[&servers[0], &servers[1]]);
     let sent = Arc::new(record("IMU-1", &day(0), &[("G1", "LFG-1", 1.0, 2.0)]));
@@ -312,10 +296,7 @@ async fn one_record_sent_160_times_through_two_servers_is_stored_once() {
 
 #[tokio::test]
 async fn a_record_that_the_database_refuses_takes_no_other_of_its_group_along() {
-    if !cluster::is_there() {
-        return;
-    }
-    let url = cluster::fresh_database().await;
+    let Some(url) = cluster::database_if_there().await else { return };
     let server = server_on(&url).await;
     server.post_json("/v1/records", &record("IMU-0", &day(0), &[("G1", "LFG-0", 1.0, 2.0)])).await;
     // Behind the service's back, so that only the database knows.
@@ -382,18 +363,13 @@ async fn all_are_there(url: &str, acknowledged: &[String], sent: usize) {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_server_killed_under_load_loses_nothing_and_another_takes_its_work_over() {
-    if !cluster::is_there() {
-        return;
-    }
-    let url = cluster::fresh_database().await;
+    let Some(url) = cluster::database_if_there().await else { return };
     // The first one holds every lease.
     let mut first = server_on(&url).await;
     let holder = "SELECT count(DISTINCT holder) FROM lease WHERE holder <> 0 AND until > now()";
     until("the leases are taken", LEASE, async || count(&url, holder).await == 1).await;
     let second = server_on(&url).await;
-    let told = Receiver::start().await;
-    let hook = json!({"name": "h", "kind": "standard-webhooks", "url": told.url(), "filter": {"rules": ["step"]}, "batch": false});
-    second.post_json("/v1/hooks", &hook).await.created();
+    let told = told_of_steps(&second).await;
     let load = Load { stations: 8, records_each: 24 };
     let station = Station::of(&[&first, &second]);
     let (third, reached) = (load.records() / 3, Arc::new(tokio::sync::Notify::new()));
@@ -422,15 +398,10 @@ async fn a_server_killed_under_load_loses_nothing_and_another_takes_its_work_ove
 /// `scripts/soak pg-kill` kills 100 times.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn servers_killed_at_random_lose_nothing_and_do_nothing_twice() {
-    if !cluster::is_there() {
-        return;
-    }
     let kills = support::asked("GYROWATCH_SOAK_KILLS", 4);
-    let url = cluster::fresh_database().await;
+    let Some(url) = cluster::database_if_there().await else { return };
     let mut servers = [server_on(&url).await, server_on(&url).await];
-    let told = Receiver::start().await;
-    let hook = json!({"name": "h", "kind": "standard-webhooks", "url": told.url(), "filter": {"rules": ["step"]}, "batch": false});
-    assert_eq!(servers[0].post_json("/v1/hooks", &hook).await.status, 201);
+    let told = told_of_steps(&servers[0]).await;
     let station = Station::of(&[&servers[0], &servers[1]]);
     let over = Arc::new(AtomicBool::new(false));
     let acknowledged_at = Arc::new(Mutex::new(vec![Instant::now()]));
@@ -476,9 +447,7 @@ async fn a_database_that_crashes_under_load_loses_nothing_and_servers_go_on_with
     let mut cluster = Cluster::start();
     let url = cluster.fresh_database().await;
     let servers = [server_on(&url).await, server_on(&url).await];
-    let told = Receiver::start().await;
-    let hook = json!({"name": "h", "kind": "standard-webhooks", "url": told.url(), "filter": {"rules": ["step"]}, "batch": false});
-    assert_eq!(servers[0].post_json("/v1/hooks", &hook).await.status, 201);
+    let told = told_of_steps(&servers[0]).await;
     let load = Load { stations: 8, records_each: 16 };
     let station = Station::of(&[&servers[0], &servers[1]]);
     let reached = Arc::new(AtomicUsize::new(0));
@@ -527,11 +496,8 @@ const DIAGNOSED: &str = "SELECT count(*) FROM diagnosis WHERE body IS NOT NULL";
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn servers_share_the_diagnoses_and_make_those_of_one_that_is_killed() {
-    if !cluster::is_there() {
-        return;
-    }
     const CAMPAIGNS: usize = 24;
-    let url = cluster::fresh_database().await;
+    let Some(url) = cluster::database_if_there().await else { return };
     let servers = [server_on(&url).await, server_on(&url).await];
     let answer = servers[0].post("/v1/import", "application/x-ndjson", campaigns(0..CAMPAIGNS)).await;
     assert_eq!(answer.text().matches("\"status\":201").count(), CAMPAIGNS);

@@ -114,10 +114,7 @@ async fn server_behind(url: &str) -> (Server, Between) {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn what_a_commit_without_an_answer_has_stored_is_neither_refused_nor_done_twice() {
-    if !cluster::is_there() {
-        return;
-    }
-    let url = cluster::fresh_database().await;
+    let Some(url) = cluster::database_if_there().await else { return };
     let (server, between) = server_behind(&url).await;
     let mut expected = 0;
     for when in [Cut::After, Cut::Before, Cut::After, Cut::Before] {
@@ -141,10 +138,7 @@ async fn what_a_commit_without_an_answer_has_stored_is_neither_refused_nor_done_
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn of_a_commit_that_nobody_can_be_asked_about_it_is_not_said_that_nothing_was_stored() {
-    if !cluster::is_there() {
-        return;
-    }
-    let url = cluster::fresh_database().await;
+    let Some(url) = cluster::database_if_there().await else { return };
     let (server, between) = server_behind(&url).await;
     for (when, stored, again, before) in [(Cut::After, 1, 200, 0), (Cut::Before, 0, 201, 1)] {
         between.closes_then(true);
@@ -166,10 +160,7 @@ async fn of_a_commit_that_nobody_can_be_asked_about_it_is_not_said_that_nothing_
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn an_attempt_that_was_perhaps_written_down_is_not_counted_twice() {
-    if !cluster::is_there() {
-        return;
-    }
-    let url = cluster::fresh_database().await;
+    let Some(url) = cluster::database_if_there().await else { return };
     let (server, between) = server_behind(&url).await;
     let between = Arc::new(between);
     let breaks = between.clone();

@@ -49,6 +49,11 @@ pub async fn fresh_database() -> String {
     SHARED.get_or_init(Cluster::start).fresh_database().await
 }
 
+/// The same; none where there is no PostgreSQL.
+pub async fn database_if_there() -> Option<String> {
+    if is_there() { Some(fresh_database().await) } else { None }
+}
+
 /// The one number that a query answers.
 pub async fn count(url: &str, sql: &'static str) -> i64 {
     let mut connection = PgConnection::connect(url).await.unwrap();

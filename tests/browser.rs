@@ -64,6 +64,17 @@ async fn downloaded(dir: &Path, name: &str) -> Vec<u8> {
     panic!("{name} was never downloaded; there are {there:?}");
 }
 
+/// The demonstration, and a browser of that size which looks at it; none where there is no browser.
+async fn at_the_demo(width: u32, height: u32) -> Option<(Demo, Browser)> {
+    if !chromium::is_installed() {
+        return None;
+    }
+    let demo = Demo::start();
+    let browser = Browser::open(&demo.base, demo.dir.path()).await;
+    browser.look(width, height, false).await;
+    Some((demo, browser))
+}
+
 /// Days that the pictures of a gyro's page show.
 const DAYS: &str = "(({from, until}) => (until - from) / 864e5)(document.querySelector('#history .picture').dataset)";
 
@@ -73,12 +84,7 @@ async fn shown_days(browser: &Browser) -> f64 {
 
 #[tokio::test]
 async fn an_engineer_finds_a_gyro_zooms_switches_the_method_and_exports() {
-    if !chromium::is_installed() {
-        return;
-    }
-    let demo = Demo::start();
-    let browser = Browser::open(&demo.base, demo.dir.path()).await;
-    browser.look(1280, 1000, false).await;
+    let Some((demo, browser)) = at_the_demo(1280, 1000).await else { return };
     browser.goto("/").await;
     // With the keyboard alone: a slash leads to the search, and one gyro is there at once.
     browser
@@ -187,12 +193,7 @@ async fn under_a_prefix_an_engineer_signs_in_sees_a_plot_and_reads_the_api() {
 
 #[tokio::test]
 async fn a_plot_with_one_calibration_shows_a_month_and_the_budget_about_it() {
-    if !chromium::is_installed() {
-        return;
-    }
-    let demo = Demo::start();
-    let browser = Browser::open(&demo.base, demo.dir.path()).await;
-    browser.look(1280, 1000, false).await;
+    let Some((_demo, browser)) = at_the_demo(1280, 1000).await else { return };
     browser.goto("/gyros/PAPER-T4-G1").await;
     assert!((shown_days(&browser).await - 30.0).abs() < 1e-6);
     let figures = "[...document.querySelectorAll('#history .limit')].slice(0, 4).map((e) => e.textContent).join()";
@@ -442,12 +443,7 @@ async fn days_ago(browser: &Browser, days: u32) -> String {
 
 #[tokio::test]
 async fn today_tells_what_the_pages_of_stations_and_gyros_tell() {
-    if !chromium::is_installed() {
-        return;
-    }
-    let demo = Demo::start();
-    let browser = Browser::open(&demo.base, demo.dir.path()).await;
-    browser.look(1440, 900, false).await;
+    let Some((_demo, browser)) = at_the_demo(1440, 900).await else { return };
     // What the station's page says of its window, whatever its gyros have read since.
     browser.goto("/stations").await;
     let window = browser.eval(
@@ -534,12 +530,7 @@ async fn today_tells_what_the_pages_of_stations_and_gyros_tell() {
 
 #[tokio::test]
 async fn on_a_telephone_a_plot_and_what_is_done_with_alerts_are_at_hand() {
-    if !chromium::is_installed() {
-        return;
-    }
-    let demo = Demo::start();
-    let browser = Browser::open(&demo.base, demo.dir.path()).await;
-    browser.look(390, 844, false).await;
+    let Some((_demo, browser)) = at_the_demo(390, 844).await else { return };
     for serial in ["LFG-0004", "LFG-0008", "LFG-0014", "LFG-0011", "LFG-0001"] {
         browser.goto(&format!("/gyros/{serial}")).await;
         let top = "document.querySelector('#history .picture').getBoundingClientRect().top + scrollY";
@@ -560,12 +551,7 @@ async fn on_a_telephone_a_plot_and_what_is_done_with_alerts_are_at_hand() {
 /// With the keyboard alone, from the start page on: what is pressed.
 #[tokio::test]
 async fn a_keyboard_leads_to_the_worst_gyro_and_its_first_alert_in_few_keys() {
-    if !chromium::is_installed() {
-        return;
-    }
-    let demo = Demo::start();
-    let browser = Browser::open(&demo.base, demo.dir.path()).await;
-    browser.look(1280, 1000, false).await;
+    let Some((_demo, browser)) = at_the_demo(1280, 1000).await else { return };
     let focused = "document.activeElement.textContent";
     let to_worst = ["Tab", "Enter", "Tab", "Enter"];
     for page in ["/", "/fleet", "/alerts"] {
@@ -625,12 +611,7 @@ async fn the_jobs_take_no_more_on_a_telephone_with_a_processor_six_times_slower(
 }
 
 async fn the_jobs(width: u32, slower: u32) {
-    if !chromium::is_installed() {
-        return;
-    }
-    let demo = Demo::start();
-    let browser = Browser::open(&demo.base, demo.dir.path()).await;
-    browser.look(width, 900, false).await;
+    let Some((demo, browser)) = at_the_demo(width, 900).await else { return };
     browser.cdp("Emulation.setCPUThrottlingRate", serde_json::json!({"rate": slower})).await;
     let csv = std::fs::read_to_string(root().join("docs/examples/march.csv")).unwrap();
     assert!(csv.lines().nth(6).unwrap().starts_with("# gyros: G1 LFG-3001, G2 LFG-3002,"));

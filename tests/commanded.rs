@@ -97,6 +97,15 @@ fn turning(campaign: &Campaign, change: impl Fn(&mut Dwell)) -> Option<Campaign>
     campaign.dwells.iter().any(turns).then_some(changed)
 }
 
+/// The campaign with other attitudes; none where it states none.
+fn attitudes(campaign: &Campaign, change: impl Fn(&Matrix3<f64>) -> Matrix3<f64>) -> Option<Campaign> {
+    let changed = |stated: Rotation<Nav, Body>| Rotation3::from_matrix_unchecked(change(stated.matrix()));
+    campaign.dwells[0]
+        .attitude
+        .is_some()
+        .then(|| each(campaign, |d| d.attitude = Some(Rotation::<Nav, Body>::stated_as(changed(d.attitude.unwrap())))))
+}
+
 fn outputs(campaign: &Campaign, change: impl Fn(&mut Vec<f64>)) -> Campaign {
     each(campaign, |d| {
         change(&mut d.output_pulse_s);
@@ -128,13 +137,7 @@ const MUTANTS: [Mutant; 26] = [
     ("deg/s", "unit: deg/s", |c, _| Some(each(c, |d| d.rate_arcsec_s /= 3600.0))),
     ("deg/s at rest", "unit: deg/s", |c, _| Some(each(c, still(|d| d.rate_arcsec_s /= 3600.0)))),
     ("deg/s while turning", "rate_unit (dwells: rate_dwells, unit: deg/s)", |c, _| {
-        c.dwells.iter().any(|d| d.phase == Phase::Rate).then(|| {
-            each(c, |d| {
-                if d.phase == Phase::Rate {
-                    d.rate_arcsec_s /= 3600.0;
-                }
-            })
-        })
+        turning(c, |d| d.rate_arcsec_s /= 3600.0)
     }),
     ("rad/s", "unit: rad/s", |c, _| Some(each(c, |d| d.rate_arcsec_s /= 206_264.806_247_096_36))),
     ("NED rates at rest", "ned_for_enu", |c, sin| {
@@ -150,23 +153,8 @@ const MUTANTS: [Mutant; 26] = [
             })
         })
     }),
-    ("NED attitudes", "ned_for_enu", |c, _| {
-        c.dwells[0].attitude.is_some().then(|| {
-            each(c, |d| {
-                let c = d.attitude.unwrap();
-                d.attitude = Some(Rotation::<Nav, Body>::stated_as(Rotation3::from_matrix_unchecked(c.matrix() * NED)));
-            })
-        })
-    }),
-    ("attitudes inverted", "attitude_inverted", |c, _| {
-        c.dwells[0].attitude.is_some().then(|| {
-            each(c, |d| {
-                let c = d.attitude.unwrap();
-                d.attitude =
-                    Some(Rotation::<Nav, Body>::stated_as(Rotation3::from_matrix_unchecked(c.matrix().transpose())));
-            })
-        })
-    }),
+    ("NED attitudes", "ned_for_enu", |c, _| attitudes(c, |stated| stated * NED)),
+    ("attitudes inverted", "attitude_inverted", |c, _| attitudes(c, Matrix3::transpose)),
     ("latitude of the site flipped", "latitude_reversed", |c, sin| {
         let mut c = c.clone();
         c.site.as_mut().unwrap().latitude *= -1.0;

@@ -12,29 +12,20 @@ pub const CALLS: &str = "trace=pwrite64,write,writev,sendto,sendmsg,fdatasync,fs
 /// One call of the service. Files go by their names within the directory of the database.
 #[derive(Debug)]
 pub enum Call {
-    Create {
-        file: String,
-    },
-    Write {
-        file: String,
-        at: usize,
-        data: Vec<u8>,
-    },
-    Resize {
-        file: String,
-        len: usize,
-    },
-    Flush {
-        file: String,
-    },
+    /// A file is there, made where it was not.
+    Create { file: String },
+    /// Bytes at a place of a file.
+    Write { file: String, at: usize, data: Vec<u8> },
+    /// A file cut off, or made longer.
+    Resize { file: String, len: usize },
+    /// A file is on the disk.
+    Flush { file: String },
+    /// What files there are is on the disk.
     FlushDirectory,
-    Remove {
-        file: String,
-    },
+    /// A file is gone.
+    Remove { file: String },
     /// Bytes for a client, or for whoever started the service.
-    Tell {
-        text: Vec<u8>,
-    },
+    Tell { text: Vec<u8> },
 }
 
 /// Calls of several threads overlap: each begins, and later succeeds.

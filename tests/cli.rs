@@ -233,16 +233,18 @@ fn a_fit_for_people_shows_two_digits_of_every_standard_deviation_and_names_its_t
     assert!(table.contains(" ± ") && !table.contains("± 0.000000 "), "{table}");
 }
 
+/// The paper's record with E or G of one gyro times a factor.
+fn scaled(gyro: usize, member: &str, factor: f64) -> String {
+    let mut record: Value = serde_json::from_str(&std::fs::read_to_string(PAPER).unwrap()).unwrap();
+    for figure in record["gyros"][gyro][member].as_array_mut().unwrap() {
+        *figure = (figure.as_f64().unwrap() * factor).into();
+    }
+    record.to_string()
+}
+
 #[test]
 fn a_drift_in_another_unit_is_refused_by_place_limit_and_key() {
-    let paper: Value = serde_json::from_str(&std::fs::read_to_string(PAPER).unwrap()).unwrap();
-    let scaled = |factor: f64| {
-        let mut record = paper.clone();
-        for g in record["gyros"][0]["g_pulse_per_s_g0"].as_array_mut().unwrap() {
-            *g = (g.as_f64().unwrap() * factor).into();
-        }
-        record.to_string()
-    };
+    let scaled = |factor| scaled(0, "g_pulse_per_s_g0", factor);
     let refused = complaint(gyrowatch(&["separate", "-"]).write_stdin(scaled(1e3)), 1);
     for there in ["/gyros/0/g_pulse_per_s_g0", "beyond 1000,", "plausibility.max_drift_deg_per_h_g0"] {
         assert!(refused.contains(there), "{there} is not in {refused}");
@@ -394,14 +396,7 @@ fn files_are_replaced_whole_and_in_so_many_words_and_adopting_spares_what_is_no_
 
 #[test]
 fn a_scale_factor_in_another_unit_is_refused_by_place_value_limit_and_key() {
-    let paper: Value = serde_json::from_str(&std::fs::read_to_string(PAPER).unwrap()).unwrap();
-    let scaled = |factor: f64| {
-        let mut record = paper.clone();
-        for e in record["gyros"][1]["e_pulse_per_arcsec"].as_array_mut().unwrap() {
-            *e = (e.as_f64().unwrap() * factor).into();
-        }
-        record.to_string()
-    };
+    let scaled = |factor| scaled(1, "e_pulse_per_arcsec", factor);
     for factor in [3600.0, 1e3, 1.0 / 3600.0] {
         let refused = complaint(gyrowatch(&["separate", "-"]).write_stdin(scaled(factor)), 1);
         for there in ["/gyros/1/e_pulse_per_arcsec", "0.001 to 1000", "plausibility.max_scale_factor"] {

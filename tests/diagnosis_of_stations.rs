@@ -17,6 +17,11 @@ fn answer(text: &str) -> Result<Answer, String> {
     serde_json::from_value(json).map_err(|e| e.to_string())
 }
 
+fn answered(kind: &str, seed: u64, number: usize) -> Answer {
+    let simulated = CampaignKind::from_name(kind).unwrap().campaign(seed, number);
+    answer(&wire::campaign::to_json(&simulated.campaign)).unwrap()
+}
+
 fn of(kind: &str) -> KindRow {
     let row = row(CampaignKind::from_name(kind).unwrap(), 60_611, COUNT, &answer);
     assert_eq!(row.errors, 0, "{kind}");
@@ -45,8 +50,7 @@ fn standard_errors_that_do_not_follow_duration_or_time_are_no_effect() {
 fn a_law_of_the_noise_that_the_same_residuals_showed_asks_more_of_names() {
     // Each got a scale factor or an outlier, explained.
     for number in [18, 60, 69, 101] {
-        let simulated = CampaignKind::from_name("growing_noise").unwrap().campaign(33_107, number);
-        let answer = answer(&wire::campaign::to_json(&simulated.campaign)).unwrap();
+        let answer = answered("growing_noise", 33_107, number);
         assert!(answer.effects.is_empty(), "{number}: {:?}", answer.effects);
     }
 }
@@ -61,8 +65,7 @@ fn a_bias_that_wanders_is_noise_with_a_memory() {
 fn gyros_that_wander_together_are_not_so_many_witnesses() {
     // Each was taken for a warm-up, seen by three.
     for number in [31, 62, 80] {
-        let simulated = CampaignKind::from_name("shared_flicker_2").unwrap().campaign(90_401, number);
-        let answer = answer(&wire::campaign::to_json(&simulated.campaign)).unwrap();
+        let answer = answered("shared_flicker_2", 90_401, number);
         assert!(answer.effects.is_empty(), "{number}: {:?}", answer.effects);
     }
 }
@@ -71,8 +74,7 @@ fn gyros_that_wander_together_are_not_so_many_witnesses() {
 fn a_course_in_time_that_such_noise_may_show_is_in_doubt() {
     // Each was named with confidence.
     for number in [5, 51, 78, 117] {
-        let simulated = CampaignKind::from_name("flicker").unwrap().campaign(90_401, number);
-        let answer = answer(&wire::campaign::to_json(&simulated.campaign)).unwrap();
+        let answer = answered("flicker", 90_401, number);
         assert_ne!(answer.verdict, "explained", "{number}: {:?}", answer.effects);
     }
     let row = of("time_8");
@@ -121,8 +123,7 @@ fn one_cause_gets_one_name_however_strong_it_is_and_whenever_it_sets_in() {
     // dwell set aside.
     // A prior that knew no such size left one of an arc minute, late among the rates, without a name.
     for (kind, number) in [("strong", 4), ("reseated_midway", 31), ("reseated_midway", 17)] {
-        let simulated = CampaignKind::from_name(kind).unwrap().campaign(4001, number);
-        let answer = answer(&wire::campaign::to_json(&simulated.campaign)).unwrap();
+        let answer = answered(kind, 4001, number);
         let named: Vec<&str> = answer.effects.iter().map(|named| named.effect.as_str()).collect();
         assert_eq!((named, answer.verdict.as_str()), (vec!["reseating"], "explained"), "{kind}");
     }

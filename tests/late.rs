@@ -121,12 +121,10 @@ async fn records_too_many_to_be_remembered_one_by_one_are_judged_as_if_they_were
     }
     for (k, group) in groups.iter().enumerate() {
         // Of two groups of one each the later comes first.
-        let group = if k % 6 == 0 {
-            groups.get(k + 1)
-        } else if k % 6 == 1 {
-            groups.get(k - 1)
-        } else {
-            Some(group)
+        let group = match k % 6 {
+            0 => groups.get(k + 1),
+            1 => groups.get(k - 1),
+            _ => Some(group),
         };
         let records: Vec<Value> = group.into_iter().flatten().map(|at| of_two_hours(*at)).collect();
         assert!(short.imports(&records).await.iter().all(|answer| answer["status"] == 201));

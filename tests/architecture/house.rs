@@ -114,25 +114,21 @@ impl House {
 
     /// The arrows within one circle, to show what ties it.
     pub fn ties(&self, circle: &[String]) -> Vec<String> {
-        let mut ties = Vec::new();
-        for (from, to) in self.arrows() {
-            for (to, names) in to {
-                let (from, to) = (&self.modules[from].file, &self.modules[to].file);
-                if circle.contains(from) && circle.contains(to) {
-                    ties.push(format!("{from} -> {to}: {}", Vec::from_iter(names).join(", ")));
-                }
-            }
-        }
-        ties
+        self.arrows_that(|from, to| circle.contains(from) && circle.contains(to))
     }
 
     /// The arrows into the files below a place.
     pub fn takes_from(&self, place: &str) -> Vec<String> {
+        self.arrows_that(|from, to| to.starts_with(place) && !from.starts_with(place))
+    }
+
+    /// Those from one file to another that are told, each in a line.
+    fn arrows_that(&self, are_told: impl Fn(&String, &String) -> bool) -> Vec<String> {
         let mut ties = Vec::new();
         for (from, to) in self.arrows() {
             for (to, names) in to {
                 let (from, to) = (&self.modules[from].file, &self.modules[to].file);
-                if to.starts_with(place) && !from.starts_with(place) {
+                if are_told(from, to) {
                     ties.push(format!("{from} -> {to}: {}", Vec::from_iter(names).join(", ")));
                 }
             }

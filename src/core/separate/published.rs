@@ -85,23 +85,17 @@ pub(crate) fn alpha(input: &Vector3<f64>) -> [f64; 3] {
     [0, 1, 2].map(|r| input[r].clamp(-1.0, 1.0).acos())
 }
 
-/// Spin-axis angles of one branch: beta_r = base_r + gain_r d_r, degrees.
-struct SpinAngles {
-    base: [f64; 3],
-    gain: [f64; 3],
-}
-
-/// Eqs. (8)-(13) with the errata applied: the sign of (10)'s z row, and (12) with alpha_y, alpha_z and S near 0 deg.
-fn corrected_angles(branch: Branch) -> SpinAngles {
-    let (base, gain) = match branch {
+/// Base and gain of one branch's spin-axis angles, beta_r = base_r + gain_r d_r, degrees: eqs. (8)-(13) with the errata
+/// applied, the sign of (10)'s z row, and (12) with alpha_y, alpha_z and S near 0 deg.
+fn corrected_angles(branch: Branch) -> ([f64; 3], [f64; 3]) {
+    match branch {
         Branch::Eq8 => ([90.0, 30.0, 60.0], [-18.7292, 0.8861, -1.1102]),
         Branch::Eq9 => ([90.0, 30.0, 60.0], [0.0; 3]),
         Branch::Eq10 => ([90.0, 30.0, 120.0], [-18.7292, 0.8861, -1.1103]),
         Branch::Eq11 => ([90.0, 30.0, 120.0], [0.0; 3]),
         Branch::Eq12 => ([90.0, 90.0, 0.0], [18.7292, 13.2839, 1.0]),
         Branch::Eq13 => ([90.0, 90.0, 0.0], [0.0; 3]),
-    };
-    SpinAngles { base, gain }
+    }
 }
 
 /// beta_r in degrees as printed, where that differs from [`corrected_angles`].
@@ -111,10 +105,6 @@ fn misprinted_beta(branch: Branch, alpha: [f64; 3], d: [f64; 3]) -> Option<[f64;
         Branch::Eq12 => Some([90.0 - d[0] * 18.7292, 90.0 - (alpha[0] - 35.2644) * 13.2839, 180.0 - d[0]]),
         _ => None,
     }
-}
-
-fn beta(angles: &SpinAngles, d: [f64; 3]) -> [f64; 3] {
-    [0, 1, 2].map(|r| angles.base[r] + angles.gain[r] * d[r])
 }
 
 /// Measured minus Table 1's angles, degrees.
@@ -132,10 +122,10 @@ pub(crate) fn corrected(
 ) -> Result<Published, NotPublished> {
     let d = deviation(slot, alpha);
     let branch = Branch::choose(slot, d);
-    let angles = corrected_angles(branch);
-    let beta = beta(&angles, d).map(radians);
+    let (base, gain) = corrected_angles(branch);
+    let beta = [0, 1, 2].map(|r| radians(base[r] + gain[r] * d[r]));
     let rows = Rows::solve(gyro, beta.map(f64::cos))?;
-    let covariance = covariance.map(|eg| rows.covariance(gyro, beta, &angles.gain, eg));
+    let covariance = covariance.map(|eg| rows.covariance(gyro, beta, &gain, eg));
     let published = rows.published(branch, covariance);
     if published.is_finite() { Ok(published) } else { Err(NotPublished::Degenerate) }
 }

@@ -1,6 +1,7 @@
 //! Who may do what, seen from outside: tokens and roles on every route, signing in with a browser, guesses, exposure.
 
 use crate::command::{beside, on_database};
+use crate::lab;
 use crate::prelude::*;
 use crate::support::{Answer, FORM};
 
@@ -670,8 +671,7 @@ fn sender(answer: &Answer) -> (String, String, String) {
 #[tokio::test]
 async fn who_sent_something_is_kept_with_it_shown_and_audited() {
     let server = Server::start().await;
-    let bench = json!({ "serial": "LFG-0101", "station": "BENCH-1", "measured_at": "2026-03-02T08:00:00Z",
-        "method": "torque_feedback", "d_i_deg_per_h_g0": 1.0, "d_s_deg_per_h_g0": 2.0 });
+    let bench = lab::bench("LFG-0101", "2026-03-02T08:00:00Z", 1.0, 2.0);
     let first = server.post_json("/v1/records", &support::paper_record(1, 0)).await.json();
     let first = format!("/v1/records/{}", first["id"].as_str().unwrap());
     let (admin, _) = token(&server, "", "admin", json!({})).await;

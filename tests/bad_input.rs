@@ -3,6 +3,7 @@
 //! A row is one request. Each must be answered with problem+json of the given status, name the given place (a JSON
 //! pointer, or the code of a fault), and leave the service's holdings as they were.
 
+use crate::lab;
 use crate::prelude::*;
 use crate::spoken;
 use crate::support::{asked, seed, with_member};
@@ -17,8 +18,7 @@ fn paper() -> Value {
 }
 
 fn bench() -> Value {
-    json!({"serial": "LFG-0101", "station": "BENCH-1", "measured_at": "2026-02-10T08:00:00Z", "method": "torque_feedback",
-           "d_i_deg_per_h_g0": 4.193101, "d_s_deg_per_h_g0": 5.771452})
+    lab::bench("LFG-0101", "2026-02-10T08:00:00Z", 4.193101, 5.771452)
 }
 
 /// The paper's record with one member replaced, or added.

@@ -1,5 +1,6 @@
 //! The web pages as they leave the service, before any script: whole, in the viewer's language, naming no other host.
 
+use crate::lab::bench;
 use crate::prelude::*;
 use crate::spoken;
 use crate::support::{Answer, FORM};
@@ -114,9 +115,7 @@ async fn limits_say_where_they_come_from_and_tokens_are_for_administrators() {
     let default =
         "Nothing is required of E and G. <code>judging.requirements</code> <span class=\"quiet\">default</span>";
     let stated = "<code>judging.budget</code> <span class=\"quiet\">environment</span>";
-    for there in [stated, "judging.interval_days", "0.0200", "Audit trail", default] {
-        assert!(setup.contains(there), "{there} is not in {setup}");
-    }
+    holds(&setup, &[stated, "judging.interval_days", "0.0200", "Audit trail", default]);
     let admin = server.post_json("/v1/tokens", &json!({"name": "Chen", "role": "admin"})).await.json();
     let admin = format!("Bearer {}", admin["token"].as_str().unwrap());
     let made = json!({"name": "Li Wei", "role": "engineer"}).to_string();
@@ -134,11 +133,9 @@ async fn what_is_required_of_e_and_g_is_among_the_limits_with_its_key() {
     let server = Server::start_with(&[("GYROWATCH_JUDGING__REQUIREMENTS", "true")]).await;
     let setup = page(&server, "/setup", &[]).await;
     let required = &setup[place(&setup, "|E|")..];
-    for there in
-        ["1 … 3", "0.8425 … 0.8529", "-13.23 … 13.23", "judging.requirements</code> <span class=\"quiet\">environment"]
-    {
-        assert!(required.contains(there), "{there} is not in {required}");
-    }
+    let there =
+        ["1 … 3", "0.8425 … 0.8529", "-13.23 … 13.23", "judging.requirements</code> <span class=\"quiet\">environment"];
+    holds(required, &there);
 }
 
 #[tokio::test]
@@ -154,15 +151,14 @@ async fn today_shows_what_became_worse_and_several_gyros_at_once() {
         }
     }
     let today = page(&server, "/?since=2026-01-20", &[]).await;
-    for there in [
+    let there = [
         "MANY-4",
         "href=\"/stations/ST-7\">ST-7</a>",
         "9 gyros, median +3",
         "badge overdue",
         "/alerts/bulk?gyro=MANY-4",
-    ] {
-        assert!(today.contains(there), "{there} is not in {today}");
-    }
+    ];
+    holds(&today, &there);
     assert!(!today.contains("MANY-3"), "it has not become worse: {today}");
     // What is new of a gyro that is out already stands with its own day.
     let body = record("IMU-4", "ST-7", "MANY-4", 42, [1.55, 1.05]);
@@ -184,9 +180,7 @@ async fn a_gyro_is_shown_down_to_every_figure_without_a_script() {
         "method": "torque_feedback", "d_i_deg_per_h_g0": 1.5005, "d_s_deg_per_h_g0": -2.2501, "d_i_sd": 4e-4, "d_s_sd": 4e-4});
     assert_eq!(server.post_json("/v1/bench-results", &bench).await.status, 201);
     let steady = page(&server, "/gyros/STEADY", &[]).await;
-    for there in ["1.500000", "-2.250000", "IMU-A G1", "ST-1", "1.50050 ± 0.00040", "torque feedback", "0.000500"] {
-        assert!(steady.contains(there), "{there} is not in {steady}");
-    }
+    holds(&steady, &["1.500000", "-2.250000", "IMU-A G1", "ST-1", "1.50050 ± 0.00040", "torque feedback", "0.000500"]);
     let jumping = page(&server, "/gyros/JUMP%2F1", &[]).await;
     assert!(jumping.contains("D_I is 0.0500 deg/(h g0) above its baseline 3.0000"), "{jumping}");
     assert!(jumping.contains("/v1/gyros/JUMP%2F1/trend?coefficient=D_I&amp;method=rigid&amp;format=csv"));
@@ -197,8 +191,7 @@ async fn a_gyro_is_shown_down_to_every_figure_without_a_script() {
 #[tokio::test]
 async fn a_gyro_whose_methods_disagree_is_unconfirmed_however_well_it_keeps_its_budget() {
     let server = a_small_fleet().await;
-    let bench = json!({"serial": "STEADY", "station": "BENCH-1", "measured_at": "2026-02-20T08:00:00Z",
-        "method": "torque_feedback", "d_i_deg_per_h_g0": 2.5, "d_s_deg_per_h_g0": -2.2501});
+    let bench = bench("STEADY", "2026-02-20T08:00:00Z", 2.5, -2.2501);
     assert_eq!(server.post_json("/v1/bench-results", &bench).await.status, 201);
     // A hundred budgets apart in two results; the other gyro has moved by five, in several campaigns.
     let fleet = page(&server, "/fleet?state=exceeded", &[]).await;
@@ -369,15 +362,14 @@ async fn an_imu_shows_its_models_and_how_its_campaigns_came_out_as_foretold() {
         while server.get(&diagnosis).await.status == 202 {}
     }
     let imu = page(&server, "/imus/IMU-9002", &[]).await;
-    for there in [
+    let there = [
         "id=\"forecasts\"",
         "as forecast",
         "<strong>outside its forecast</strong>",
         "Error model, eq. (6)",
         "no earlier campaign",
-    ] {
-        assert!(imu.contains(there), "{there} is not in {imu}");
-    }
+    ];
+    holds(&imu, &there);
     assert_eq!(imu.matches("<figure class=\"chart\"").count(), 1, "the forecast error over time");
     assert!(!imu.contains("id=\"models\""));
     let today = page(&server, "/?since=2026-05-10", &[]).await;
@@ -399,7 +391,7 @@ async fn a_record_is_shown_with_what_was_separated_from_it() {
     let answer = server.post("/v1/records", "application/json", support::data("paper.json")).await.json();
     let shown = page(&server, &format!("/records/{}", answer["id"].as_str().unwrap()), &[]).await;
     // Golden figures of Tables 3 and 4.
-    for there in [
+    let there = [
         "2.957643",
         "4.618005",
         "0.075874",
@@ -408,9 +400,8 @@ async fn a_record_is_shown_with_what_was_separated_from_it() {
         "114.177661",
         "0.8425 … 0.8529",
         "judging.requirements",
-    ] {
-        assert!(shown.contains(there), "{there} is not in {shown}");
-    }
+    ];
+    holds(&shown, &there);
     assert_eq!(server.get("/records/nonsense").await.status, 404);
     assert_eq!(server.get("/imus/NOBODY").await.status, 404);
 }
@@ -533,10 +524,7 @@ async fn a_preview_says_what_storing_would_refuse() {
     let server = Server::start().await;
     let there = record("IMU-A", "ST-1", "GYRO", 7, [1.0, 2.0]);
     let id = server.post_json("/v1/records", &there).await.json()["id"].as_str().unwrap().to_owned();
-    let bench = |d_i: f64| {
-        json!({"serial": "GYRO", "station": "BENCH-1", "measured_at": "2026-02-20T08:00:00Z",
-        "method": "torque_feedback", "d_i_deg_per_h_g0": d_i, "d_s_deg_per_h_g0": -2.25})
-    };
+    let bench = |d_i: f64| bench("GYRO", "2026-02-20T08:00:00Z", d_i, -2.25);
     assert_eq!(server.post_json("/v1/bench-results", &bench(1.5)).await.status, 201);
     let lines = [
         there.clone(),
@@ -591,9 +579,7 @@ async fn a_preview_compares_with_the_last_values_and_is_not_green_for_what_is_ha
         server.call("POST", "/import/preview", &[("content-type", "text/plain")], form).await.text()
     };
     let good = preview(&record("IMU-A", "ST-1", "GYRO", 35, [1.0012, 2.0])).await;
-    for there in ["article class=\"sound\"", "Monday.json", "1.000040", "2026-02-01", ">+12<", "badge in_tolerance"] {
-        assert!(good.contains(there), "{there} is not in {good}");
-    }
+    holds(&good, &["article class=\"sound\"", "Monday.json", "1.000040", "2026-02-01", ">+12<", "badge in_tolerance"]);
     assert!(!good.contains("Check before storing"), "{good}");
     // 0.03 up: three budgets, which a gyro may do.
     let worse = preview(&record("IMU-A", "ST-1", "GYRO", 35, [1.03, 2.0])).await;
@@ -632,8 +618,7 @@ async fn a_preview_holds_no_more_documents_against_what_is_stored_than_it_shows(
     let server = Server::start().await;
     let bench = |minute: usize, d_i: f64| {
         let at = format!("2026-02-20T{:02}:{:02}:00Z", minute / 60, minute % 60);
-        json!({"serial": "GYRO", "station": "BENCH-1", "measured_at": at, "method": "torque_feedback",
-        "d_i_deg_per_h_g0": d_i, "d_s_deg_per_h_g0": -2.25})
+        bench("GYRO", &at, d_i, -2.25)
     };
     for minute in [199, 200] {
         assert_eq!(server.post_json("/v1/bench-results", &bench(minute, 1.5)).await.status, 201);
@@ -765,9 +750,7 @@ async fn what_a_gyro_violates_stands_together_and_many_are_acknowledged_at_once(
     let summary = &head[place(head, "<summary")..place(head, "</summary>")];
     let alerts = server.get("/v1/alerts?state=firing").await.json()["alerts"].as_array().unwrap().len();
     assert!(alerts > 2 && summary.matches("class=\"violated\"").count() == alerts, "{alerts}: {summary}");
-    for there in ["/gyros/JUMP%2F1", "distance from baseline", "</var> step", "IMU-B", "ST-2", "badge confirmed"] {
-        assert!(head.contains(there), "{there} is not in {head}");
-    }
+    holds(head, &["/gyros/JUMP%2F1", "distance from baseline", "</var> step", "IMU-B", "ST-2", "badge confirmed"]);
     assert!(firing.contains(&format!("firing <span class=\"count\">{alerts}</span>")), "{firing}");
     // Another gyro stands apart, after the one that is confirmed; three of one record stand together.
     let other = record("IMU-A", "ST-1", "STEADY", 7 * 8, [1.7, -2.25]);
@@ -971,8 +954,7 @@ async fn a_campaign_and_a_bench_result_are_voided_on_their_pages() {
     assert_eq!(goes_on_at(&sends_form(&server, &format!("{path}/void"), &meant).await), path);
     assert_eq!(server.get(&format!("/v1{path}")).await.json()["state"], "voided");
 
-    let bench = json!({"serial": "STEADY", "station": "BENCH-1", "measured_at": "2026-02-20T08:00:00Z",
-        "method": "torque_feedback", "d_i_deg_per_h_g0": 1.7005, "d_s_deg_per_h_g0": -2.2501});
+    let bench = bench("STEADY", "2026-02-20T08:00:00Z", 1.7005, -2.2501);
     assert_eq!(server.post_json("/v1/bench-results", &bench).await.status, 201);
     let of_gyro = page(&server, "/gyros/STEADY", &[]).await;
     assert!(of_gyro.contains("1.700500"));
@@ -1104,15 +1086,14 @@ async fn a_delivery_names_its_gyro_and_what_comes_of_it_appears_by_itself() {
 async fn a_report_has_its_plots_without_a_script() {
     let server = a_small_fleet().await;
     let gyro = page(&server, "/gyros/JUMP%2F1/report", &[]).await;
-    for there in [
+    let there = [
         "role=\"group\" tabindex=\"0\" aria-label=\"JUMP/1 D_I",
         "<path class=\"confirmed\"",
         "above its baseline 3.0000",
         "judging.budget",
         "firing",
-    ] {
-        assert!(gyro.contains(there), "{there} is not in {gyro}");
-    }
+    ];
+    holds(&gyro, &there);
     // One picture each of D_I, D_S and the closure, with a shape for every calibration, which leads to its record.
     assert_eq!(gyro.matches("<figure class=\"chart\"").count(), 3);
     let shapes = [
@@ -1131,11 +1112,9 @@ async fn a_report_has_its_plots_without_a_script() {
     assert_eq!(server.get("/gyros/NOBODY/report").await.status, 404);
     // The first sheet is for deciding: limits in force, what the verdicts rest on, boxes; every sheet has its name.
     let decide = part(&gyro, "<section class=\"decide\"", "</section>");
-    for there in
-        ["+500 %", "judging.budget", "SHA-256", "newest record", "decision: re-test", "class=\"tick\"", "signature"]
-    {
-        assert!(decide.contains(there), "{there} is not in {decide}");
-    }
+    let there =
+        ["+500 %", "judging.budget", "SHA-256", "newest record", "decision: re-test", "class=\"tick\"", "signature"];
+    holds(decide, &there);
     assert_eq!(decide.matches("<figure class=\"chart\"").count(), 2);
     assert!(gyro.contains("counter(page)") && gyro.contains("content: \"JUMP\\2f 1\""), "{gyro}");
     let answer = server.get("/gyros/JUMP%2F1/report").await;
@@ -1232,9 +1211,7 @@ async fn a_gyro_is_headed_by_how_much_of_its_budget_it_takes_since_when_and_what
     let jumping = page(&server, "/gyros/JUMP%2F1", &[]).await;
     let loads = part(&jumping, "<table class=\"loads\"", "</table>");
     // 0.05 above its baseline, five budgets; four records since the fifth week.
-    for there in ["+500 %", "badge confirmed", "2026-02-01 08:00 UTC", "(4 records)", "+0.050000", "0 %"] {
-        assert!(loads.contains(there), "{there} is not in {loads}");
-    }
+    holds(loads, &["+500 %", "badge confirmed", "2026-02-01 08:00 UTC", "(4 records)", "+0.050000", "0 %"]);
     assert!(place(&jumping, "class=\"loads\"") < place(&jumping, "Take it out. If it has stepped once"));
     assert!(place(&jumping, "Take it out. If it has stepped once") < place(&jumping, "<figure class=\"chart\""));
     assert!(place(&jumping, "<figure class=\"chart\"") < place(&jumping, "<table class=\"judged cards\""));
@@ -1242,9 +1219,7 @@ async fn a_gyro_is_headed_by_how_much_of_its_budget_it_takes_since_when_and_what
     assert!(steady.contains("放行") && steady.contains("占允许范围"), "{steady}");
     // The alert stands in the line of its verdict.
     let judged = part(&jumping, "<table class=\"judged cards\"", "</table>");
-    for there in ["D<sub>I</sub></var> distance from baseline", "firing", "/acknowledge", ">500<", "0.0100"] {
-        assert!(judged.contains(there), "{there} is not in {judged}");
-    }
+    holds(judged, &["D<sub>I</sub></var> distance from baseline", "firing", "/acknowledge", ">500<", "0.0100"]);
     assert_eq!(jumping.matches("D_I is 0.0500 deg/(h g0) above its baseline").count(), 1, "said once");
 }
 
@@ -1294,24 +1269,21 @@ async fn gyros_and_campaigns_are_compared_from_the_page_of_their_imu() {
     let two = format!("/compare?campaign={}&campaign={}", ticked[1], ticked[0]);
     let shown = page(&server, &two, &[]).await;
     // The same dwells twice: every difference is nothing.
-    for there in [
+    let there = [
         "No parameter differs by",
         "(B - A)/σ",
         ">0.0</span>",
         "Effects found",
         "2026-03-01 08:00 UTC",
         "2026-04-01 08:00 UTC",
-    ] {
-        assert!(shown.contains(there), "{there} is not in {shown}");
-    }
+    ];
+    holds(&shown, &there);
     assert_eq!(shown.matches("<figure class=\"chart\"").count(), 6, "residuals of three gyros in two campaigns");
     assert!(!shown.contains("beyond2") && !shown.contains("beyond3"), "{shown}");
     let gyros = link(&imu, "/compare?gyro=", "/compare");
     let shown = page(&server, &gyros, &[]).await;
     assert_eq!(shown.matches("<figure class=\"chart\"").count(), 3);
-    for there in ["<g class=\"k0\"", "<g class=\"k2\"", "align=baseline", "+100 %", "Δ|E|, ppm"] {
-        assert!(shown.contains(there), "{there} is not in {shown}");
-    }
+    holds(&shown, &["<g class=\"k0\"", "<g class=\"k2\"", "align=baseline", "+100 %", "Δ|E|, ppm"]);
     let serial = campaign["gyros"][0]["serial"].as_str().unwrap();
     // The same dwells twice: |E| has not moved. What happened to one of them is marked in every picture.
     let moved = shown.split("data-label=\"Δ|E|, ppm, since the baseline began\">").nth(1).unwrap();

@@ -10,5 +10,5 @@ pub(crate) use serde_json::{Value, json};
 
 pub(crate) use crate::lab::{Lab, day, record};
 pub(crate) use crate::receiver::Receiver;
-pub(crate) use crate::support::{self, Server, data, document, gyrowatch, id, once, paper_record, root};
+pub(crate) use crate::support::{self, Server, data, document, gyrowatch, holds, id, once, paper_record, root};
 pub(crate) use crate::{behind, cluster};

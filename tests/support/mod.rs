@@ -64,6 +64,14 @@ pub fn metric(text: &str, series: &str) -> f64 {
     line.rsplit_once(' ').unwrap().1.parse().unwrap()
 }
 
+/// Each of these is in a text.
+#[track_caller]
+pub fn holds(text: &str, all: &[&str]) {
+    for there in all {
+        assert!(text.contains(there), "{there} is not in {text}");
+    }
+}
+
 /// A port that was free a moment ago.
 pub fn free_port() -> u16 {
     std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port()

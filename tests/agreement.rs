@@ -88,10 +88,7 @@ async fn methods_that_disagree_are_named() {
     let d_i = verdict(&agreement, "A", "D_I", "agreement");
     assert_eq!(d_i["state"], "exceeded");
     let of = |which: &str| &d_i["parameters"][which]["parameters"];
-    assert_eq!(
-        (&d_i["code"], &of("highest")["method"]["code"]),
-        (&json!("agreement"), &json!("method_turntable_servo"))
-    );
+    assert_eq!([&d_i["code"], &of("highest")["method"]["code"]], ["agreement", "method_turntable_servo"]);
     assert_eq!(of("lowest")["method"]["code"], "method_separation");
     assert_eq!(verdict(&agreement, "A", "D_S", "agreement")["state"], "within");
 }

@@ -63,15 +63,9 @@ async fn a_step_fires_is_confirmed_and_resolves_while_the_baseline_goes_on_firin
         (&json!(day(120)), &json!("2026-11-21T12:00:00Z")),
         "when the gyro did it, and when that was found"
     );
-    assert_eq!(
-        (&step["calibrated_at"], &step["limit"], &step["unit"]),
-        (&json!(day(120)), &json!(0.01), &json!("deg/(h*g0)"))
-    );
+    assert_eq!(json!([step["calibrated_at"], step["limit"], step["unit"]]), json!([day(120), 0.01, "deg/(h*g0)"]));
     assert!(step["reason"].as_str().unwrap().contains("0.0200 deg/(h g0) above"), "{step}");
-    assert_eq!(
-        (&step["resolved_at"], &step["acknowledged"], &step["silenced"]),
-        (&Value::Null, &Value::Null, &Value::Null)
-    );
+    assert_eq!(json!([step["resolved_at"], step["acknowledged"], step["silenced"]]), json!([null, null, null]));
     let answer = lab.get(&format!("/v1/records/{}", step["record"].as_str().unwrap())).await.ok();
     assert_eq!(answer["record"]["calibrated_at"], day(120));
 
@@ -161,18 +155,11 @@ async fn an_engineer_acknowledges_and_the_alert_says_who_and_why() {
 
     lab.posts_history("IMU-1", "A", &[(160, 1.02)]).await;
     let alert = alert_of(&lab, "baseline").await;
-    assert_eq!(
-        (&alert["state"], &alert["severity"]),
-        (&json!("firing"), &json!("critical")),
-        "worse than was acknowledged"
-    );
+    assert_eq!([&alert["state"], &alert["severity"]], ["firing", "critical"], "worse than was acknowledged");
     assert_eq!(alert["acknowledged"], Value::Null);
     let history = lab.get(&format!("/v1/alerts/{id}")).await.ok()["history"].clone();
     assert_eq!((&history[1]["action"], &history[1]["by"]), (&json!("acknowledge"), &json!("Li Wei")));
-    assert_eq!(
-        (&history[1]["at"], &history[1]["alert"]["state"]),
-        (&json!("2026-11-22T08:00:00Z"), &json!("acknowledged"))
-    );
+    assert_eq!([&history[1]["at"], &history[1]["alert"]["state"]], ["2026-11-22T08:00:00Z", "acknowledged"]);
 }
 
 #[tokio::test]

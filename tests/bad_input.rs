@@ -279,8 +279,8 @@ async fn a_problem_is_said_in_the_language_asked_for_and_has_the_same_codes_in_e
         ("zh", &json!("unknown_gyro"))
     );
     assert_eq!(
-        (&problem["parameters"], &problem["detail"]),
-        (&json!({ "serial": "GL-1" }), &json!("没有编号为GL-1的陀螺"))
+        json!([problem["parameters"], problem["detail"]]),
+        json!([{ "serial": "GL-1" }, "没有编号为GL-1的陀螺"])
     );
 }
 

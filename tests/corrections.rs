@@ -513,10 +513,7 @@ async fn a_suspect_window_of_a_station_does_not_count_until_it_is_trusted_again(
     let one = lab.get(&format!("/v1/records/{}", ids[3])).await.ok();
     assert_eq!(one["state"], "set_aside", "{one}");
     let note = &one["notes"][0];
-    assert_eq!(
-        (&note["code"], &note["station"], &note["author"]),
-        (&json!("suspect"), &json!("ST-1"), &json!("Li Wei"))
-    );
+    assert_eq!([&note["code"], &note["station"], &note["author"]], ["suspect", "ST-1", "Li Wei"]);
 
     let again = lab.post(&path("suspect"), &of_window(100, 170)).await.ok();
     assert_eq!(again["records"], json!([]), "said already");

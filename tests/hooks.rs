@@ -241,10 +241,7 @@ async fn every_kind_speaks_its_dialect() {
         let body = told.json();
         match kind {
             "alertmanager-webhook" => {
-                assert_eq!(
-                    (&body["version"], &body["receiver"], &body["status"]),
-                    (&json!("4"), &json!("lab"), &json!("firing"))
-                );
+                assert_eq!([&body["version"], &body["receiver"], &body["status"]], ["4", "lab", "firing"]);
                 assert_eq!(body["alerts"][0]["labels"]["alertname"], "GyrowatchTest");
             }
             "alertmanager" => {

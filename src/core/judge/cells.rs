@@ -1,9 +1,7 @@
 //! Records of one week taken as one: what the control rules look at, so that a gyro calibrated daily is judged like one
 //! calibrated every other week.
 
-use super::event::Mark;
-use super::rule::Rule;
-use super::sample::Sample;
+use crate::core::judge::{Mark, Rule, Sample};
 use crate::core::time::UtcMicros;
 
 mod window;

@@ -3,8 +3,7 @@
 use std::f64::consts::SQRT_2;
 
 use super::extremes::Extremes;
-use super::sample::Measured;
-use super::verdict::{State, Verdict};
+use crate::core::judge::{Measured, State, Verdict};
 use crate::core::numerics::normal::{normal_cdf, range_cdf};
 
 /// A state, and the probability that the true value lies beyond the limit, where uncertainty is known.

@@ -1,7 +1,6 @@
 //! What happened to a gyro, and what begins anew with it.
 
-use super::rule::Rule;
-use super::sample::Measured;
+use crate::core::judge::{Measured, Rule};
 use crate::core::named::named;
 use crate::core::time::UtcMicros;
 

@@ -2,12 +2,9 @@
 
 use crate::core::time::UtcMicros;
 
-use super::event::{Mark, baseline_since, reset_before};
-use super::limits::Limits;
-use super::range_summary::Older;
-use super::rule::Rule;
-use super::sample::{BASELINE_RECORDS, Sample};
-use super::{Series, cells};
+use crate::core::judge::{
+    BASELINE_RECORDS, Limits, Mark, Older, Rule, Sample, Series, baseline_since, cells, reset_before,
+};
 
 /// The stretch of one gyro's history that the judging of one record needs.
 #[derive(Debug, Clone, Copy)]

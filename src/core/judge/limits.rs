@@ -2,10 +2,7 @@
 
 use std::fmt::{self, Display, Formatter};
 
-use super::coefficient::Coefficient;
-use super::noise::NoiseParameters;
-use super::rule::Rule;
-use super::sample::Measured;
+use crate::core::judge::{Coefficient, Measured, NoiseParameters, Rule};
 
 /// The paper's short-term stability of D_I and D_S, deg/(h g0): a typical value there, a limit here.
 pub const DEFAULT_BUDGET: f64 = 1e-2;

@@ -1,8 +1,6 @@
 //! How much of its budget a coefficient takes up.
 
-use super::rule::Finding;
-use super::sample::Measured;
-use super::verdict::Verdict;
+use crate::core::judge::{Finding, Measured, Verdict};
 
 /// The deviation of a record from the level of its own epoch, held against the budget:
 /// `load = (value - level) / budget`, signed, without a unit; 1 is the whole budget.

@@ -1,10 +1,6 @@
 //! How a gyro lies to its budget and where it goes, as far as the verdicts on its newest record say.
 
-use super::coefficient::Coefficient;
-use super::load::Load;
-use super::rule::Finding;
-use super::sample::Measured;
-use super::verdict::Verdict;
+use crate::core::judge::{Coefficient, Finding, Load, Measured, Verdict};
 use crate::core::time::UtcMicros;
 
 /// How D_I, D_S and D_O lie to their budgets, and where D_I and D_S go.

@@ -2,10 +2,8 @@
 
 use std::fmt::{self, Display, Formatter};
 
-use super::rule::Rule;
-use super::rule::{FigureSource, Finding, Unit, Unseen};
 use super::rules::FALSE_ALARMS;
-use super::verdict::{State, Status, Verdict};
+use crate::core::judge::{FigureSource, Finding, Rule, State, Status, Unit, Unseen, Verdict};
 use crate::core::message::{Message, Parameter, figure, list, p_value, signed, significant, text};
 use crate::core::time::UtcMicros;
 use crate::core::units::degrees;

@@ -1,8 +1,7 @@
 //! The rules by name, what kind of limit each has, and what each sees.
 
-use super::coefficient::Coefficient;
-use super::sample::Measured;
 use crate::core::bench::BenchMethod;
+use crate::core::judge::{Coefficient, Measured};
 use crate::core::message::Message;
 use crate::core::mounting::Slot;
 use crate::core::named::named;

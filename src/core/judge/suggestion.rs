@@ -1,7 +1,6 @@
 //! What to do with a gyro, as its verdicts suggest it. A person decides.
 
-use super::coefficient::Coefficient;
-use super::verdict::Status;
+use crate::core::judge::{Coefficient, Status};
 use crate::core::named::named;
 
 named! {

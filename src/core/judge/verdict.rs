@@ -1,10 +1,6 @@
 //! What one rule says of one record, and what that comes to.
 
-use super::coefficient::Coefficient;
-use super::limits::{Limit, LimitKey};
-use super::rule::Finding;
-use super::rule::{LimitKind, Rule, Unit};
-use super::sample::Measured;
+use crate::core::judge::{Coefficient, Finding, Limit, LimitKey, LimitKind, Measured, Rule, Unit};
 use crate::core::named::named;
 
 named! {

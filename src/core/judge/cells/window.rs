@@ -1,9 +1,7 @@
 //! The cells that the control rules see at one record.
 
 use super::{CELLS, COLUMNS, Cell, DAYS_A_YEAR, looked_at};
-use crate::core::judge::event::reset_before;
-use crate::core::judge::rule::Rule;
-use crate::core::judge::series::Series;
+use crate::core::judge::{Rule, Series, reset_before};
 use crate::core::time::UtcMicros;
 
 /// The cells that the control rules see at one record, oldest first.

@@ -1,8 +1,7 @@
 //! The fleet's noise constants from its history: correlation and walk from how differences grow with the time between.
 
-use super::NoiseParameters;
-use crate::core::judge::Series;
 use crate::core::judge::cells::DAYS_A_YEAR;
+use crate::core::judge::{NoiseParameters, Series};
 use crate::core::numerics::median::median;
 use crate::core::numerics::normal::SD_OF_MEDIAN;
 

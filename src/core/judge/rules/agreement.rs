@@ -1,10 +1,7 @@
 //! `agreement`: the range over the methods that measured a gyro (the paper's Table 5) against its limit.
 
 use crate::core::judge::decide::widest;
-use crate::core::judge::limits::Limit;
-use crate::core::judge::rule::FigureSource;
-use crate::core::judge::sample::Measured;
-use crate::core::judge::{Coefficient, Finding, Rule, Verdict};
+use crate::core::judge::{Coefficient, FigureSource, Finding, Limit, Measured, Rule, Verdict};
 use crate::core::time::UtcMicros;
 
 /// One figure of one gyro by one method.

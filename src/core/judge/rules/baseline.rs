@@ -1,10 +1,7 @@
 //! `baseline`: |x_k - baseline| against the budget.
 
 use super::Case;
-use crate::core::judge::event::stated_level;
-use crate::core::judge::limits::Limit;
-use crate::core::judge::sample::{BASELINE_RECORDS, Measured, Sample};
-use crate::core::judge::{Finding, Rule, Verdict};
+use crate::core::judge::{BASELINE_RECORDS, Finding, Limit, Measured, Rule, Sample, Verdict, stated_level};
 use crate::core::time::UtcMicros;
 
 /// Records since the last mark that it takes until one is judged: those that make the level, and the judged one.

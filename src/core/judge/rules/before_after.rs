@@ -1,10 +1,8 @@
 //! `before_after`: the last record before an environmental test against those after it.
 
 use super::Case;
-use crate::core::judge::event::{Event, Mark};
 use crate::core::judge::limits::{AFTER, BEFORE_AFTER_RECORDS, Limit};
-use crate::core::judge::sample::Sample;
-use crate::core::judge::{Finding, Rule, Verdict};
+use crate::core::judge::{Event, Finding, Mark, Rule, Sample, Verdict};
 
 /// The value is |x_k - last record before the test|, for the first record after the last environmental test. Where
 /// that one is beyond the limit, the next ones are judged too, until one is within it: `confirmed` when the record

@@ -3,14 +3,8 @@
 use std::f64::consts::SQRT_2;
 
 use crate::core::judge::cells::{Point, Window};
-use crate::core::judge::coefficient::Coefficient;
 use crate::core::judge::decide::{Conformity, beyond};
-use crate::core::judge::history::History;
-use crate::core::judge::limits::{Limit, Limits};
-use crate::core::judge::rule::Finding;
-use crate::core::judge::rule::Rule;
-use crate::core::judge::sample::{Measured, Sample};
-use crate::core::judge::verdict::{State, Verdict};
+use crate::core::judge::{Coefficient, Finding, History, Limit, Limits, Measured, Rule, Sample, State, Verdict};
 
 /// One coefficient of the record to be judged, and the history before it.
 #[derive(Clone, Copy)]

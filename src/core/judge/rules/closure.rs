@@ -2,8 +2,7 @@
 
 use super::Case;
 use super::baseline::{BaselineLevel, LEVEL_RECORDS};
-use crate::core::judge::limits::Limit;
-use crate::core::judge::{Coefficient, Finding, Rule, Verdict};
+use crate::core::judge::{Coefficient, Finding, Limit, Rule, Verdict};
 
 /// The value is |c_k - median of the first three closures since the last baseline mark, and since the gyro was
 /// mounted in its IMU and slot|: the closure is the mounting's, so a move begins a new level by itself.

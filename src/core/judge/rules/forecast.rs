@@ -9,8 +9,7 @@
 //! A step `d` of D_I or D_S adds `d^2 telling` to the sum of squares. A forecast that would not show a step of the
 //! limit says nothing of a gyro that lies within, nor one of conditions that the model has not seen of any gyro.
 
-use crate::core::judge::limits::Limit;
-use crate::core::judge::{Coefficient, Finding, Rule, State, Unseen, Verdict};
+use crate::core::judge::{Coefficient, Finding, Limit, Rule, State, Unseen, Verdict};
 use crate::core::mounting::Slot;
 use crate::core::numerics::tails::{squares_quantile, squares_tail};
 

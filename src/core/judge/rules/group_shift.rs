@@ -18,8 +18,7 @@ use std::f64::consts::SQRT_2;
 use std::sync::Arc;
 
 use crate::core::judge::decide::{Conformity, beyond};
-use crate::core::judge::limits::Limit;
-use crate::core::judge::{Coefficient, Finding, Measured, Rule, State, Verdict};
+use crate::core::judge::{Coefficient, Finding, Limit, Measured, Rule, State, Verdict};
 use crate::core::numerics::median::median_of;
 use crate::core::numerics::normal::{MEDIAN_ERROR, SD_OF_MEDIAN};
 use crate::core::time::UtcMicros;

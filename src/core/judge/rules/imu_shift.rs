@@ -7,10 +7,8 @@
 //! before, the IMU, its mounting or that calibration is to be looked at first. Signs and sizes may differ: each gyro has
 //! its own place in the IMU.
 
-use super::group_shift::NewestCalibration;
 use crate::core::judge::decide::{Conformity, beyond};
-use crate::core::judge::limits::Limit;
-use crate::core::judge::{Coefficient, Finding, Measured, Rule, State, Verdict};
+use crate::core::judge::{Coefficient, Finding, Limit, Measured, NewestCalibration, Rule, State, Verdict};
 
 /// Fewer gyros may have moved on one day by themselves.
 const GYROS: usize = 3;

@@ -36,9 +36,7 @@ use shift::shift;
 use step::step;
 use trend::trend;
 
-use super::limits::DriftLimits;
-use super::rule::Rule;
-use super::verdict::Verdict;
+use crate::core::judge::{DriftLimits, Rule, Verdict};
 
 /// By every rule of D_I or D_S that has a limit.
 pub(super) fn of_drift(case: &Case<'_>, drift: &DriftLimits, verdicts: &mut Vec<Verdict>) {

@@ -1,9 +1,7 @@
 //! `overdue`: a gyro not calibrated for longer than its interval. The only rule that needs to know what time it is.
 
 use crate::core::judge::decide::Conformity;
-use crate::core::judge::limits::Limit;
-use crate::core::judge::sample::Measured;
-use crate::core::judge::{Coefficient, Finding, Rule, Verdict};
+use crate::core::judge::{Coefficient, Finding, Limit, Measured, Rule, Verdict};
 use crate::core::time::UtcMicros;
 
 /// The value is the days from the gyro's `last` calibration to `now`, the limit is the interval in days.

@@ -3,8 +3,7 @@
 use super::Case;
 use crate::core::judge::decide::{Pair, widest};
 use crate::core::judge::limits::{Limit, RMS_RECORDS};
-use crate::core::judge::sample::{Measured, Sample};
-use crate::core::judge::{Finding, Older, Rule, Verdict};
+use crate::core::judge::{Finding, Measured, Older, Rule, Sample, Verdict};
 use crate::core::time::UtcMicros;
 
 /// Of up to so many records every pair is looked at, and single outliers are left out; of more, the extremes alone.

@@ -5,8 +5,7 @@ use nalgebra::Vector3;
 use crate::core::judge::decide::{Conformity, outside};
 use crate::core::judge::limits::{Bounds, Limit, Requirement};
 use crate::core::judge::rule::MOST_FIGURES;
-use crate::core::judge::sample::Measured;
-use crate::core::judge::{Coefficient, Finding, Rule, State, Verdict};
+use crate::core::judge::{Coefficient, Finding, Measured, Rule, State, Verdict};
 
 /// A figure of the record, its name, and what it must lie between.
 struct NamedFigure {

@@ -3,8 +3,7 @@
 use super::Case;
 use crate::core::judge::decide::Conformity;
 use crate::core::judge::limits::{Limit, RMS_RECORDS};
-use crate::core::judge::sample::{Measured, Sample};
-use crate::core::judge::{Finding, Rule, Verdict};
+use crate::core::judge::{Finding, Measured, Rule, Sample, Verdict};
 use crate::core::numerics::normal::normal_cdf;
 
 /// Makes up for the record that is left out: at a scatter of 0.3 budgets the rule speaks as often as over all eleven.

@@ -3,10 +3,8 @@
 use super::Case;
 use crate::core::judge::cells::CELLS;
 use crate::core::judge::decide::Conformity;
-use crate::core::judge::limits::{Limit, ShiftLimits};
 use crate::core::judge::noise::ScatterPrior;
-use crate::core::judge::sample::Measured;
-use crate::core::judge::{Finding, Rule, State, Verdict};
+use crate::core::judge::{Finding, Limit, Measured, Rule, ShiftLimits, State, Verdict};
 use crate::core::numerics::median::median;
 use crate::core::numerics::normal::SD_OF_MEDIAN;
 

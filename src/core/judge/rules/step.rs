@@ -1,9 +1,7 @@
 //! `step`: the record against the level of the three before it.
 
 use super::Case;
-use crate::core::judge::limits::Limit;
-use crate::core::judge::sample::{Measured, Sample};
-use crate::core::judge::{Finding, Rule, Verdict};
+use crate::core::judge::{Finding, Limit, Measured, Rule, Sample, Verdict};
 
 /// Records whose median is the level before.
 const BEFORE: usize = 3;

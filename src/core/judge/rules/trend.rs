@@ -5,10 +5,8 @@ mod line;
 use super::Case;
 use super::baseline::{BaselineLevel, LEVEL_RECORDS};
 use crate::core::judge::decide::Conformity;
-use crate::core::judge::limits::TrendLimits;
 use crate::core::judge::noise::ScatterPrior;
-use crate::core::judge::sample::Measured;
-use crate::core::judge::{Finding, Rule, Verdict};
+use crate::core::judge::{Finding, Measured, Rule, TrendLimits, Verdict};
 use line::{Line, LinePrediction};
 
 /// Cells that a slope is taken over, the longest first: a course that bends within one is looked at over the next.

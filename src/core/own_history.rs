@@ -83,10 +83,6 @@ pub fn against_histories(gyros: &[Looked<'_>]) -> Vec<HistoryNote> {
     notes
 }
 
-fn all_factors() -> impl Iterator<Item = f64> {
-    FACTORS.into_iter().flat_map(|factor| [factor, factor.recip()])
-}
-
 impl Looked<'_> {
     /// How far its figures are from its own level and from its last record, whichever is nearer, in budgets; nothing
     /// where it has no history.
@@ -196,7 +192,7 @@ fn drift_factor(now: [f64; 3], level: [f64; 3], tolerance: f64) -> Option<f64> {
 
 /// The factor between units that this is: 1 is none, -1 is that of a sense taken the other way round.
 fn unit_of(ratio: f64) -> Option<f64> {
-    let signed = all_factors().flat_map(|factor| [factor, -factor]).chain([-1.0]);
+    let signed = FACTORS.into_iter().flat_map(|f| [f, -f, f.recip(), -f.recip()]).chain([-1.0]);
     signed.into_iter().find(|factor| (ratio / factor - 1.0).abs() < UNIT_TOLERANCE)
 }
 

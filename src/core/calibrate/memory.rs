@@ -182,10 +182,6 @@ pub enum NoiseDeparture {
 pub type DepartureWeights = Vec<(NoiseDeparture, f64)>;
 
 impl FittedGyro<'_> {
-    fn deviations(&self) -> DVector<f64> {
-        self.variances.zip_map(self.weights, |v, w| v.sqrt() / w)
-    }
-
     /// ln L and RSS; `whitened` are the basis, as wide as the outputs, and the residuals over `L`.
     fn restricted(&self, (whitened, log_det): (DMatrix<f64>, f64), stated: bool) -> Option<(f64, f64)> {
         let q = self.basis.ncols();
@@ -233,7 +229,8 @@ pub(super) fn weigh(
     plain: &mut [Option<DMatrix<f64>>],
     stated: bool,
 ) -> DepartureWeights {
-    let d: Vec<DVector<f64>> = gyros.iter().map(FittedGyro::deviations).collect();
+    let deviations = |gyro: &FittedGyro| gyro.variances.zip_map(gyro.weights, |v, w| v.sqrt() / w);
+    let d: Vec<DVector<f64>> = gyros.iter().map(deviations).collect();
     let white = gyros.iter().zip(&d).map(|(gyro, d)| gyro.independent(d, stated)).collect::<Option<Vec<_>>>();
     let Some(white) = white.filter(|_| gyros.iter().all(|gyro| gyro.dof > LEAST_DOF && gyro.residuals.norm() > 0.0))
     else {

@@ -103,7 +103,7 @@ impl Blocks {
 
     /// One sample of every channel. Times do not decrease.
     pub fn push(&mut self, time_s: f64, values: &[f64]) {
-        let number = self.number_of(time_s);
+        let number = (time_s * 2f64.powi(-self.level)).floor() as i64;
         if self.number.last() != Some(&number) {
             if self.number.len() == self.most {
                 self.halve();
@@ -138,10 +138,6 @@ impl Blocks {
             }
             channel.last = value;
         }
-    }
-
-    fn number_of(&self, time_s: f64) -> i64 {
-        (time_s * 2f64.powi(-self.level)).floor() as i64
     }
 
     /// Blocks of twice the length.

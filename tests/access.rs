@@ -109,9 +109,7 @@ const ADMINS: [&str; 12] = [
 async fn token(server: &Server, maker: &str, role: &str, further: Value) -> (String, String) {
     let mut body = json!({ "name": format!("the {role}"), "role": role });
     body.as_object_mut().unwrap().extend(further.as_object().unwrap().clone());
-    let answer = call(server, "POST", "/v1/tokens", maker, &body.to_string()).await;
-    assert_eq!(answer.status, 201, "{}", answer.text());
-    let made = answer.json();
+    let made = call(server, "POST", "/v1/tokens", maker, &body.to_string()).await.created();
     (made["token"].as_str().unwrap().to_owned(), made["id"].as_str().unwrap().to_owned())
 }
 
@@ -580,9 +578,8 @@ async fn everything_that_people_do_is_in_the_audit_trail_with_who_and_what_befor
         record["calibrated_at"] = at.into();
         let g = record["gyros"][0]["g_pulse_per_s_g0"][0].as_f64().unwrap();
         record["gyros"][0]["g_pulse_per_s_g0"][0] = (g + shift).into();
-        let answer = call(&server, "POST", "/v1/records", &engineer, &record.to_string()).await;
-        assert_eq!(answer.status, 201, "{}", answer.text());
-        newest = answer.json()["id"].as_str().unwrap().to_owned();
+        let answer = call(&server, "POST", "/v1/records", &engineer, &record.to_string()).await.created();
+        newest = answer["id"].as_str().unwrap().to_owned();
     }
     let alerts = call(&server, "GET", "/v1/alerts", &engineer, "").await.json();
     let alert = alerts["alerts"][0]["id"].as_str().unwrap_or_else(|| panic!("{alerts}")).to_owned();
@@ -603,9 +600,8 @@ async fn everything_that_people_do_is_in_the_audit_trail_with_who_and_what_befor
         assert_eq!(answer.status, *status, "{path}: {}", answer.text());
     }
     let hook = json!({ "name": "h", "kind": "standard-webhooks", "url": "http://127.0.0.1:9/with-a-token-in-it" });
-    let hook = call(&server, "POST", "/v1/hooks", &admin, &hook.to_string()).await;
-    assert_eq!(hook.status, 201, "{}", hook.text());
-    let hook = format!("/v1/hooks/{}", hook.json()["id"].as_str().unwrap());
+    let hook = call(&server, "POST", "/v1/hooks", &admin, &hook.to_string()).await.created();
+    let hook = format!("/v1/hooks/{}", hook["id"].as_str().unwrap());
     assert_eq!(call(&server, "PATCH", &hook, &admin, r#"{"name":"other"}"#).await.status, 200);
     assert_eq!(call(&server, "DELETE", &hook, &admin, "").await.status, 204);
     assert_eq!(call(&server, "DELETE", &format!("/v1/tokens/{engineer_id}"), &admin, "").await.status, 204);
@@ -686,9 +682,8 @@ async fn who_sent_something_is_kept_with_it_shown_and_audited() {
         ("bench-results", bench.to_string()),
         ("campaigns", data("practice/campaign-00.json")),
     ] {
-        let stored = call(&server, "POST", &format!("/v1/{path}"), &station, &body).await;
-        assert_eq!(stored.status, 201, "{}", stored.text());
-        places.push(format!("{path}/{}", stored.json()["id"].as_str().unwrap()));
+        let stored = call(&server, "POST", &format!("/v1/{path}"), &station, &body).await.created();
+        places.push(format!("{path}/{}", stored["id"].as_str().unwrap()));
     }
     let lines = (1..=40).map(|minute| support::paper_record(2, minute).to_string() + "\n").collect::<String>();
     let bearer = format!("Bearer {station}");

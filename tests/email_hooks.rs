@@ -228,8 +228,7 @@ async fn a_target_of_the_wrong_kind_is_refused() {
     let made = server.post_json("/v1/hooks", &json!({ "kind": "email", "url": "mailto:weber@lab.example" })).await;
     let path = format!("/v1/hooks/{}", made.json()["id"].as_str().unwrap());
     let change = json!({ "url": "http://127.0.0.1:9/" }).to_string();
-    let answer = server.call("PATCH", &path, &[("content-type", "application/json")], change).await;
-    assert_eq!(answer.status, 422, "{}", answer.text());
+    server.call("PATCH", &path, &[("content-type", "application/json")], change).await.has(422);
 
     let without = Server::start().await;
     let answer = without.post_json("/v1/hooks", &json!({ "kind": "email", "url": "mailto:weber@lab.example" })).await;

@@ -25,8 +25,7 @@ async fn a_served_fleet() -> Server {
         ids.push(answer["id"].as_str().unwrap().to_owned());
     }
     let said = json!({ "author": "Chen", "reason": "table was not level" });
-    let voided = server.post_json(&format!("/v1/records/{}/void", ids[1]), &said).await;
-    assert_eq!(voided.status, 200, "{}", voided.text());
+    server.post_json(&format!("/v1/records/{}/void", ids[1]), &said).await.has(200);
     server
 }
 

@@ -25,9 +25,8 @@ impl Server {
     }
 
     async fn tests(&self, hook: &Value) -> Value {
-        let answer = self.call("POST", &format!("/v1/hooks/{}/test", hook["id"].as_str().unwrap()), &[], "").await;
-        assert_eq!(answer.status, 202, "{}", answer.text());
-        answer.json()
+        let path = format!("/v1/hooks/{}/test", hook["id"].as_str().unwrap());
+        self.call("POST", &path, &[], "").await.has(202).json()
     }
 
     /// Waits until the delivery is in one of `states`.
@@ -70,9 +69,8 @@ async fn a_hook_is_set_up_shown_changed_and_deleted_and_its_secret_shown_once() 
     assert_eq!(server.get("/v1/hooks").await.json()["hooks"], json!([shown.json()]));
     assert_eq!(shown.json()["filter"], hook["filter"]);
 
-    let changed = server.changes(&hook, json!({ "name": "night pager", "authorization": null, "filter": {} })).await;
-    assert_eq!(changed.status, 200, "{}", changed.text());
-    let changed = changed.json();
+    let changed = json!({ "name": "night pager", "authorization": null, "filter": {} });
+    let changed = server.changes(&hook, changed).await.has(200).json();
     assert_eq!((&changed["name"], &changed["authorized"]), (&json!("night pager"), &json!(false)));
     assert_eq!(changed["filter"], json!({ "rules": [], "gyros": [], "min_severity": null }));
     assert_eq!((&changed["url"], &changed["kind"]), (&hook["url"], &hook["kind"]), "what is left out stays");

@@ -920,8 +920,7 @@ async fn alert_is(lab: &Lab, wanted: Option<[&str; 2]>) -> Value {
 #[tokio::test]
 async fn a_campaign_outside_what_its_imus_adopted_model_foretold_fires_and_the_next_confirms_or_resolves_it() {
     let (lab, target) = (Lab::open().await, Receiver::start().await);
-    let hook = json!({"kind": "standard-webhooks", "url": target.url(), "filter": {"rules": ["forecast"]}});
-    lab.post("/v1/hooks", &hook).await.created();
+    lab.tells(&target, json!({"filter": {"rules": ["forecast"]}})).await;
     let first = campaign(1, 1, NOMINAL_C, 1.0);
     measured(&lab, &document(&first)).await;
     // Nobody has adopted anything: it is foretold, and judged by nobody.
@@ -1004,8 +1003,7 @@ async fn a_campaign_outside_what_its_imus_adopted_model_foretold_fires_and_the_n
 async fn an_old_campaign_outside_its_forecast_is_told_to_nobody_and_a_rule_that_is_off_judges_nothing() {
     let lab = Lab::with(|config| config.alerts.backfill_days = 30.0).await;
     let target = Receiver::start().await;
-    let hook = json!({"kind": "standard-webhooks", "url": target.url(), "filter": {"rules": ["forecast"]}});
-    lab.post("/v1/hooks", &hook).await.created();
+    lab.tells(&target, json!({"filter": {"rules": ["forecast"]}})).await;
     let first = campaign(1, 1, NOMINAL_C, 1.0);
     measured(&lab, &document(&first)).await;
     adopts(&lab, &model(&[&first]).into_model(&temperature_g())).await;

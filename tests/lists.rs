@@ -28,9 +28,8 @@ async fn filled() -> (Server, Vec<String>) {
     let mut stored = Vec::new();
     for number in 0..12 {
         let record = paper_record(number % 3, number).to_string();
-        let answer = server.post("/v1/records", "application/json", record).await;
-        assert_eq!(answer.status, 201, "{}", answer.text());
-        stored.push(answer.json()["id"].as_str().unwrap().to_owned());
+        let answer = server.post("/v1/records", "application/json", record).await.created();
+        stored.push(answer["id"].as_str().unwrap().to_owned());
     }
     let campaign = server.post("/v1/campaigns", "application/json", data("practice/campaign-00.json")).await;
     stored.push(campaign.json()["id"].as_str().unwrap().to_owned());
@@ -148,9 +147,8 @@ async fn gyros_are_found_by_their_batch_and_what_is_said_of_them_is_audited() {
         server.call("PATCH", &path, &[("content-type", "application/json")], body.to_string()).await
     };
     for serial in &serials[..2] {
-        let changed = patch(serial, json!({"batch": "2024-B", "type": "LFG-4"})).await;
-        assert_eq!(changed.status, 200, "{}", changed.text());
-        assert_eq!(changed.json()["attributes"], json!({"batch": "2024-B", "type": "LFG-4", "unit": null}));
+        let changed = patch(serial, json!({"batch": "2024-B", "type": "LFG-4"})).await.has(200).json();
+        assert_eq!(changed["attributes"], json!({"batch": "2024-B", "type": "LFG-4", "unit": null}));
     }
     let of_batch = pages(&server, "/v1/gyros?batch=2024-B&limit=1", "gyros").await;
     assert_eq!(of_batch.iter().map(|gyro| gyro["serial"].clone()).collect::<Vec<_>>(), serials[..2]);

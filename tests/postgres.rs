@@ -162,8 +162,7 @@ async fn a_record_whose_names_are_new_is_shown_by_another_server_at_once() {
     for number in 0..12 {
         let sent = record(&format!("IMU-{number}"), &day(0), &[("G1", &format!("LFG-{number}"), 1.0, 2.0)]);
         let stored = one.post_json("/v1/records", &sent).await.created();
-        let shown = other.get(&format!("/v1/records/{}", stored["id"].as_str().unwrap())).await;
-        assert_eq!(shown.status, 200, "{}", shown.text());
+        other.get(&format!("/v1/records/{}", stored["id"].as_str().unwrap())).await.has(200);
     }
 }
 
@@ -222,8 +221,7 @@ async fn a_token_made_at_one_server_opens_the_others_until_it_is_revoked_there()
     until("the other asks for a token", Duration::from_secs(3), async || other.get("/v1/gyros").await.status == 401)
         .await;
     let asks = async || other.call("GET", "/v1/gyros", &[("authorization", &bearer)], Vec::new()).await;
-    let answer = asks().await;
-    assert_eq!(answer.status, 200, "{}", answer.text());
+    asks().await.has(200);
 
     let path = format!("/v1/tokens/{}", made["id"].as_str().unwrap());
     let revoked = one.call("DELETE", &path, &[("authorization", &bearer)], Vec::new()).await;
@@ -522,8 +520,7 @@ async fn servers_share_the_diagnoses_and_make_those_of_one_that_is_killed() {
     let patience = Instant::now() + Duration::from_secs(120);
     // Once more where the machine was so fast that everything was done before the kill, which proves nothing.
     loop {
-        let ordered = second.post_json("/v1/diagnoses", &order).await;
-        assert_eq!(ordered.status, 202, "{}", ordered.text());
+        second.post_json("/v1/diagnoses", &order).await.has(202);
         while count(&url, claimed).await < 2 && count(&url, waiting).await > 0 {}
         first.kill();
         if count(&url, waiting).await > 0 {
@@ -635,8 +632,7 @@ async fn a_copy_that_is_killed_goes_on_and_is_the_same_in_the_end() {
             record(&imu, &day(at / 7), &[("G1", &serial, 1.0 + 0.03 * (at % 2) as f64, 2.0)]).to_string()
         })
         .collect();
-    let answer = file.post("/v1/import", "application/x-ndjson", lines.join("\n")).await;
-    assert_eq!(answer.status, 200, "{}", answer.text());
+    file.post("/v1/import", "application/x-ndjson", lines.join("\n")).await.has(200);
     let trend = "/v1/gyros/LFG-3/trend?coefficient=D_I&limit=1000";
     let expected = file.get(trend).await.json()["points"].clone();
     let url = cluster::fresh_database().await;

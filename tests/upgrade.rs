@@ -146,6 +146,30 @@ fn forget_since(answer: &mut Value) {
     }
 }
 
+/// Answers are as they were, but for what is kept from some versions on: notes, since when, and who sent it.
+async fn answers_as_before<'a>(
+    upgraded: &Server,
+    answers: impl Iterator<Item = &'a (String, Value)>,
+    version: i64,
+    [notes, since, sender]: [i64; 3],
+) {
+    for (path, before) in answers {
+        let mut before = before.clone();
+        if version < notes && before.get("notes").is_some() && path.starts_with("/v1/records") {
+            before["notes"] = json!([]);
+        }
+        if version < sender && before.get("sent_by").is_some() {
+            assert_eq!(before["sent_by"]["name"], "local");
+            before["sent_by"] = Value::Null;
+        }
+        let mut after = upgraded.settled(path).await;
+        if version < since {
+            [&mut before, &mut after].into_iter().for_each(forget_since);
+        }
+        assert_eq!(after, before, "version {version}: {path}");
+    }
+}
+
 #[tokio::test]
 async fn a_database_of_every_earlier_version_is_brought_up_to_date_with_all_that_is_in_it() {
     let (mut server, answers) = filled(&[]).await;
@@ -162,31 +186,9 @@ async fn a_database_of_every_earlier_version_is_brought_up_to_date_with_all_that
         let checked = gyrowatch().args(["restore", "--check"]).arg(&file).output().unwrap();
         assert!(checked.status.success(), "version {version}: {checked:?}");
         let mut upgraded = Server::start_under(&[], dir, &[]);
-        for (path, before) in &answers {
-            if version < 2 && path == "/v1/gyros" {
-                // There were no alerts that say that the methods disagree.
-                continue;
-            }
-            let mut before = before.clone();
-            if version < 13 && before.get("notes").is_some() && path.starts_with("/v1/records") {
-                // Earlier versions noted nothing.
-                before["notes"] = json!([]);
-            }
-            if version < 12 {
-                // Earlier versions did not keep since when.
-                forget_since(&mut before);
-            }
-            if version < 15 && before.get("sent_by").is_some() {
-                // Earlier versions did not keep who sent it.
-                assert_eq!(before["sent_by"]["name"], "local");
-                before["sent_by"] = Value::Null;
-            }
-            let mut after = upgraded.settled(path).await;
-            if version < 12 {
-                forget_since(&mut after);
-            }
-            assert_eq!(after, before, "version {version}: {path}");
-        }
+        // There were no alerts that say that the methods disagree.
+        let kept = answers.iter().filter(|(path, _)| version >= 2 || path != "/v1/gyros");
+        answers_as_before(&upgraded, kept, version, [13, 12, 15]).await;
         goes_on(&upgraded, version).await;
         let file = file_url(&upgraded.database());
         deflates(async |sql| {
@@ -247,26 +249,7 @@ async fn a_database_of_a_server_of_every_earlier_version_is_brought_up_to_date_w
         let url = cluster::fresh_database().await;
         write_server_as_of(version, &all, &url, &mut from).await;
         let upgraded = Server::start_with(&[("GYROWATCH_DATABASE_URL", &url)]).await;
-        for (path, before) in &answers {
-            let mut before = before.clone();
-            if version < 5 && before.get("notes").is_some() && path.starts_with("/v1/records") {
-                // Earlier versions noted nothing.
-                before["notes"] = json!([]);
-            }
-            if version < 4 {
-                // Earlier versions did not keep since when.
-                forget_since(&mut before);
-            }
-            if version < 7 && before.get("sent_by").is_some() {
-                // Earlier versions did not keep who sent it.
-                before["sent_by"] = Value::Null;
-            }
-            let mut after = upgraded.settled(path).await;
-            if version < 4 {
-                forget_since(&mut after);
-            }
-            assert_eq!(after, before, "version {version}: {path}");
-        }
+        answers_as_before(&upgraded, answers.iter(), version, [5, 4, 7]).await;
         goes_on(&upgraded, version).await;
         deflates(async |sql| {
             let mut connection = PgConnection::connect(&url).await.unwrap();

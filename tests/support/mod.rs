@@ -205,10 +205,16 @@ impl Answer {
         serde_json::from_slice(&self.body).unwrap_or_else(|e| panic!("{e}: {}", String::from_utf8_lossy(&self.body)))
     }
 
+    /// The answer, which has this status.
+    #[track_caller]
+    pub fn has(&self, status: u16) -> &Self {
+        assert_eq!(self.status, status, "{}", self.text());
+        self
+    }
+
     #[track_caller]
     pub fn created(&self) -> Value {
-        assert_eq!(self.status, 201, "{}", self.text());
-        self.json()
+        self.has(201).json()
     }
 }
 

@@ -1,11 +1,9 @@
 //! What an engineer sees when a gyro goes out of its limits, and what becomes of it.
 
-use crate::lab;
+use crate::lab::{self, bench};
 use crate::prelude::*;
 use gyrowatch::core::time::UtcMicros;
 use gyrowatch::wire::time;
-
-use crate::lab::bench;
 
 /// The alerts that a query finds, as `coefficient rule state severity`, in the order of these words.
 async fn engineer_sees(lab: &Lab, query: &str) -> Vec<String> {

@@ -3,10 +3,9 @@
 //! A row is one request. Each must be answered with problem+json of the given status, name the given place (a JSON
 //! pointer, or the code of a fault), and leave the service's holdings as they were.
 
-use crate::lab;
 use crate::prelude::*;
-use crate::spoken;
 use crate::support::{asked, seed, with_member};
+use crate::{lab, spoken};
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -4,8 +4,7 @@
 use std::io::{BufRead, BufReader};
 use std::process::Child;
 
-use crate::chromium;
-use crate::chromium::Browser;
+use crate::chromium::{self, Browser};
 use crate::command::beside;
 use crate::nginx::Nginx;
 use crate::prelude::*;

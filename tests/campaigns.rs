@@ -1,11 +1,10 @@
 //! Raw campaigns over HTTP and on the command line: fitted, stored whole, judged, diagnosed; or refused by name.
 
-use crate::lab;
+use crate::{command, lab};
 use reqwest::Method;
 use reqwest::header::CONTENT_TYPE;
 use serde_json::{Value, json};
 
-use crate::command;
 use crate::lab::{Answer, JSON, Lab, assert_close, tables_3_and_4, verdict};
 use crate::support::{data_path, document, with_member};
 use gyrowatch::config::StatedUncertainty;

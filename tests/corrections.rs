@@ -1,8 +1,7 @@
 //! What becomes of a gyro when a record turns out not to count: trends, verdicts, baselines, alerts; and of the
 //! record itself.
 
-use crate::lab;
-use crate::lab::{bench, verdict};
+use crate::lab::{self, bench, verdict};
 use crate::prelude::*;
 
 fn of_a(at: i64, d_i: f64) -> Value {

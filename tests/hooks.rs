@@ -1,8 +1,7 @@
 //! Whoever runs a fleet sets up hooks, tries them out, and sees what has become of what they were told.
 
 use crate::prelude::*;
-use crate::receiver;
-use crate::receiver::Told;
+use crate::receiver::{self, Told};
 use crate::support::Answer;
 use axum::http::StatusCode;
 use axum::response::IntoResponse;

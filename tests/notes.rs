@@ -2,8 +2,7 @@
 //! where it was put in; and records whose time is in doubt, which count when somebody has confirmed it.
 
 use crate::command::verified;
-use crate::lab;
-use crate::lab::verdict;
+use crate::lab::{self, verdict};
 use crate::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -3,12 +3,11 @@
 use std::process::Child;
 use std::sync::atomic::Ordering;
 
-use crate::lab;
 use crate::prelude::*;
 use crate::queue::Queue;
-use crate::receiver;
 use crate::receiver::Told;
 use crate::support::{NEVER_LATE, asked, free_port};
+use crate::{lab, receiver};
 use axum::http::StatusCode;
 use axum::response::IntoResponse;
 use rand::{RngExt, SeedableRng};

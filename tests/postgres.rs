@@ -7,11 +7,10 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use crate::cluster::{Cluster, count};
-use crate::command;
 use crate::lab::verdict;
 use crate::prelude::*;
-use crate::receiver;
 use crate::support::{NEVER_LATE, client, file_url};
+use crate::{command, receiver};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sqlx::{Connection, PgConnection, Row};

@@ -1,7 +1,6 @@
 //! Gyros that moved together because their station or IMU did: one alert of that, and none of what it explains.
 
-use crate::lab;
-use crate::lab::scatter;
+use crate::lab::{self, scatter};
 use crate::prelude::*;
 use crate::receiver::Told;
 use gyrowatch::system::Clock;

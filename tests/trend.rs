@@ -1,10 +1,8 @@
 //! What an engineer sees of one gyro over the years.
 
-use crate::lab;
+use crate::lab::{self, Answer, assert_close, bench, verdict};
 use crate::prelude::*;
 use reqwest::Method;
-
-use crate::lab::{Answer, assert_close, bench, verdict};
 
 fn states(points: &[Value]) -> Vec<&str> {
     points.iter().map(|point| point["state"].as_str().unwrap()).collect()

@@ -2,10 +2,9 @@
 //! before.
 
 use crate::command::{beside, ended, verified};
-use crate::lab;
 use crate::prelude::*;
-use crate::receiver;
 use crate::support::{NEVER_LATE, SUMMARY, file_url};
+use crate::{lab, receiver};
 use sqlx::migrate::Migrator;
 use sqlx::{AssertSqlSafe, ConnectOptions, Connection, PgConnection, SqliteConnection};
 

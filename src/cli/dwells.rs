@@ -121,7 +121,7 @@ fn by_dwell(faults: &Faults) -> String {
 fn say(made: &Made) {
     let rounded =
         |values: &[f64], digits: usize| values.iter().map(|v| format!("{v:.digits$}")).collect::<Vec<_>>().join(" ");
-    let mut table = document::table_of("terminal_dwells_head", 0..7);
+    let mut table = table_of("terminal_dwells_head", 0..7);
     for (k, d) in made.dwells.iter().enumerate() {
         table.add_row([
             (k + 1).to_string(),

@@ -1,7 +1,6 @@
 //! `/stations/{name}`: one station by what the gyros of the fleet share there.
 
-use super::alerts;
-use super::alerts::is_open_of;
+use super::alerts::{self, is_open_of};
 use super::bullet::percent;
 use super::course::Course;
 use super::layout::day;

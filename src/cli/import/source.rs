@@ -9,11 +9,10 @@ use std::time::Duration;
 use serde::de::IgnoredAny;
 use serde_json::value::RawValue;
 
-use crate::cli::Usage;
 use crate::cli::client::JSON;
 use crate::cli::document::name;
-use crate::cli::faults;
 use crate::cli::prelude::*;
+use crate::cli::{Usage, faults};
 use crate::core::fault::Faults;
 use crate::core::message::Message;
 use crate::core::note::Note;

@@ -3,8 +3,7 @@
 use super::bench::{BenchCalibration, calibrate_bench};
 use super::drift::NotSeparated;
 use super::{Calibration, calibrate_at_station};
-use crate::core::augmented::AugmentedModel;
-use crate::core::augmented::Options;
+use crate::core::augmented::{AugmentedModel, Options};
 use crate::core::campaign::{Campaign, CampaignNote, Temperatures, TestKind};
 use crate::core::fault::Faults;
 use crate::core::model::Terms;

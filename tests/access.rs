@@ -193,7 +193,7 @@ async fn every_route_asks_for_a_token_that_is_valid_and_has_the_role() {
 #[tokio::test]
 async fn without_tokens_this_machine_reads_posts_and_acknowledges_and_makes_no_token_and_no_hook() {
     let server = Server::start_with(&[("GYROWATCH_ACCESS__OPEN", "")]).await;
-    let mut record = support::paper_record(1, 0);
+    let mut record = paper_record(1, 0);
     for month in 1..=6 {
         record["calibrated_at"] = format!("2026-0{month}-01T08:00:00Z").into();
         record["gyros"][0]["g_pulse_per_s_g0"][0] = (2.4210 + if month > 4 { 0.05 } else { 0.0 }).into();
@@ -485,7 +485,7 @@ async fn a_token_that_asks_for_too_much_is_put_off_and_others_are_not() {
 }
 
 /// `gyrowatch token …` on the database of a service.
-fn token_command(dir: &std::path::Path, arguments: &[&str]) -> (bool, String) {
+fn token_command(dir: &Path, arguments: &[&str]) -> (bool, String) {
     let (status, said) = on_database(&[&["token"], arguments].concat(), dir);
     (status == Some(0), said)
 }
@@ -558,8 +558,7 @@ async fn elsewhere_than_on_this_machine_it_listens_only_with_a_token_and_with_pl
     let (made, said) = token_command(dir.path(), &["create", "first", "--role", "admin"]);
     assert!(made, "{said}");
     refused("", &["server.listen"]);
-    let mut child =
-        serve(WORDS).stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::null()).spawn().unwrap();
+    let mut child = serve(WORDS).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
     let mut line = String::new();
     std::io::BufRead::read_line(&mut std::io::BufReader::new(child.stdout.take().unwrap()), &mut line).unwrap();
     assert!(line.contains("http://0.0.0.0:"), "{line}");
@@ -668,7 +667,7 @@ fn sender(answer: &Answer) -> (String, String, String) {
 async fn who_sent_something_is_kept_with_it_shown_and_audited() {
     let server = Server::start().await;
     let bench = lab::bench("LFG-0101", "2026-03-02T08:00:00Z", 1.0, 2.0);
-    let first = server.post_json("/v1/records", &support::paper_record(1, 0)).await.json();
+    let first = server.post_json("/v1/records", &paper_record(1, 0)).await.json();
     let first = format!("/v1/records/{}", first["id"].as_str().unwrap());
     let (admin, _) = token(&server, "", "admin", json!({})).await;
     let (station, id) = token(&server, &admin, "station", json!({})).await;
@@ -678,14 +677,14 @@ async fn who_sent_something_is_kept_with_it_shown_and_audited() {
 
     let mut places = vec![];
     for (path, body) in [
-        ("records", support::paper_record(2, 0).to_string()),
+        ("records", paper_record(2, 0).to_string()),
         ("bench-results", bench.to_string()),
         ("campaigns", data("practice/campaign-00.json")),
     ] {
         let stored = call(&server, "POST", &format!("/v1/{path}"), &station, &body).await.created();
         places.push(format!("{path}/{}", stored["id"].as_str().unwrap()));
     }
-    let lines = (1..=40).map(|minute| support::paper_record(2, minute).to_string() + "\n").collect::<String>();
+    let lines = (1..=40).map(|minute| paper_record(2, minute).to_string() + "\n").collect::<String>();
     let bearer = format!("Bearer {station}");
     let agent = format!("agent {}\u{e9}", "x".repeat(500));
     let headers =
@@ -716,10 +715,7 @@ async fn who_sent_something_is_kept_with_it_shown_and_audited() {
     let counts = trail["lines"].as_array().unwrap().iter().map(|line| line["after"]["stored"].as_u64().unwrap());
     assert_eq!(counts.sum::<u64>(), 40, "{trail}");
     // What was there before is still the first sender's.
-    assert_eq!(
-        call(&server, "POST", "/v1/records", &admin, &support::paper_record(1, 0).to_string()).await.status,
-        200
-    );
+    assert_eq!(call(&server, "POST", "/v1/records", &admin, &paper_record(1, 0).to_string()).await.status, 200);
     assert_eq!(sender(&call(&server, "GET", &first, &admin, "").await).0, "local");
 }
 

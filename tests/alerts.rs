@@ -187,7 +187,7 @@ async fn what_fires_is_told_again_in_a_week_unless_somebody_knows() {
     let order = json!({"by": "Li Wei", "reason": "turntable under repair"});
     lab.post(&format!("/v1/alerts/{known}/acknowledge"), &order).await.ok();
     lab.clock_shows("2026-11-28T11:59:59Z");
-    tokio::time::sleep(std::time::Duration::from_millis(200)).await;
+    tokio::time::sleep(Duration::from_millis(200)).await;
     assert_eq!(story_of(&lab, "baseline").await, ["fire"]);
     lab.clock_shows("2026-11-28T12:00:00Z");
     let story = once(async || story_of(&lab, "baseline").await, |story| story.len() > 1).await;
@@ -274,7 +274,7 @@ async fn a_gyro_that_is_not_calibrated_in_time_is_overdue_until_it_is() {
     let at = |days: i64| time::format(UtcMicros(last.0 + days * UtcMicros::DAY));
     lab.posts(&record("IMU-1", &at(0), &[("G1", "A", 1.0, 2.0), ("G2", "B", 1.0, 2.0)])).await;
     lab.clock_shows("2026-12-01T11:59:59Z");
-    tokio::time::sleep(std::time::Duration::from_millis(100)).await;
+    tokio::time::sleep(Duration::from_millis(100)).await;
     assert_eq!(engineer_sees(&lab, "").await, [] as [&str; 0]);
     lab.clock_shows("2026-12-01T13:00:00Z");
     let seen = sees_at_last(&lab, "rule=overdue", 2).await;

@@ -505,9 +505,9 @@ async fn what_any_operation_may_answer() -> BTreeMap<&'static str, Value> {
         let under: Vec<&str> = under.iter().map(String::as_str).collect();
         let server = support::Server::start_under(&under, dir, &[]);
         let filler = format!("/proc/{}/root{}/filler", server.pid(), inside.display());
-        support::fill(std::path::Path::new(&filler));
+        support::fill(Path::new(&filler));
         for number in 0..10_000 {
-            let answer = server.post_json("/v1/records", &support::paper_record(number % 20, number)).await;
+            let answer = server.post_json("/v1/records", &paper_record(number % 20, number)).await;
             if answer.status == 507 {
                 found.insert("507", answer.json());
                 break;

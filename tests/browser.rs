@@ -240,7 +240,7 @@ async fn an_operator_sees_what_is_wrong_with_a_file_before_anything_is_stored() 
     let server = Server::start().await;
     let good = document("paper.json");
     let mut bad = good.clone();
-    bad["gyros"][1]["e_pulse_per_arcsec"] = serde_json::json!([0.0, 0.0, 0.0]);
+    bad["gyros"][1]["e_pulse_per_arcsec"] = json!([0.0, 0.0, 0.0]);
     bad["calibrated_at"] = "yesterday".into();
     let file = server.dir().join("calibrations.ndjson");
     std::fs::write(&file, format!("{good}\n{bad}\nnot a document\n")).unwrap();
@@ -394,9 +394,9 @@ async fn an_integrator_sets_up_a_hook_tries_it_and_sends_a_message_again() {
 
 /// Loads the page again until the expression is true.
 async fn reloads_until(browser: &Browser, expression: &str) {
-    let patience = std::time::Instant::now() + Duration::from_secs(120);
+    let patience = Instant::now() + Duration::from_secs(120);
     while browser.eval(&format!("Boolean({expression})")).await != Value::Bool(true) {
-        assert!(std::time::Instant::now() < patience, "never came true: {expression}\n{}", browser.text().await);
+        assert!(Instant::now() < patience, "never came true: {expression}\n{}", browser.text().await);
         tokio::time::sleep(Duration::from_millis(200)).await;
         let here = browser.eval("location.pathname").await;
         browser.goto(here.as_str().unwrap()).await;
@@ -419,7 +419,7 @@ async fn times_stand_in_the_viewers_zone_with_utc_beside_them() {
         assert_eq!(server.post_json("/v1/records", &record).await.status, 201);
     }
     let browser = Browser::open(&server.url(""), server.dir()).await;
-    browser.cdp("Emulation.setTimezoneOverride", serde_json::json!({"timezoneId": "Asia/Shanghai"})).await;
+    browser.cdp("Emulation.setTimezoneOverride", json!({"timezoneId": "Asia/Shanghai"})).await;
     browser.goto("/gyros/LFG-0101").await;
     browser.wait("document.querySelector('#history')").await;
     let time = "document.querySelector('time[datetime=\"2026-03-01T08:00:00Z\"]')";
@@ -466,7 +466,7 @@ async fn today_tells_what_the_pages_of_stations_and_gyros_tell() {
     let earlier = format!(
         "[...document.querySelector('.block').querySelectorAll('tr')].filter((e) => e.querySelector('time').dateTime < '{since}').map((e) => e.innerText)"
     );
-    assert_eq!(browser.eval(&earlier).await, serde_json::json!([]));
+    assert_eq!(browser.eval(&earlier).await, json!([]));
     browser.sees("LFG-0031").await;
     // When the gyro that ages reaches its budget, and until when to calibrate it.
     let row = "[...document.querySelectorAll('.block')].find((e) => e.textContent.includes('Will reach')).innerText";
@@ -516,7 +516,7 @@ async fn today_tells_what_the_pages_of_stations_and_gyros_tell() {
     browser.goto("/alerts?serial=LFG-0008").await;
     let renewed = "[...document.querySelectorAll('table.alerts tbody tr')].filter((e) => e.textContent.includes('once the figure is in tolerance')) \
         .map((e) => e.children[1].textContent)";
-    assert_eq!(browser.eval(renewed).await, serde_json::json!(["DS shift of level"]));
+    assert_eq!(browser.eval(renewed).await, json!(["DS shift of level"]));
     // A list that goes on is printed as a part of it.
     browser.goto("/fleet").await;
     let printed =
@@ -611,7 +611,7 @@ async fn the_jobs_take_no_more_on_a_telephone_with_a_processor_six_times_slower(
 
 async fn the_jobs(width: u32, slower: u32) {
     let Some((demo, browser)) = at_the_demo(width, 900).await else { return };
-    browser.cdp("Emulation.setCPUThrottlingRate", serde_json::json!({"rate": slower})).await;
+    browser.cdp("Emulation.setCPUThrottlingRate", json!({"rate": slower})).await;
     let csv = std::fs::read_to_string(root().join("docs/examples/march.csv")).unwrap();
     assert!(csv.lines().nth(6).unwrap().starts_with("# gyros: G1 LFG-3001, G2 LFG-3002,"));
     let faulty = demo.dir.path().join("march.csv");
@@ -630,7 +630,7 @@ async fn the_jobs(width: u32, slower: u32) {
     browser.goto("/").await;
     for (job, clicks, fields) in JOBS {
         browser.begin_job().await;
-        let started = std::time::Instant::now();
+        let started = Instant::now();
         match job {
             "Monday morning" => {
                 for there in ["New or worse since", "Still out of tolerance or drifting", "Overdue"] {
@@ -968,17 +968,7 @@ async fn a_report_prints_on_a_few_sheets_with_its_plots_and_without_what_is_for_
             let parts = browser.eval(&parts).await;
             assert_eq!(
                 parts,
-                serde_json::json!([
-                    "facts",
-                    "loads",
-                    "picture",
-                    "picture",
-                    "small",
-                    "small",
-                    "boxes",
-                    "signature",
-                    "signature"
-                ])
+                json!(["facts", "loads", "picture", "picture", "small", "small", "boxes", "signature", "signature"])
             );
         }
         // The newest points are on paper.
@@ -997,12 +987,12 @@ async fn a_report_prints_on_a_few_sheets_with_its_plots_and_without_what_is_for_
         assert_eq!(browser.eval(shown).await, 0);
         assert_eq!(browser.eval("getComputedStyle(document.body).backgroundColor").await, "rgb(255, 255, 255)");
         let faint = format!("{FAULTS}.filter((fault) => fault.startsWith('too faint'))");
-        assert_eq!(browser.eval(&faint).await, serde_json::json!([]), "{path} in {language}");
+        assert_eq!(browser.eval(&faint).await, json!([]), "{path} in {language}");
         let overlaid = "[...document.querySelectorAll('table.judged tr')].filter((e) => e.checkVisibility()).flatMap((row) => { \
             const cells = [...row.cells].filter((e) => e.textContent.trim() && getComputedStyle(e).display !== 'contents').map((e) => { \
                 const range = document.createRange(); range.selectNodeContents(e); return range.getBoundingClientRect(); }); \
             return cells.slice(1).filter((b, k) => cells[k].right > b.left && cells[k].top < b.bottom && b.top < cells[k].bottom).map(() => row.innerText); })";
-        assert_eq!(browser.eval(overlaid).await, serde_json::json!([]), "{path}: verdicts lie on one another");
+        assert_eq!(browser.eval(overlaid).await, json!([]), "{path}: verdicts lie on one another");
         let cut = "[...document.querySelectorAll('.scroll')].filter((e) => e.scrollWidth > document.documentElement.clientWidth).map((e) => e.textContent.slice(0, 80)).join('; ')";
         assert_eq!(browser.eval(cut).await, "", "tables wider than the sheet");
         browser.picture(&pictures().join(format!("paper-{name}-{language}.png"))).await;
@@ -1018,7 +1008,7 @@ async fn a_command_prints_a_report_and_refuses_what_is_none() {
     let demo = Demo::start();
     let file = demo.dir.path().join("report.pdf");
     let print = |address: String| {
-        let mut command = std::process::Command::new(root().join("scripts/print_report"));
+        let mut command = Command::new(root().join("scripts/print_report"));
         command.arg(address).arg(&file).env("CHROMIUM", "chromium --no-sandbox").env("GYROWATCH_LANGUAGE", "zh");
         command.output().unwrap()
     };

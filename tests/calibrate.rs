@@ -56,7 +56,7 @@ fn as_csv(path: &str) -> String {
 #[test]
 fn a_campaign_yields_drift_with_sigmas_and_the_fit_with_its_evidence() {
     let answer = answer(&["calibrate", CAMPAIGN]);
-    assert_eq!(answer["calibration"]["model"], serde_json::json!(["bias", "g_linear", "g_squared", "scale"]));
+    assert_eq!(answer["calibration"]["model"], json!(["bias", "g_linear", "g_squared", "scale"]));
     assert_eq!(answer["calibration"]["repeats"].as_array().unwrap().len(), 6);
     for (gyro, separation) in
         answer["calibration"]["gyros"].as_array().unwrap().iter().zip(answer["separations"].as_array().unwrap())
@@ -101,7 +101,7 @@ fn fewer_terms_are_fitted_with_model() {
     assert_eq!(words, ["static_rate", "no_attitudes", "no_temperatures", "no_repeats", "residuals_exceed_noise"]);
 
     let no_scale = answer(&["calibrate", CAMPAIGN, "--model", "bias,g_linear"]);
-    assert_eq!(no_scale["separations"], serde_json::json!([]));
+    assert_eq!(no_scale["separations"], json!([]));
     let reason = no_scale["not_separated"][0]["reason"].as_str().unwrap();
     assert!(reason.contains("there is no D_I and D_S in deg/(h g0)"), "{reason}");
     assert!(
@@ -143,7 +143,7 @@ fn a_bench_test_yields_a_bench_result() {
     campaign["test"] = "torque_feedback".into();
     campaign["geometry"] =
         serde_json::from_str(r#"{"input": [0.57735, -0.40825, 0.70711], "spin": [0, 0.866025, 0.5]}"#).unwrap();
-    campaign["gyros"] = serde_json::json!([{"serial": "LFG-9000-1"}]);
+    campaign["gyros"] = json!([{"serial": "LFG-9000-1"}]);
     let dwells = campaign["dwells"].as_array_mut().unwrap();
     dwells.retain(|d| d["phase"] == "static");
     for dwell in dwells {
@@ -176,7 +176,7 @@ fn path(file: &tempfile::NamedTempFile) -> &str {
 #[test]
 fn every_sd_says_what_it_is_made_of_and_is_as_before_where_the_station_states_nothing() {
     let plain = answer(&["calibrate", CAMPAIGN]);
-    assert_eq!(plain["calibration"]["station_uncertainty"], serde_json::json!({"stated": false}));
+    assert_eq!(plain["calibration"]["station_uncertainty"], json!({"stated": false}));
     for separation in plain["separations"].as_array().unwrap() {
         for name in ["d_i", "d_s", "d_o", "scale_factor"] {
             let parts = &separation["uncertainty"][name];
@@ -186,8 +186,7 @@ fn every_sd_says_what_it_is_made_of_and_is_as_before_where_the_station_states_no
     }
     assert!(printed(&["calibrate", CAMPAIGN]).contains("No uncertainty of the station is stated"));
     let stated = changed(|campaign| {
-        campaign["station_uncertainty"] =
-            serde_json::json!({"levelling_arcsec": 20, "azimuth_arcsec": 30, "fixture_arcsec": 5})
+        campaign["station_uncertainty"] = json!({"levelling_arcsec": 20, "azimuth_arcsec": 30, "fixture_arcsec": 5})
     });
     let found = answer(&["calibrate", path(&stated)]);
     for (before, after) in plain["separations"].as_array().unwrap().iter().zip(found["separations"].as_array().unwrap())
@@ -206,7 +205,7 @@ fn every_sd_says_what_it_is_made_of_and_is_as_before_where_the_station_states_no
 #[test]
 fn what_a_campaign_cannot_tell_of_its_station_is_said() {
     let without = changed(|campaign| {
-        campaign["station_uncertainty"] = serde_json::json!({"levelling_arcsec": 20, "fixture_arcsec": 5});
+        campaign["station_uncertainty"] = json!({"levelling_arcsec": 20, "fixture_arcsec": 5});
         for dwell in campaign["dwells"].as_array_mut().unwrap() {
             dwell.as_object_mut().unwrap().remove("attitude");
         }
@@ -215,7 +214,7 @@ fn what_a_campaign_cannot_tell_of_its_station_is_said() {
     let parts = &found["separations"][0]["uncertainty"]["d_s"];
     assert!(parts["levelling"].is_null() && parts["fixture"].is_number(), "{parts}");
     let note = found["notes"].as_array().unwrap().iter().find(|n| n["code"] == "station_left_out").expect("said");
-    assert_eq!(note["parts"], serde_json::json!(["levelling"]));
+    assert_eq!(note["parts"], json!(["levelling"]));
 }
 
 /// Three campaigns, a day apart, with noise of their own and another bias.

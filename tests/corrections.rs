@@ -444,7 +444,7 @@ async fn corrections_outlive_a_restart_and_a_gyro_is_overdue_from_its_newest_rec
     .await;
     lab.clock_shows(&day(50));
     let ids = station_posts(&lab, &[(40, 1.0), (0, 1.0)]).await;
-    tokio::time::sleep(std::time::Duration::from_millis(100)).await;
+    tokio::time::sleep(Duration::from_millis(100)).await;
     let overdue = async |lab: &Lab| lab.get("/v1/alerts?rule=overdue").await.ok()["alerts"].clone();
     assert_eq!(overdue(&lab).await, json!([]));
     engineer_voids(&lab, &ids[0]).await;
@@ -461,7 +461,6 @@ async fn corrections_outlive_a_restart_and_a_gyro_is_overdue_from_its_newest_rec
 /// neither.
 #[tokio::test]
 async fn a_service_that_is_killed_while_a_record_is_voided_has_done_all_of_it_or_nothing() {
-    use std::time::Duration;
     let mut server = support::Server::start().await;
     let mut done = 0;
     for round in 0..12_i64 {

@@ -208,7 +208,7 @@ async fn the_page_shows_the_parts_against_the_calibration_before_or_another_one(
 async fn the_page_says_what_a_gyro_alone_cannot_tell_apart() {
     let server = Server::start().await;
     // Its rates tell the asymmetry of G1 and G3 from a quadratic scale factor together, G1's alone do not.
-    let answer = server.post("/v1/campaigns", "application/json", support::data("practice/campaign-05.json")).await;
+    let answer = server.post("/v1/campaigns", "application/json", data("practice/campaign-05.json")).await;
     let id = answer.json()["id"].as_str().unwrap().to_owned();
     let body = server.get(&format!("/v1/campaigns/{id}/diagnosis")).await.json();
     assert_eq!(body["effects"][0]["wider_in"][0]["slot"], "G1", "{body}");

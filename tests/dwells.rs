@@ -74,7 +74,7 @@ fn check_by_hand(campaign: &Value) {
             assert!((4.0..40.0).contains(sem), "{sem}");
         }
     }
-    assert!(campaign["gyros"][1]["known_e_pulse_per_arcsec"] == serde_json::json!([0.0, 1.0, 0.0]), "{campaign}");
+    assert!(campaign["gyros"][1]["known_e_pulse_per_arcsec"] == json!([0.0, 1.0, 0.0]), "{campaign}");
 }
 
 #[test]

@@ -111,8 +111,7 @@ async fn a_clock_that_jumps_loses_and_doubles_nothing() {
         return;
     }
     let jumps = asked("GYROWATCH_SOAK_ROUNDS", 1);
-    let library =
-        std::process::Command::new("sh").args(["-c", "ls /usr/lib/*/faketime/libfaketimeMT.so.1"]).output().unwrap();
+    let library = Command::new("sh").args(["-c", "ls /usr/lib/*/faketime/libfaketimeMT.so.1"]).output().unwrap();
     let library = String::from_utf8(library.stdout).unwrap().trim().to_owned();
     let clock = tempfile::NamedTempFile::new().unwrap();
     std::fs::write(clock.path(), "+0").unwrap();

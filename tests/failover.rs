@@ -18,7 +18,7 @@ async fn server_on(url: &str, others: &[(&str, &str)]) -> Server {
 
 /// An IMU of three gyros that nobody else has, whose figures tell it from every other.
 fn record(imu: &str, level: f64, minute: usize) -> Value {
-    let mut record = support::paper_record(1, minute);
+    let mut record = paper_record(1, minute);
     record["imu"] = json!(imu);
     let gyros = record["gyros"].as_array_mut().unwrap();
     for (place, gyro) in gyros.iter_mut().enumerate() {
@@ -299,9 +299,8 @@ impl Pooler {
         let settings = settings.replace(&format!("dbname={name}\n"), &format!("dbname={name} user=postgres\n"));
         let file = dir.path().join("pgbouncer.ini");
         std::fs::write(&file, settings).unwrap();
-        let mut pooler = std::process::Command::new("pgbouncer");
-        let child =
-            pooler.arg(&file).stderr(std::process::Stdio::null()).stdout(std::process::Stdio::null()).spawn().unwrap();
+        let mut pooler = Command::new("pgbouncer");
+        let child = pooler.arg(&file).stderr(Stdio::null()).stdout(Stdio::null()).spawn().unwrap();
         for _ in 0..100 {
             if tokio::net::TcpStream::connect(("127.0.0.1", port)).await.is_ok() {
                 break;
@@ -337,7 +336,7 @@ async fn a_pooler_serves_by_the_session_and_is_refused_by_the_transaction() {
     assert_eq!(shown(&server, "pooled").await[0].len(), 5);
     drop(server);
     let by_transaction = Pooler::start(&url, "transaction").await;
-    let mut serve = support::gyrowatch();
+    let mut serve = gyrowatch();
     let output = serve
         .arg("serve")
         .env("GYROWATCH_LISTEN", "127.0.0.1:0")

@@ -139,7 +139,7 @@ async fn a_lone_imu_that_was_moved_gets_a_class() {
         assert_eq!(answer["status"], 201, "{answer}");
     }
     let alone = diagnosis(&lab, "ALONE", "D_I").await;
-    assert_eq!(alone["causes"][0]["class"], serde_json::json!(["station", "step"]), "{alone}");
+    assert_eq!(alone["causes"][0]["class"], json!(["station", "step"]), "{alone}");
 }
 
 /// Every record is wrong at first, and is revised; others come, and are voided; one is suspect, and is trusted again.
@@ -148,17 +148,17 @@ async fn a_history_full_of_voids_and_revisions_is_diagnosed_by_what_counts() {
     let (lab, plain) = (Lab::open().await, Lab::open().await);
     let d_i = |k: i64| 3.0 + scatter(k, 1e-4) + 4e-4 * k as f64;
     let sent = |k: i64, d_i: f64| record("IMU-1", &day(28 * k), &[("G1", "AGES", d_i, 4.0 + scatter(k + 3, 1e-4))]);
-    let said = |record: &Value| serde_json::json!({"author": "Li Wei", "reason": "wrong serial", "record": record});
+    let said = |record: &Value| json!({"author": "Li Wei", "reason": "wrong serial", "record": record});
     for k in 0..24 {
         plain.posts(&sent(k, d_i(k))).await;
         let wrong = lab.posts(&sent(k, 9.0 - 0.1 * k as f64)).await["id"].as_str().unwrap().to_owned();
         lab.post(&format!("/v1/records/{wrong}/revise"), &said(&sent(k, d_i(k)))).await.created();
         let more = record("IMU-1", &day(28 * k + 5), &[("G1", "AGES", -2.0, 4.0)]);
         let more = lab.posts(&more).await["id"].as_str().unwrap().to_owned();
-        let why = serde_json::json!({"author": "Li Wei", "reason": "table was not level"});
+        let why = json!({"author": "Li Wei", "reason": "table was not level"});
         lab.post(&format!("/v1/records/{more}/void"), &why).await.ok();
     }
-    let window = serde_json::json!({"from": day(200), "to": day(400), "by": "Li Wei", "reason": "loose"});
+    let window = json!({"from": day(200), "to": day(400), "by": "Li Wei", "reason": "loose"});
     for way in ["suspect", "trust"] {
         lab.post(&format!("/v1/stations/ST-1/{way}"), &window).await.ok();
     }

@@ -323,7 +323,7 @@ fn the_dwells_to_measure_next_are_those_that_the_model_knows_least_of() {
     assert!(told[..3].iter().all(|one| !is_static(&next.dwells[one.dwell])), "{told:?}");
     assert!(told[0].information > 3.0 * of_all[0].information, "{told:?} {of_all:?}");
     assert!(told.windows(2).all(|pair| pair[0].information >= pair[1].information - 1e-9), "each beside those before");
-    let dwells: std::collections::BTreeSet<usize> = told.iter().map(|one| one.dwell).collect();
+    let dwells: BTreeSet<usize> = told.iter().map(|one| one.dwell).collect();
     assert_eq!(dwells.len(), 6, "no dwell twice");
 }
 

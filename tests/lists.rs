@@ -192,7 +192,7 @@ async fn gyros_are_found_by_their_batch_and_what_is_said_of_them_is_audited() {
 #[tokio::test]
 async fn a_table_says_the_batches_of_many_gyros_all_of_it_or_nothing() {
     let server = Server::start().await;
-    assert_eq!(server.post("/v1/records", "application/json", support::data("paper.json")).await.status, 201);
+    assert_eq!(server.post("/v1/records", "application/json", data("paper.json")).await.status, 201);
     let send = |text: &str| {
         let (server, text) = (&server, text.to_owned());
         async move { server.call("PATCH", "/v1/gyros", &[("content-type", "text/csv")], text).await }

@@ -96,7 +96,7 @@ async fn metrics_count_requests_items_verdicts_and_commits() {
 fn judged_by(program: &str, arguments: &[&str], input: &str) -> (bool, String) {
     use std::io::Write as _;
     let piped = Stdio::piped;
-    let mut command = std::process::Command::new(program);
+    let mut command = Command::new(program);
     let mut child = command.args(arguments).stdin(piped()).stdout(piped()).stderr(piped()).spawn().unwrap();
     child.stdin.take().unwrap().write_all(input.as_bytes()).unwrap();
     let output = child.wait_with_output().unwrap();
@@ -189,7 +189,7 @@ fn no_color_is_heeded() {
     // What it says until it ends, or until it listens.
     let said = |order: &str, no_color: &str| {
         let dir = tempfile::tempdir().unwrap();
-        let mut script = std::process::Command::new("script");
+        let mut script = Command::new("script");
         script.args(["-qec", &format!("{} {order}", env!("CARGO_BIN_EXE_gyrowatch")), "/dev/null"]);
         script.current_dir(dir.path()).env("GYROWATCH_LISTEN", "127.0.0.1:0");
         script.env("NO_COLOR", no_color).env("TERM", "xterm").stdin(Stdio::null()).stdout(Stdio::piped());
@@ -208,7 +208,7 @@ fn no_color_is_heeded() {
 }
 
 /// The counters among the series, but for those of requests, which come as they are asked for: only failures begin at 0.
-fn counters(text: &str) -> std::collections::BTreeSet<&str> {
+fn counters(text: &str) -> BTreeSet<&str> {
     let series = text.lines().filter_map(|line| line.rsplit_once(' ').map(|(series, _)| series));
     let counts =
         |series: &&str| series.contains("_total{") || series.contains("_seconds_count") || series.ends_with("_count");

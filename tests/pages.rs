@@ -296,7 +296,7 @@ async fn the_viewers_language_and_theme_are_kept() {
 #[tokio::test]
 async fn a_campaign_its_imu_and_its_diagnosis_are_shown_from_what_was_sent() {
     let server = Server::start_with(&[("GYROWATCH_JUDGING__REQUIREMENTS", "true")]).await;
-    let campaign = support::data("practice/campaign-02.json");
+    let campaign = data("practice/campaign-02.json");
     let answer = server.post("/v1/campaigns", "application/json", campaign).await.json();
     let id = answer["id"].as_str().unwrap();
     let shown = page(&server, &format!("/campaigns/{id}"), &[]).await;
@@ -388,7 +388,7 @@ async fn an_imu_shows_its_models_and_how_its_campaigns_came_out_as_foretold() {
 #[tokio::test]
 async fn a_record_is_shown_with_what_was_separated_from_it() {
     let server = Server::start_with(&[("GYROWATCH_JUDGING__REQUIREMENTS", "true")]).await;
-    let answer = server.post("/v1/records", "application/json", support::data("paper.json")).await.json();
+    let answer = server.post("/v1/records", "application/json", data("paper.json")).await.json();
     let shown = page(&server, &format!("/records/{}", answer["id"].as_str().unwrap()), &[]).await;
     // Golden figures of Tables 3 and 4.
     let there = [
@@ -944,8 +944,7 @@ async fn a_calibration_is_voided_on_its_page_and_counts_no_more() {
 #[tokio::test]
 async fn a_campaign_and_a_bench_result_are_voided_on_their_pages() {
     let server = a_small_fleet().await;
-    let campaign =
-        server.post("/v1/campaigns", "application/json", support::data("practice/campaign-02.json")).await.json();
+    let campaign = server.post("/v1/campaigns", "application/json", data("practice/campaign-02.json")).await.json();
     let id = campaign["id"].as_str().unwrap();
     let ask = link(&page(&server, &format!("/campaigns/{id}"), &[]).await, "/campaigns/", "/void");
     assert!(page(&server, &ask, &[]).await.contains("Void this campaign"));
@@ -1611,7 +1610,7 @@ async fn every_route_of_the_description_stands_on_a_page_with_what_it_takes_and_
     for path in assets {
         of_assets += server.call("GET", path, &gzip, "").await.body.len();
     }
-    let mut seen = std::collections::BTreeMap::new();
+    let mut seen = BTreeMap::new();
     for (path, item) in document["paths"].as_object().unwrap() {
         for (method, operation) in item.as_object().unwrap() {
             let (group, id) = (operation["tags"][0].as_str().unwrap(), operation["operationId"].as_str().unwrap());

@@ -154,7 +154,7 @@ impl Drop for Patroni {
     }
 }
 
-fn settings(node: &Node, dir: &std::path::Path, etcd: u16) -> Value {
+fn settings(node: &Node, dir: &Path, etcd: u16) -> Value {
     let at = |port: u16| format!("127.0.0.1:{port}");
     json!({
         "scope": "gyros",

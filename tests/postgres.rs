@@ -609,7 +609,7 @@ async fn what_is_said_to_the_database_is_encrypted_and_only_under_the_certificat
     assert!(connections("true").await > 1);
     assert_eq!(connections("false").await, 0);
 
-    let mut command = support::gyrowatch();
+    let mut command = gyrowatch();
     command.arg("serve").env("GYROWATCH_LISTEN", "127.0.0.1:0").env("GYROWATCH_DATABASE_URL", trusting("tls/two.crt"));
     let said = tokio::task::block_in_place(|| does_not_start(command));
     assert!(said.contains("certificate"), "{said}");
@@ -637,7 +637,7 @@ async fn a_copy_that_is_killed_goes_on_and_is_the_same_in_the_end() {
     let url = cluster::fresh_database().await;
     let from = format!("sqlite://{}", file.dir().join("gyrowatch.db").display());
     let copy = || {
-        let mut command = support::gyrowatch();
+        let mut command = gyrowatch();
         command.args(["copy", "--from", &from, "--to", &url]);
         command
     };
@@ -658,7 +658,7 @@ async fn a_copy_that_is_killed_goes_on_and_is_the_same_in_the_end() {
     }
     killed.kill().unwrap();
     killed.wait().unwrap();
-    let mut early = support::gyrowatch();
+    let mut early = gyrowatch();
     early.args(["serve"]).env("GYROWATCH_DATABASE_URL", &url).env("GYROWATCH_LISTEN", "127.0.0.1:0");
     let said = does_not_start(early);
     assert!(said.contains("gyrowatch copy"), "{said}");

@@ -102,7 +102,7 @@ fn numbers(value: &Value, found: &mut Vec<f64>) {
 }
 
 /// What a service on `dir` answers to each path; none where it refuses to start, which it must say well.
-async fn answers(dir: &std::path::Path, paths: &[String]) -> Option<Vec<(u16, Vec<f64>)>> {
+async fn answers(dir: &Path, paths: &[String]) -> Option<Vec<(u16, Vec<f64>)>> {
     let mut command = beside(dir);
     let mut child = command
         .arg("serve")
@@ -523,7 +523,7 @@ async fn of_two_requests_whose_border_is_in_doubt_the_second_is_never_answered()
     ])
     .await;
     let before = server.holdings().await;
-    let mut statuses = std::collections::BTreeMap::<String, usize>::new();
+    let mut statuses = BTreeMap::<String, usize>::new();
     for round in 0..rounds {
         let text = ambiguous(&mut ChaCha8Rng::seed_from_u64(seed(round)));
         let what = format!("seed {}: {text:?}", seed(round));

@@ -6,7 +6,7 @@ fn example(name: &str) -> PathBuf {
 }
 
 fn template(of: &str, format: &str, to: &Path) {
-    let made = support::gyrowatch().args(["template", of, "--format", format, "--out"]).arg(to).output().unwrap();
+    let made = gyrowatch().args(["template", of, "--format", format, "--out"]).arg(to).output().unwrap();
     assert!(made.status.success(), "{of} {format}: {}", String::from_utf8_lossy(&made.stderr));
 }
 
@@ -88,7 +88,7 @@ async fn a_wrong_campaign_is_revised_from_csv_and_voided_by_commands() {
     let text = std::fs::read_to_string(at("wrong.csv")).unwrap();
     std::fs::write(at("right.csv"), format!("# operator: Li Wei\n{text}")).unwrap();
     let command = |arguments: &[&str]| {
-        let mut command = support::gyrowatch();
+        let mut command = gyrowatch();
         command.current_dir(dir.path()).args(arguments).args(["--url", server.address()]);
         let output = command.output().unwrap();
         let said = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
@@ -143,7 +143,7 @@ fn every_template_fits() {
     let dir = tempfile::tempdir().unwrap();
     let at = |name: &str| dir.path().join(name);
     let fits = |arguments: &[&str]| {
-        let output = support::gyrowatch().current_dir(dir.path()).args(arguments).output().unwrap();
+        let output = gyrowatch().current_dir(dir.path()).args(arguments).output().unwrap();
         assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
         String::from_utf8(output.stdout).unwrap()
     };

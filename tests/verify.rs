@@ -13,7 +13,7 @@ async fn a_database() -> Server {
         record["calibrated_at"] = at.into();
         assert_eq!(server.post_json("/v1/records", &record).await.status, 201);
     }
-    let event = serde_json::json!({ "event": "repair", "reason": "new motor", "at": "2026-03-20T00:00:00Z" });
+    let event = json!({ "event": "repair", "reason": "new motor", "at": "2026-03-20T00:00:00Z" });
     assert_eq!(server.post_json("/v1/gyros/LFG-0101/events", &event).await.status, 201);
     assert_eq!(server.post("/v1/campaigns", "application/json", data("practice/campaign-00.json")).await.status, 201);
     assert_eq!(server.post("/v1/import", "application/x-ndjson", data("paper-bench.ndjson")).await.status, 200);
@@ -53,7 +53,7 @@ async fn the_fleets_noise_is_fitted_to_what_is_stored() {
             let mut record = document("paper.json");
             record["imu"] = format!("IMU-{gyro}").into();
             record["calibrated_at"] = format!("20{:02}-{:02}-15T08:00:00Z", 20 + k / 12, 1 + k % 12).into();
-            record["gyros"] = serde_json::json!([record["gyros"][0]]);
+            record["gyros"] = json!([record["gyros"][0]]);
             record["gyros"][0]["serial"] = format!("N-{gyro}").into();
             let g = &mut record["gyros"][0]["g_pulse_per_s_g0"];
             for axis in 0..3 {

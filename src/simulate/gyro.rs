@@ -93,10 +93,10 @@ pub fn gyros(
             let nominal = geometry
                 .triad(slot)
                 .ok_or_else(|| fault(&format!("/gyros/{k}/slot"), message!("no_axes_for", slot = text(slot.name()))))?;
-            let drawn = DrawnGyro::new(population, rng)?;
-            let arcmin = choice.misalignment_arcmin.map_or(drawn.misalignment_arcmin, Vector3::from);
+            let (scale_factor, misalignment_arcmin, drift) = drawn(population, rng)?;
+            let arcmin = choice.misalignment_arcmin.map_or(misalignment_arcmin, Vector3::from);
             let in_mount = Rotation3::new(arcmin.map(radians_from_arcmin));
-            let scale_factor = choice.scale_factor.unwrap_or(drawn.scale_factor);
+            let scale_factor = choice.scale_factor.unwrap_or(scale_factor);
             let stated = match choice.states_e {
                 StatedE::No => None,
                 StatedE::True => Some(in_mount * nominal.input()),
@@ -108,43 +108,35 @@ pub fn gyros(
                 stated_e: stated.map(|input| input * scale_factor),
                 scale_factor,
                 axes: nominal.mat_gyro_body() * in_mount.matrix().transpose(),
-                drift: drawn.drift.overridden_by(choice),
+                drift: drift.overridden_by(choice),
             })
         })
         .collect()
 }
 
-struct DrawnGyro {
-    scale_factor: f64,
-    misalignment_arcmin: Vector3<f64>,
-    drift: Drift,
-}
-
-impl DrawnGyro {
-    fn new(population: &Population, rng: &mut ChaCha8Rng) -> Result<Self, Faults> {
-        let mut draw = |name: &str, mean: f64, sd: f64| {
-            let refuse =
-                || fault(&format!("/population/{name}"), message!("not_a_standard_deviation", value = text(sd)));
-            if !(sd.is_finite() && sd >= 0.0) {
-                return Err(refuse());
-            }
-            Ok(Normal::new(mean, sd).map_err(|_| refuse())?.sample(rng))
-        };
-        let scale_factor = draw("scale_factor_sd", population.scale_factor, population.scale_factor_sd)?;
-        let mut arcmin = || draw("misalignment_arcmin", 0.0, population.misalignment_arcmin);
-        let misalignment_arcmin = Vector3::new(arcmin()?, arcmin()?, arcmin()?);
-        let drift = Drift {
-            d_f: draw("d_f_sd", 0.0, population.d_f_sd)?,
-            d_i: draw("d_i_sd", 0.0, population.d_i_sd)?,
-            d_s: draw("d_s_sd", 0.0, population.d_s_sd)?,
-            d_io: draw("d_cross_sd", 0.0, population.d_cross_sd)?,
-            d_os: draw("d_cross_sd", 0.0, population.d_cross_sd)?,
-            d_si: draw("d_squared_sd", 0.0, population.d_squared_sd)?,
-            d_ii: draw("d_squared_sd", 0.0, population.d_squared_sd)?,
-            d_ss: draw("d_squared_sd", 0.0, population.d_squared_sd)?,
-        };
-        Ok(Self { scale_factor, misalignment_arcmin, drift })
-    }
+/// Scale factor, misalignment (arcmin) and drift of a gyro of the population.
+fn drawn(population: &Population, rng: &mut ChaCha8Rng) -> Result<(f64, Vector3<f64>, Drift), Faults> {
+    let mut draw = |name: &str, mean: f64, sd: f64| {
+        let refuse = || fault(&format!("/population/{name}"), message!("not_a_standard_deviation", value = text(sd)));
+        if !(sd.is_finite() && sd >= 0.0) {
+            return Err(refuse());
+        }
+        Ok(Normal::new(mean, sd).map_err(|_| refuse())?.sample(rng))
+    };
+    let scale_factor = draw("scale_factor_sd", population.scale_factor, population.scale_factor_sd)?;
+    let mut arcmin = || draw("misalignment_arcmin", 0.0, population.misalignment_arcmin);
+    let misalignment_arcmin = Vector3::new(arcmin()?, arcmin()?, arcmin()?);
+    let drift = Drift {
+        d_f: draw("d_f_sd", 0.0, population.d_f_sd)?,
+        d_i: draw("d_i_sd", 0.0, population.d_i_sd)?,
+        d_s: draw("d_s_sd", 0.0, population.d_s_sd)?,
+        d_io: draw("d_cross_sd", 0.0, population.d_cross_sd)?,
+        d_os: draw("d_cross_sd", 0.0, population.d_cross_sd)?,
+        d_si: draw("d_squared_sd", 0.0, population.d_squared_sd)?,
+        d_ii: draw("d_squared_sd", 0.0, population.d_squared_sd)?,
+        d_ss: draw("d_squared_sd", 0.0, population.d_squared_sd)?,
+    };
+    Ok((scale_factor, misalignment_arcmin, drift))
 }
 
 impl Drift {

@@ -67,11 +67,10 @@ pub struct Attempt {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DeliveryOutcome {
+    /// The target has it.
     Delivered,
     /// Trying again may help.
-    Failed {
-        retry_after: Option<Duration>,
-    },
+    Failed { retry_after: Option<Duration> },
     /// Some of the recipients have it: trying again may help the others, and the target is there.
     Partly,
     /// The target refuses the message for good, whatever it is told later.

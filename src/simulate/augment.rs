@@ -16,21 +16,17 @@ use crate::message;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum NotPossible {
+    /// Effects of an IMU are put into campaigns of an IMU alone.
     BenchTest,
     #[error(transparent)]
     Refused(#[from] Refusal),
-    Missing {
-        effect: &'static str,
-        missing: Lack,
-    },
-    NoEstimate {
-        effect: &'static str,
-        coefficient: &'static str,
-        slot: &'static str,
-    },
-    Unseen {
-        effect: &'static str,
-    },
+    /// The campaign lacks what the effect acts by.
+    Missing { effect: &'static str, missing: Lack },
+    /// The model does not say how large the effect is in this gyro.
+    NoEstimate { effect: &'static str, coefficient: &'static str, slot: &'static str },
+    /// A hypothesis of which this campaign shows nothing.
+    Unseen { effect: &'static str },
+    /// Of the gyros that have effects the campaign holds none.
     NoGyro,
 }
 

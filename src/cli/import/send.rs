@@ -57,17 +57,14 @@ impl std::fmt::Display for ImportCounts {
 
 /// What happens on the way.
 pub enum Event<'a> {
-    Carried {
-        bytes: u64,
-    },
+    /// So much of the file has gone out.
+    Carried { bytes: u64 },
+    /// A document is not stored.
     Refused(Refusal),
     /// The service's answer to a document sent alone.
     Answered(&'a Value),
     /// What is noted about a line.
-    Noted {
-        line: u64,
-        note: &'a str,
-    },
+    Noted { line: u64, note: &'a str },
 }
 
 /// A document that will never be stored as it is, and why, in words.

@@ -55,7 +55,7 @@ use Hidden::{Effects, Nothing, Outside, PartOfTheTime};
 /// d from which on a test can be asked to see what is hidden, or that it acts for a part of the time only.
 const VISIBLE: f64 = 5.0;
 
-pub const KINDS: [CampaignKind; 27] = [
+pub const KINDS: [CampaignKind; 29] = [
     kind("clean", Nothing, |_, _| Some(())),
     kind("shared_noise_0.3", Nothing, |s, _| shared_noise(s, 0.3)),
     kind("shared_noise_0.5", Nothing, |s, _| shared_noise(s, 0.5)),
@@ -136,6 +136,8 @@ pub const KINDS: [CampaignKind; 27] = [
         s.effects.push(effect_in_some_gyros(&family, one_of([15.0, 20.0, 30.0], rng), s, rng));
         Some(())
     }),
+    kind("tilted_faces_5", Outside, |s, _| tilted_faces(s, 5.0)),
+    kind("tilted_faces_20", Outside, |s, _| tilted_faces(s, 20.0)),
 ];
 
 impl CampaignKind {
@@ -328,6 +330,14 @@ fn reseated(s: &mut Scenario, arcsec: f64, rng: &mut ChaCha8Rng) -> Option<()> {
     s.effects.push(EffectChoice::sized(SEAT, size));
     stated(s)?;
     let _: f64 = rng.random();
+    (!s.programme.rates_arcsec_s.is_empty()).then_some(())
+}
+
+/// Each face by angles of its own, so many arcsec about each axis.
+fn tilted_faces(s: &mut Scenario, arcsec: f64) -> Option<()> {
+    let size = arcsec / 3600.0 / 180.0 * std::f64::consts::PI;
+    s.effects.push(EffectChoice::sized("outside:tilted_faces", size));
+    stated(s)?;
     (!s.programme.rates_arcsec_s.is_empty()).then_some(())
 }
 

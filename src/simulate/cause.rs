@@ -332,12 +332,13 @@ impl Cause {
 
     /// How the IMU sits in its fixture, as the body axes of one dwell see it.
     pub fn seat(&self, at: &Situation) -> Rotation3<f64> {
-        match self.kind {
+        match &self.kind {
             CauseKind::Catalogue(Mechanism::Reseating { about, first })
                 if first.map_or(at.turning, |first| at.index >= first) =>
             {
-                Rotation3::new(about * self.size)
+                Rotation3::new(*about * self.size)
             }
+            CauseKind::Outside(Outside::TiltedFaces(angles)) => Rotation3::new(angles[at.face] * self.size),
             _ => Rotation3::identity(),
         }
     }

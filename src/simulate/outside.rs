@@ -1,6 +1,6 @@
 //! Causes that no catalogue lists: an honest diagnosis sees that something is there and declines to name it.
 
-use nalgebra::Vector6;
+use nalgebra::{Vector3, Vector6};
 use rand::RngExt;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
@@ -35,6 +35,8 @@ pub enum Outside {
     RateMemory,
     /// |w_S|^(1/2) with its sign: a bearing that slips.
     SpinRateRoot,
+    /// Each face of the fixture is off by small angles of its own, about body axes.
+    TiltedFaces(Box<[Vector3<f64>; 6]>),
 }
 
 /// cos(k . (up, north) + phase).
@@ -45,7 +47,7 @@ pub struct Wave {
 }
 
 /// Names of the families, as in `outside:NAME`.
-pub const FAMILIES: [&str; 16] = [
+pub const FAMILIES: [&str; 17] = [
     "orientation",
     "coloured_noise",
     "several_outliers",
@@ -62,6 +64,7 @@ pub const FAMILIES: [&str; 16] = [
     "spin_rate_root",
     "noise_burst",
     "several_steps",
+    "tilted_faces",
 ];
 
 /// What a cause of a family depends on, by the names of a description: any of them is right.
@@ -79,6 +82,7 @@ pub fn depends_on(family: &str) -> &'static [&'static str] {
         "g_time" => &["time_and_force"],
         "rate_memory" => &["rate_history"],
         "spin_rate_root" => &["rate_level", "rate_axis"],
+        "tilted_faces" => &["rate_axis", "up_direction", "heading"],
         _ => &["time"],
     }
 }
@@ -109,6 +113,7 @@ impl Outside {
             "spin_rate_root" => Self::SpinRateRoot,
             "noise_burst" => Self::Series(burst(dwells, rng)),
             "several_steps" => Self::Series(steps(dwells, rng)),
+            "tilted_faces" => Self::TiltedFaces(Box::new([0; 6].map(|_| Vector3::from_fn(|_, _| gaussian(rng))))),
             _ => return None,
         })
     }
@@ -129,6 +134,8 @@ impl Outside {
             Self::ScaleStep { first } => Disturbance { drift: 0.0, scale: f64::from(at.index >= *first) },
             Self::RateMemory => drift(sensed.w_before.map_or(0.0, |w| w.y)),
             Self::SpinRateRoot => drift(sensed.w.y.signum() * sensed.w.y.abs().sqrt()),
+            // The seat of the IMU has it.
+            Self::TiltedFaces(_) => Disturbance::default(),
         }
     }
 }

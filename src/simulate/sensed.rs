@@ -8,6 +8,8 @@ use super::station::Moment;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Situation {
     pub index: usize,
+    /// Which of the body's axes is nearest to the vertical: +x, -x, +y, -y, +z, -z.
+    pub face: usize,
     /// Whether the table turns.
     pub turning: bool,
     /// Middle of the dwell, hours after the start.

@@ -146,6 +146,7 @@ fn situations(plan: &[Planned], commanded: &[(Vector3<f64>, Vector3<f64>)], kelv
             let time_h = mid_h(&plan[k]);
             Situation {
                 index: k,
+                face: nearest_face(&commanded[k].0),
                 turning: plan[k].phase == Phase::Rate,
                 time_h,
                 since_power_up_h: plan[k].since_power_up_s / SECONDS_PER_HOUR,
@@ -156,6 +157,12 @@ fn situations(plan: &[Planned], commanded: &[(Vector3<f64>, Vector3<f64>)], kelv
             }
         })
         .collect()
+}
+
+/// Which of +x, -x, +y, -y, +z, -z is nearest to a direction.
+fn nearest_face(up: &Vector3<f64>) -> usize {
+    let axis = up.iamax();
+    2 * axis + usize::from(up[axis] < 0.0)
 }
 
 /// The gyro's axes with every clocking among `causes`: S and O turned about I.

@@ -1,7 +1,7 @@
 //! IMUs, stations and gyros by number and by name, held in memory.
 
 use std::borrow::Cow;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
 
@@ -32,25 +32,25 @@ pub struct NewName {
     pub name: String,
 }
 
-/// Numbers by hashes of texts, which in full would take as much room as everything else here.
+/// Places of names by hashes of texts.
 #[derive(Debug, Default)]
 struct Hashes(HashTable<(u32, u32)>);
 
 impl Hashes {
-    /// A number that was entered with `text` or one of the same hash, and is the right one.
+    /// A place that was entered with `text` or one of the same hash, and is the right one.
     fn find(&self, text: &str, is_it: impl Fn(u32) -> bool) -> Option<u32> {
         let hash = hash(text);
-        let found = self.0.find(spread(hash), |(known, number)| *known == hash && is_it(*number));
-        found.map(|(_, number)| *number)
+        let found = self.0.find(spread(hash), |(known, place)| *known == hash && is_it(*place));
+        found.map(|(_, place)| *place)
     }
 
-    fn enter(&mut self, text: &str, number: u32) {
+    fn enter(&mut self, text: &str, place: u32) {
         let hash = hash(text);
-        self.0.insert_unique(spread(hash), (hash, number), |(hash, _)| spread(*hash));
+        self.0.insert_unique(spread(hash), (hash, place), |(hash, _)| spread(*hash));
     }
 
-    fn remove(&mut self, text: &str, number: u32) {
-        let entry = (hash(text), number);
+    fn remove(&mut self, text: &str, place: u32) {
+        let entry = (hash(text), place);
         if let Ok(found) = self.0.find_entry(spread(entry.0), |known| *known == entry) {
             found.remove();
         }
@@ -66,70 +66,97 @@ fn spread(hash: u32) -> u64 {
     u64::from(hash).wrapping_mul(0x9e37_79b9_7f4a_7c15)
 }
 
-/// Names of one kind.
+/// Where the letters of a name are among those of all.
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    number: u32,
+    start: u32,
+    bytes: u16,
+    cell: u8,
+}
+
+/// Names of one kind: a million in some 80 MB.
 #[derive(Debug, Default)]
 pub struct Table {
-    by_number: BTreeMap<u32, (Arc<str>, u8)>,
+    /// Of all names one after the other. One that was removed leaves its own behind.
+    letters: String,
+    entries: Vec<Entry>,
+    /// Places among the entries, by number.
+    by_number: HashTable<u32>,
     /// Also by the normal form of a name that an earlier version stored otherwise.
     by_name: Hashes,
     /// By its [`look_keys`].
     by_look: Hashes,
     /// Each number once.
     by_cell: HashMap<u8, Vec<u32>>,
+    last_number: u32,
 }
 
 impl Table {
+    fn place(&self, number: u32) -> Option<u32> {
+        self.by_number.find(spread(number), |place| self.entries[*place as usize].number == number).copied()
+    }
+
+    fn at(&self, place: u32) -> &str {
+        let Entry { start, bytes, .. } = self.entries[place as usize];
+        &self.letters[start as usize..start as usize + usize::from(bytes)]
+    }
+
     /// Of the name as it is stored, letter for letter, or else of its normal form.
     pub fn number(&self, name: &str) -> Option<u32> {
         let normal = normal_form(name);
-        let has_form = |number| self.name(number).is_some_and(|known| normal_form(known) == normal);
-        self.stored_as(name).or_else(|| self.stored_as(&normal)).or_else(|| self.by_name.find(&normal, has_form))
+        let has_form = |place| normal_form(self.at(place)) == normal;
+        let place = self
+            .stored_as(name)
+            .or_else(|| self.stored_as(&normal))
+            .or_else(|| self.by_name.find(&normal, has_form))?;
+        Some(self.entries[place as usize].number)
     }
 
     fn stored_as(&self, name: &str) -> Option<u32> {
-        self.by_name.find(name, |number| self.name(number).is_some_and(|known| **known == *name))
-    }
-
-    pub fn all(&self) -> impl Iterator<Item = &str> {
-        self.by_number.values().map(|(name, _)| &**name)
+        self.by_name.find(name, |place| self.at(place) == name)
     }
 
     /// A known name that looks like `name` and is another.
-    pub fn look_alike(&self, name: &str) -> Option<&Arc<str>> {
+    pub fn look_alike(&self, name: &str) -> Option<&str> {
         let keys = look_keys(name);
-        let looks_like = |known: &Arc<str>| **known != *name && look_keys(known).iter().any(|key| keys.contains(key));
-        let known =
-            keys.iter().find_map(|key| self.by_look.find(key, |known| self.name(known).is_some_and(looks_like)))?;
-        self.name(known)
+        let looks_like = |place: u32| {
+            let known = self.at(place);
+            known != name && look_keys(known).iter().any(|key| keys.contains(key))
+        };
+        keys.iter().find_map(|key| self.by_look.find(key, looks_like)).map(|place| self.at(place))
     }
 
     /// The name of a number that a row refers to; a number that was never given out has none.
-    pub fn name(&self, number: u32) -> Option<&Arc<str>> {
-        self.by_number.get(&number).map(|(name, _)| name)
+    pub fn name(&self, number: u32) -> Option<&str> {
+        self.place(number).map(|place| self.at(place))
     }
 
     /// The name of a number; empty where it was never given out.
     pub fn text(&self, number: u32) -> &str {
-        self.name(number).map_or("", |name| &**name)
+        self.name(number).unwrap_or_default()
     }
 
     /// Where a number is at home.
     pub fn cell(&self, number: u32) -> Option<u8> {
-        self.by_number.get(&number).map(|(_, cell)| *cell)
+        self.place(number).map(|place| self.entries[place as usize].cell)
     }
 
-    /// Every name with its number, in the order of the numbers.
-    pub fn iter(&self) -> impl Iterator<Item = (u32, &Arc<str>)> {
-        self.by_number.iter().map(|(number, (name, _))| (*number, name))
+    /// Every name, in no order.
+    pub fn all(&self) -> impl Iterator<Item = &str> {
+        self.by_number.iter().map(|place| self.at(*place))
     }
 
+    /// In ascending order.
     pub fn numbers(&self) -> Vec<u32> {
-        self.by_number.keys().copied().collect()
+        let mut numbers: Vec<u32> = self.by_number.iter().map(|place| self.entries[*place as usize].number).collect();
+        numbers.sort_unstable();
+        numbers
     }
 
-    /// The greatest number.
+    /// The greatest number that was ever given out.
     pub(crate) fn last_number(&self) -> u32 {
-        self.by_number.last_key_value().map_or(0, |(number, _)| *number)
+        self.last_number
     }
 
     pub fn len(&self) -> usize {
@@ -140,33 +167,47 @@ impl Table {
         self.by_number.is_empty()
     }
 
-    /// Adds a name with its number; false where either is another's already.
+    /// Adds a name with its number; false where either is another's already, or there is no room for it.
     pub(crate) fn add(&mut self, number: u32, cell: u8, name: &str) -> bool {
         if let Some(known) = self.name(number) {
-            return **known == *name;
+            return known == name;
         }
         if self.stored_as(name).is_some() {
             return false;
         }
-        let name: Arc<str> = name.into();
-        if let Cow::Owned(normal) = normal_form(&name) {
-            self.by_name.enter(&normal, number);
+        let (Ok(start), Ok(bytes)) = (u32::try_from(self.letters.len()), u16::try_from(name.len())) else {
+            return false;
+        };
+        let place = self.entries.len() as u32;
+        self.letters.push_str(name);
+        self.entries.push(Entry { number, start, bytes, cell });
+        let entries = &self.entries;
+        self.by_number.insert_unique(spread(number), place, |place| spread(entries[*place as usize].number));
+        if let Cow::Owned(normal) = normal_form(name) {
+            self.by_name.enter(&normal, place);
         }
-        look_keys(&name).iter().for_each(|key| self.by_look.enter(key, number));
-        self.by_name.enter(&name, number);
+        look_keys(name).iter().for_each(|key| self.by_look.enter(key, place));
+        self.by_name.enter(name, place);
         self.by_cell.entry(cell).or_default().push(number);
-        self.by_number.insert(number, (name, cell));
+        self.last_number = self.last_number.max(number);
         true
     }
 
     fn remove(&mut self, number: u32) {
-        let Some((name, cell)) = self.by_number.remove(&number) else { return };
+        let entries = &self.entries;
+        let Ok(found) = self.by_number.find_entry(spread(number), |place| entries[*place as usize].number == number)
+        else {
+            return;
+        };
+        let (place, _) = found.remove();
+        let name = self.at(place).to_owned();
+        let cell = self.entries[place as usize].cell;
         self.by_cell.entry(cell).or_default().retain(|other| *other != number);
         if let Cow::Owned(normal) = normal_form(&name) {
-            self.by_name.remove(&normal, number);
+            self.by_name.remove(&normal, place);
         }
-        look_keys(&name).iter().for_each(|key| self.by_look.remove(key, number));
-        self.by_name.remove(&name, number);
+        look_keys(&name).iter().for_each(|key| self.by_look.remove(key, place));
+        self.by_name.remove(&name, place);
     }
 }
 
@@ -208,7 +249,8 @@ impl Tables {
     /// [`StoreError::Damaged`] where the number is another name's.
     pub(crate) fn learn(&mut self, kind: NamesOf, number: u32, cell: u8, name: &str) -> Result<(), StoreError> {
         let table = self.of_mut(kind);
-        if let Some(lost) = table.stored_as(name).filter(|known| *known != number) {
+        let lost = table.stored_as(name).map(|place| table.entries[place as usize].number);
+        if let Some(lost) = lost.filter(|known| *known != number) {
             table.remove(lost);
         }
         let wrong = || StoreError::Damaged(format!("`{name}` has more than one number"));
@@ -290,7 +332,7 @@ mod tests {
         assert!(table.add(1, 0, "Le\u{301}on"));
         assert_eq!((table.number("Le\u{301}on"), table.number("L\u{e9}on")), (Some(1), Some(1)));
         assert!(table.add(2, 0, "IMU-O1"));
-        assert_eq!(table.look_alike("IMU-01").map(|name| &**name), Some("IMU-O1"));
+        assert_eq!(table.look_alike("IMU-01"), Some("IMU-O1"));
         assert_eq!(table.look_alike("IMU-O1"), None);
         table.remove(2);
         assert_eq!(table.look_alike("IMU-01"), None);

@@ -145,7 +145,7 @@ async fn what_is_committed_is_read_back_and_survives_reopening() {
 
     let (store, mut writer) = opened(&dir).await;
     assert!(writer.next_id(UtcMicros(0)) > event.id, "identifiers go on where they were");
-    assert_eq!(store.names().read().stations.name(1).unwrap().as_ref(), "站-2 'quoted'");
+    assert_eq!(store.names().read().stations.name(1).unwrap(), "站-2 'quoted'");
     assert_eq!(store::record::get(&store, ids[1]).await.unwrap().unwrap(), records[1]);
     assert_eq!(store::record::get(&store, Id(1)).await.unwrap(), None);
     let of_1 = store::history::oldest(&store, 1, Span::EVER, 10).await.unwrap();

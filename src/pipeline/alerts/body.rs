@@ -63,7 +63,7 @@ impl Naming<'_> {
     /// As it is stored, or else as the group adds it.
     fn name(&self, stored: &Table, added: fn(&Changes) -> &Vec<NewName>, number: u32) -> String {
         let of_group = || added(self.new?).iter().find(|new| new.number == number).map(|new| new.name.as_str());
-        stored.name(number).map(|name| &**name).or_else(of_group).unwrap_or_default().to_owned()
+        stored.name(number).or_else(of_group).unwrap_or_default().to_owned()
     }
 
     pub fn finding(&self, verdict: &Verdict, origin: &Origin) -> AlertFindingBody {

@@ -18,10 +18,7 @@ const PARTS: u32 = 4;
 pub(super) async fn fleet_histories(store: &Store, method: JudgedMethod) -> Result<Vec<GyroHistory>, StoreError> {
     let (mut gyros, stations): (Vec<u32>, Vec<u32>) = {
         let tables = store.names().read();
-        (
-            tables.gyros.iter().map(|(number, _)| number).collect(),
-            tables.stations.iter().map(|(number, _)| number).collect(),
-        )
+        (tables.gyros.numbers(), tables.stations.numbers())
     };
     if gyros.len() > FLEET {
         let each = (FLEET / stations.len().max(1)).max(FEWEST).div_ceil(PARTS as usize);
@@ -45,11 +42,15 @@ pub(super) fn entries(
     temperatures: &HashMap<Id, f64>,
 ) -> Vec<HistoryEntry> {
     let tables = store.names().read();
-    let name = |name: Option<&Arc<str>>| name.cloned().unwrap_or_default();
+    // A history names few of them, again and again.
+    let (mut imus, mut stations) = (HashMap::<u32, Arc<str>>::new(), HashMap::<u32, Arc<str>>::new());
     let entry = |figures: &Figures| HistoryEntry {
         at: figures.at,
-        station: name(tables.stations.name(figures.station)),
-        imu: name(tables.imus.name(figures.imu)),
+        station: stations
+            .entry(figures.station)
+            .or_insert_with_key(|number| tables.stations.text(*number).into())
+            .clone(),
+        imu: imus.entry(figures.imu).or_insert_with_key(|number| tables.imus.text(*number).into()).clone(),
         slot: figures.slot,
         temperature_c: temperatures.get(&figures.record).copied(),
         d: sample_of(figures, method).d,

@@ -510,7 +510,7 @@ impl Fleet {
         let mut attributes = store::gyro_attribute::of(&self.store, &gyros).await?;
         let (tables, now) = (self.store.names().read(), self.clock.now());
         let mut standing = |(number, newest): (u32, Option<Figures>)| {
-            let serial = tables.gyros.name(number)?.clone();
+            let serial = Arc::from(tables.gyros.name(number)?);
             let imu = newest.map_or("", |figures| tables.imus.text(figures.imu));
             let limits = self.config.judging.limits(imu, &serial);
             let attributes = attributes.remove(&number).unwrap_or_default();
@@ -555,7 +555,7 @@ impl Fleet {
         let method = self.config.judging.method;
         let samples = |rows: &[Figures]| -> Vec<Sample> { rows.iter().map(|row| sample_of(row, method)).collect() };
         let last = last_of(rows);
-        let imu = rows.last().and_then(|figures| self.store.names().read().imus.name(figures.imu).cloned());
+        let imu = rows.last().and_then(|figures| self.store.names().read().imus.name(figures.imu).map(Arc::from));
         let limits = self.config.judging.limits(imu.as_deref().unwrap_or_default(), &standing.serial);
         let baseline = distinct(samples(baseline));
         let [d_i, d_s, _] = limits.budgets();

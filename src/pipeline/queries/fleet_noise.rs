@@ -11,7 +11,7 @@ const AT_ONCE: usize = 64;
 impl Fleet {
     /// Fits correlation and walk to every gyro's stored history. Reads all of it.
     pub async fn noise(&self) -> Result<FleetNoise, StorageError> {
-        let gyros: Vec<u32> = self.store.names().read().gyros.iter().map(|(number, _)| number).collect();
+        let gyros: Vec<u32> = self.store.names().read().gyros.numbers();
         let method = self.config.judging.method;
         let mut all: Vec<Series> = Vec::with_capacity(gyros.len());
         for some in gyros.chunks(AT_ONCE) {

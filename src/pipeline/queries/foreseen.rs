@@ -49,7 +49,7 @@ impl Queries {
         let (imu, station, has_stations) = {
             let tables = self.store.names().read();
             let station = tables.stations.number(calibration.station.as_str());
-            (tables.imus.number(calibration.imu.as_str()), station, tables.stations.iter().next().is_some())
+            (tables.imus.number(calibration.imu.as_str()), station, !tables.stations.is_empty())
         };
         let (judging, at) = (&self.fleet.config.judging, calibration.calibrated_at);
         let before = Span { to: UtcMicros(at.0.saturating_sub(1)), ..Span::EVER };

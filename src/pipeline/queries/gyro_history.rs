@@ -150,7 +150,7 @@ impl Histories {
 
     /// What the newest record of a gyro is judged against.
     pub(super) fn limits(&self, serial: &str, figures: &[Figures]) -> Limits {
-        let imu = figures.last().and_then(|newest| self.store.names().read().imus.name(newest.imu).cloned());
+        let imu = figures.last().and_then(|newest| self.store.names().read().imus.name(newest.imu).map(Arc::from));
         self.config.judging.limits(imu.as_deref().unwrap_or_default(), serial)
     }
 

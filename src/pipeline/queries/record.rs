@@ -213,7 +213,7 @@ impl Records {
         };
         let uncounted = |body: VerdictBody| VerdictBody { reason: body.reason.and(why.clone()), ..body };
         for (number, stored) in &row.verdicts.0 {
-            let serial = self.store.names().read().gyros.name(*number).cloned();
+            let serial = self.store.names().read().gyros.name(*number).map(str::to_owned);
             let Some(serial) = serial else {
                 return Err(StoreError::Damaged(format!("gyro number {number} has no name")));
             };

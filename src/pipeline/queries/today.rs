@@ -71,7 +71,7 @@ pub async fn today(fleet: &Fleet, since: UtcMicros) -> Result<Today, StorageErro
     let outside = FirstOf { first, of };
     let (worse, approaching) = (first_of(fleet, worse).await?, first_of(fleet, approaching).await?);
     let tables = store.names().read();
-    let imu = |number: u32| tables.imus.name(number).cloned().unwrap_or_default();
+    let imu = |number: u32| Arc::from(tables.imus.text(number));
     let [overdue, due] = dues.each_ref().map(|(rows, of)| {
         let row = |(number, at, gyros): &(u32, UtcMicros, usize)| DueImu { imu: imu(*number), at: *at, gyros: *gyros };
         FirstOf { first: rows.iter().map(row).collect(), of: *of }
@@ -80,7 +80,7 @@ pub async fn today(fleet: &Fleet, since: UtcMicros) -> Result<Today, StorageErro
         let store::head::MovedRow { record, at, gyros, least, .. } = row;
         MovedImu { imu: imu(row.imu), record, at, gyros, least }
     });
-    let station = |number: u32| tables.stations.name(number).cloned().unwrap_or_default();
+    let station = |number: u32| Arc::from(tables.stations.text(number));
     let shifts = shifts_of(&calibrated, station);
     Ok(Today { worse, approaching, overdue, due, shifts, moved: moved.collect(), outside })
 }

@@ -120,11 +120,11 @@ impl Export {
         if let Some(unknown) = self.serials.iter().find(|serial| tables.gyros.number(serial).is_none()) {
             bail!(said(message!("unknown_gyro", serial = unknown.clone())));
         }
-        let asked: Vec<u32> = self.serials.iter().filter_map(|serial| tables.gyros.number(serial)).collect();
-        let wanted = |number: u32| self.serials.is_empty() || asked.contains(&number);
-        let mut gyros: Vec<_> = tables.gyros.iter().filter(|(number, _)| wanted(*number)).collect();
-        gyros.sort_by_key(|(_, serial)| *serial);
-        Ok(gyros.into_iter().map(|(number, serial)| (number, serial.clone())).collect())
+        let asked = || self.serials.iter().filter_map(|serial| tables.gyros.number(serial));
+        let mut numbers = if self.serials.is_empty() { tables.gyros.numbers() } else { asked().collect() };
+        numbers.sort_by_key(|number| tables.gyros.text(*number));
+        numbers.dedup();
+        Ok(numbers.into_iter().map(|number| (number, tables.gyros.text(number).into())).collect())
     }
 }
 
@@ -141,8 +141,8 @@ fn named(
         let nameless = || anyhow!(said(message!("terminal_nameless", record = figures.record.to_string())));
         Ok(ExportRow {
             serial: serial.clone(),
-            imu: tables.imus.name(figures.imu).cloned().ok_or_else(nameless)?,
-            station: tables.stations.name(figures.station).cloned().ok_or_else(nameless)?,
+            imu: tables.imus.name(figures.imu).map(Arc::from).ok_or_else(nameless)?,
+            station: tables.stations.name(figures.station).map(Arc::from).ok_or_else(nameless)?,
             figures: *figures,
             statuses: [0, 1, 2].map(|column| statuses.get(figures, column)),
             status: statuses.worst(figures),

@@ -157,7 +157,7 @@ impl Lookup<'_> {
     /// The known serial that is nearest to a new one; of several that of the slot.
     pub fn nearest(&self, serial: &str, had: &str) -> Option<String> {
         let tables = self.store.names().read();
-        let stored = tables.gyros.iter().map(|(_, known)| &**known);
+        let stored = tables.gyros.all();
         let all = std::iter::once(had).chain(stored).chain(self.group.names(NamesOf::Gyros).keys().map(String::as_str));
         let most = SLIPS.min(serial.chars().count() / 3);
         let near = all.filter_map(|known| Some((distance(serial, known, most)?, known)));

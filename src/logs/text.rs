@@ -181,9 +181,7 @@ fn is_comment(line: &[u8]) -> bool {
 
 fn reader_of(from: impl Read + 'static, kind: FileKind) -> Box<dyn Read> {
     match kind {
-        FileKind::Utf16 { big_endian } => {
-            Box::new(Utf16 { from: BufReader::with_capacity(1 << 18, from), big_endian, ready: Vec::new(), given: 0 })
-        }
+        FileKind::Utf16 { big_endian } => Box::new(Utf16::of(BufReader::with_capacity(1 << 18, from), big_endian)),
         _ => Box::new(from),
     }
 }
@@ -227,20 +225,35 @@ pub fn of_utf16(bytes: &[u8], big_endian: bool) -> String {
 struct Utf16<R> {
     from: BufReader<R>,
     big_endian: bool,
+    /// The first half of a character whose other half comes with the next bytes.
+    half: Vec<u8>,
     ready: Vec<u8>,
     given: usize,
+}
+
+impl<R> Utf16<R> {
+    fn of(from: BufReader<R>, big_endian: bool) -> Self {
+        Self { from, big_endian, half: Vec::new(), ready: Vec::new(), given: 0 }
+    }
 }
 
 impl<R: Read> Read for Utf16<R> {
     fn read(&mut self, out: &mut [u8]) -> std::io::Result<usize> {
         if self.given == self.ready.len() {
             let mut bytes = vec![0; 1 << 16];
-            let mut filled = 0;
+            let mut filled = self.half.len();
+            bytes[..filled].copy_from_slice(&self.half);
+            self.half.clear();
             while filled < bytes.len() {
                 match self.from.read(&mut bytes[filled..])? {
                     0 => break,
                     more => filled += more,
                 }
+            }
+            let high = bytes[bytes.len() - if self.big_endian { 2 } else { 1 }];
+            if filled == bytes.len() && matches!(high, 0xd8..=0xdb) {
+                filled -= 2;
+                self.half.extend_from_slice(&bytes[filled..]);
             }
             let text = of_utf16(&bytes[..filled], self.big_endian);
             (self.ready, self.given) = (text.into_bytes(), 0);
@@ -599,6 +612,20 @@ mod tests {
 
     fn heads(layout: &Layout) -> Vec<(&str, Option<&str>)> {
         layout.columns.iter().map(|c| (c.name.as_str(), c.unit.as_deref())).collect()
+    }
+
+    #[test]
+    fn a_character_of_two_halves_is_one_where_a_block_ends_between_them() {
+        for filler in [0, 1, 2] {
+            let text = format!("{}{}", "a".repeat(filler), "\u{1d465}".repeat(40_000));
+            for big_endian in [false, true] {
+                let in_bytes = |unit: u16| if big_endian { unit.to_be_bytes() } else { unit.to_le_bytes() };
+                let bytes: Vec<u8> = text.encode_utf16().flat_map(in_bytes).collect();
+                let mut read = String::new();
+                Utf16::of(BufReader::new(bytes.as_slice()), big_endian).read_to_string(&mut read).unwrap();
+                assert!(read == text, "{filler} {big_endian}");
+            }
+        }
     }
 
     #[test]

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use super::reach::Structure;
 use crate::core::named::named;
 use crate::simulate::cause::{CATALOGUE, Injectable, SEAT, ShownBy};
-use crate::simulate::outside::FAMILIES;
+use crate::simulate::outside::in_gyros;
 use crate::simulate::programme::{DwellOrder, Positions, Programme, any_direction};
 use crate::simulate::scenario::{
     AxesChoice, EffectChoice, GeometryChoice, GyroChoice, OutputNoise, Profile, Scenario, StandardErrors, Temperature,
@@ -131,7 +131,7 @@ impl Draw {
                 scenario.effects.extend([first, second]);
             }
             Case::Outside => {
-                let family = format!("outside:{}", FAMILIES.choose(rng)?);
+                let family = format!("outside:{}", in_gyros().choose(rng)?);
                 let d = *[15.0, 20.0, 30.0].choose(rng)?;
                 scenario.effects.push(in_some_gyros(EffectChoice::detectable(&family, d), &scenario, rng));
             }

@@ -15,7 +15,7 @@ use super::run::{CampaignDiagnoser, timed};
 use super::score::{Closure, closures};
 use super::tally::Tally;
 use crate::simulate::cause::{ALWAYS, FIELD, IN_TIME, POWER_UP, SEAT, THROUGHOUT, TILT, TILT_FROM_A_DWELL};
-use crate::simulate::outside::{FAMILIES, depends_on};
+use crate::simulate::outside::{TILTED_FACES, depends_on, in_gyros};
 use crate::simulate::programme::DwellOrder;
 use crate::simulate::scenario::{EffectChoice, Scenario, StandardErrors};
 use crate::simulate::{Simulated, simulate};
@@ -132,7 +132,7 @@ pub const KINDS: [CampaignKind; 29] = [
     kind("one_8", Effects, |s, rng| put(s, &seen_by(s), 8.0, rng)),
     kind("time_8", Effects, |s, rng| put(s, &IN_TIME, 8.0, rng)),
     kind("outside", Outside, |s, rng| {
-        let family = format!("outside:{}", FAMILIES[rng.random_range(0..FAMILIES.len())]);
+        let family = format!("outside:{}", in_gyros()[rng.random_range(0..in_gyros().len())]);
         s.effects.push(effect_in_some_gyros(&family, one_of([15.0, 20.0, 30.0], rng), s, rng));
         Some(())
     }),
@@ -336,7 +336,7 @@ fn reseated(s: &mut Scenario, arcsec: f64, rng: &mut ChaCha8Rng) -> Option<()> {
 /// Each face by angles of its own, so many arcsec about each axis.
 fn tilted_faces(s: &mut Scenario, arcsec: f64) -> Option<()> {
     let size = arcsec / 3600.0 / 180.0 * std::f64::consts::PI;
-    s.effects.push(EffectChoice::sized("outside:tilted_faces", size));
+    s.effects.push(EffectChoice::sized(&format!("outside:{TILTED_FACES}"), size));
     stated(s)?;
     (!s.programme.rates_arcsec_s.is_empty()).then_some(())
 }

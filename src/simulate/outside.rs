@@ -64,8 +64,16 @@ pub const FAMILIES: [&str; 17] = [
     "spin_rate_root",
     "noise_burst",
     "several_steps",
-    "tilted_faces",
+    TILTED_FACES,
 ];
+
+/// What acts on all gyros at once, through the fixture.
+pub const TILTED_FACES: &str = "tilted_faces";
+
+/// The families that act in single gyros.
+pub fn in_gyros() -> &'static [&'static str] {
+    FAMILIES.split_last().map_or(&[], |(_, others)| others)
+}
 
 /// What a cause of a family depends on, by the names of a description: any of them is right.
 pub fn depends_on(family: &str) -> &'static [&'static str] {
@@ -82,7 +90,7 @@ pub fn depends_on(family: &str) -> &'static [&'static str] {
         "g_time" => &["time_and_force"],
         "rate_memory" => &["rate_history"],
         "spin_rate_root" => &["rate_level", "rate_axis"],
-        "tilted_faces" => &["rate_axis", "up_direction", "heading"],
+        TILTED_FACES => &["rate_axis", "up_direction", "heading"],
         _ => &["time"],
     }
 }
@@ -113,7 +121,7 @@ impl Outside {
             "spin_rate_root" => Self::SpinRateRoot,
             "noise_burst" => Self::Series(burst(dwells, rng)),
             "several_steps" => Self::Series(steps(dwells, rng)),
-            "tilted_faces" => Self::TiltedFaces(Box::new([0; 6].map(|_| Vector3::from_fn(|_, _| gaussian(rng))))),
+            TILTED_FACES => Self::TiltedFaces(Box::new([0; 6].map(|_| Vector3::from_fn(|_, _| gaussian(rng))))),
             _ => return None,
         })
     }

@@ -2,6 +2,7 @@
 //! of `gyrowatch blindcheck --kind all`.
 
 use gyrowatch::blindcheck::answer::Answer;
+use gyrowatch::blindcheck::draw::{Case, Draw};
 use gyrowatch::blindcheck::kind::{CampaignKind, KindRow, row};
 use gyrowatch::core::augmented::Options;
 use gyrowatch::core::diagnose::{Variable, Verdict, diagnose};
@@ -160,6 +161,19 @@ fn what_goes_with_temperature_and_rate_is_no_noise_that_grows_with_rate() {
         let answer = answer(&wire::campaign::to_json(&simulated.campaign)).unwrap();
         let by: Vec<&str> = answer.description.iter().map(|described| described.by.as_str()).collect();
         assert!(answer.verdict == "unexplained" && by.contains(&"temperature_and_rate"), "{number}: {answer:?}");
+    }
+}
+
+#[test]
+fn what_scatters_in_repeats_as_well_is_a_gap_where_it_goes_with_something() {
+    // Time since the face changed is another in each repeat: each was said to have no gap, at d = 15 to 30.
+    let draw = Draw { seed: 880_001, cases: vec![Case::Outside], effects: Vec::new(), detectability: Vec::new() };
+    for number in [39, 86, 134, 191] {
+        let simulated = draw.trial(number).simulated;
+        assert_eq!(simulated.truth.family.as_deref(), Some("face_age"));
+        let answer = answer(&wire::campaign::to_json(&simulated.campaign)).unwrap();
+        let by: Vec<&str> = answer.description.iter().map(|described| described.by.as_str()).collect();
+        assert!(answer.verdict == "unexplained" && by.contains(&"orientation_age"), "{number}: {answer:?}");
     }
 }
 

@@ -115,6 +115,7 @@ sign_one_shape_is_not_enough = one entry would be needed twice, with two instant
 sign_wandering_in_time = a course in time, or two, that a wandering one replaces nearly as well
 sign_noise_with_memory = the noise has a memory: its bias wanders from dwell to dwell
 sign_not_constant = a named effect is not the same throughout the campaign
+sign_goes_with_a_variable = the residuals go with a variable
 sign_many_causes_at_once = more names than a gap that is explained would need
 sign_tests_together = no test alone, but all of them together
 

@@ -115,6 +115,7 @@ sign_one_shape_is_not_enough = 同一效应需以两个时刻或周期出现两�
 sign_wandering_in_time = 一种或两种随时间的变化几乎可由一种漂移代替
 sign_noise_with_memory = 噪声有记忆：零偏在测点之间游走
 sign_not_constant = 已命名的效应在整个试验中不恒定
+sign_goes_with_a_variable = 残差随某个变量变化
 sign_many_causes_at_once = 命名的效应多于解释差异所需
 sign_tests_together = 单项检验均不显著，但合起来显著
 

@@ -121,6 +121,13 @@ pub(crate) fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &F
         }
         return Signs { list, p_value, changes };
     }
+    // What goes with something in repeats as well passes for noise everywhere else.
+    if named.is_empty() && list.is_empty() {
+        let p_value = settled.goes_with_none();
+        if p_value < level(named) {
+            list.push(Sign { kind: "goes_with_a_variable", slots: all_slots, p_value });
+        }
+    }
     let strongest = list.iter().map(|sign| sign.p_value).fold(p_value, f64::min);
     Signs { list, p_value: strongest, changes }
 }

@@ -210,6 +210,12 @@ impl Settled {
         evidence.fold(of_single_dwells(&state), f64::max) - ((all.len() + 1) as f64).ln()
     }
 
+    /// Probability, at most, that residuals of noise alone go with some variable as much as those beside what was found
+    /// do: the mean of a Bayes factor is one under noise, so that it is b or more once in b (Markov's inequality).
+    pub fn goes_with_none(&self) -> f64 {
+        (-self.likeliest_component(&components(&self.frame.setting))).exp().min(1.0)
+    }
+
     fn noise_beside(&self, found: &[Choice]) -> Found {
         let columns = designs(&self.frame, &self.bank, found, None);
         let state = || each_by_itself(&self.frame, self.search().extras(found));

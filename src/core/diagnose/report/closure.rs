@@ -123,7 +123,7 @@ pub(crate) fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &F
     }
     // What goes with something in repeats as well passes for noise everywhere else.
     if named.is_empty() && list.is_empty() {
-        let p_value = settled.goes_with_none();
+        let p_value = settled.p_value_of_components();
         if p_value < level(named) {
             list.push(Sign { kind: "goes_with_a_variable", slots: all_slots, p_value });
         }

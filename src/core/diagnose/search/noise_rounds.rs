@@ -4,6 +4,9 @@
 //! adopted in the model, the search is run again where it moved, and what was adopted must earn its place with the
 //! growth averaged out, not only at its best value.
 
+use std::cell::OnceCell;
+use std::rc::Rc;
+
 use crate::core::calibrate::growth::NoiseGrowth;
 use crate::core::calibrate::law;
 use crate::core::diagnose::diagnosis::Variable;
@@ -51,6 +54,8 @@ pub(crate) struct Settled {
     pub laws: Vec<law::Law>,
     /// Whether a name fell because its cause has another form.
     another_form: bool,
+    /// Of what the dwells are, whatever their noise is.
+    components: Rc<OnceCell<Vec<Component>>>,
 }
 
 impl Settled {
@@ -94,6 +99,7 @@ impl Settled {
                 noise_found: Found::default(),
                 laws: Vec::new(),
                 another_form: false,
+                components: Rc::default(),
             };
             match next.filter(|_| round < ROUNDS) {
                 Some(growth) => frame = settled.frame.with_growth(growth)?,
@@ -146,18 +152,16 @@ impl Settled {
     /// The search once more where something is named or a gap is seen: with all that the noise may be, and against
     /// suspects that are not worth their time elsewhere.
     pub fn closer(&self) -> Result<Self, Refusal> {
-        // Of what the dwells are, whatever their noise is.
-        let components = components(&self.frame.setting);
         let (mut laws, mut rebased) = (Vec::new(), None::<Self>);
         while laws.len() < MOST_LAWS {
             let now = rebased.as_ref().unwrap_or(self);
             let Some((gain, law, frame)) = likelier_law(&now.frame, &now.bank, &now.found) else { break };
             // Scatter that goes with something is no noise.
-            if now.likeliest_component(&components) > gain {
+            if now.likeliest_component() > gain {
                 break;
             }
             laws.push(law);
-            rebased = Some(Self::of(frame)?);
+            rebased = Some(Self { components: Rc::clone(&self.components), ..Self::of(frame)? });
         }
         let plain = rebased.as_ref().unwrap_or(self);
         let bank = Bank::closer(&plain.frame, &plain.more);
@@ -173,6 +177,7 @@ impl Settled {
             noise_found: Found::default(),
             laws,
             another_form: false,
+            components: Rc::clone(&self.components),
         };
         if !plain.found.is_empty() {
             let search = closer.search();
@@ -195,7 +200,7 @@ impl Settled {
         {
             closer.found.remove(weakest);
         }
-        while let Some(of_another_form) = closer.of_another_form(&components, &closer.found) {
+        while let Some(of_another_form) = closer.of_another_form(&closer.found) {
             closer.found.remove(of_another_form);
             closer.another_form = true;
         }
@@ -204,7 +209,8 @@ impl Settled {
 
     /// ln of the odds that the residuals beside what was found go with some component, of which each is as likely,
     /// taken at the best of them.
-    fn likeliest_component(&self, all: &[Component]) -> f64 {
+    fn likeliest_component(&self) -> f64 {
+        let all = self.components();
         let state = each_by_itself(&self.frame, self.search().extras(&self.found));
         let evidence = all.iter().map(|component| component.evidence(&self.frame, &state));
         evidence.fold(of_single_dwells(&state), f64::max) - ((all.len() + 1) as f64).ln()
@@ -212,8 +218,12 @@ impl Settled {
 
     /// Probability, at most, that residuals of noise alone go with some variable as much as those beside what was found
     /// do: the mean of a Bayes factor is one under noise, so that it is b or more once in b (Markov's inequality).
-    pub fn goes_with_none(&self) -> f64 {
-        (-self.likeliest_component(&components(&self.frame.setting))).exp().min(1.0)
+    pub fn p_value_of_components(&self) -> f64 {
+        (-self.likeliest_component()).exp().min(1.0)
+    }
+
+    fn components(&self) -> &[Component] {
+        self.components.get_or_init(|| components(&self.frame.setting))
     }
 
     fn noise_beside(&self, found: &[Choice]) -> Found {
@@ -244,12 +254,11 @@ const UNDER_OTHER_NOISE: f64 = 4.0;
 
 impl Settled {
     /// The name that a component leads by most, where one leads clearly: the cause has another form.
-    fn of_another_form(&self, components: &[Component], found: &[Choice]) -> Option<usize> {
+    fn of_another_form(&self, found: &[Choice]) -> Option<usize> {
         let lead = |i: usize| {
             let others = without(found, i);
             let state = each_by_itself(&self.frame, self.search().extras(&others));
-            let best = components
-                .iter()
+            let best = (self.components().iter())
                 .filter(|c| c.competes)
                 .map(|c| c.evidence(&self.frame, &state))
                 .fold(f64::NEG_INFINITY, f64::max);
@@ -268,7 +277,7 @@ impl Settled {
         let named = found.filter(|c| is_named(c.kind, self.bank.hypotheses[c.hypothesis].shape)).cloned();
         let state = each_by_itself(&self.frame, self.search().extras(&named.collect::<Vec<_>>()));
         let mut best: Vec<(Variable, f64)> = Vec::new();
-        for component in components(&self.frame.setting) {
+        for component in self.components() {
             let evidence = component.evidence(&self.frame, &state);
             match best.iter_mut().find(|(variable, _)| *variable == component.variable) {
                 Some(held) => held.1 = held.1.max(evidence),

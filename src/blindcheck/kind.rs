@@ -14,6 +14,7 @@ use super::reach::Structure;
 use super::run::{CampaignDiagnoser, timed};
 use super::score::{Closure, closures};
 use super::tally::Tally;
+use crate::core::units::radians_from_arcsec;
 use crate::simulate::cause::{ALWAYS, FIELD, IN_TIME, POWER_UP, SEAT, THROUGHOUT, TILT, TILT_FROM_A_DWELL};
 use crate::simulate::outside::{TILTED_FACES, depends_on, in_gyros};
 use crate::simulate::programme::DwellOrder;
@@ -326,8 +327,7 @@ fn reseated(s: &mut Scenario, arcsec: f64, rng: &mut ChaCha8Rng) -> Option<()> {
     if s.programme.order == DwellOrder::Mixed {
         s.programme.order = DwellOrder::Random;
     }
-    let size = arcsec / 3600.0 / 180.0 * std::f64::consts::PI;
-    s.effects.push(EffectChoice::sized(SEAT, size));
+    s.effects.push(EffectChoice::sized(SEAT, radians_from_arcsec(arcsec)));
     stated(s)?;
     let _: f64 = rng.random();
     (!s.programme.rates_arcsec_s.is_empty()).then_some(())
@@ -335,8 +335,7 @@ fn reseated(s: &mut Scenario, arcsec: f64, rng: &mut ChaCha8Rng) -> Option<()> {
 
 /// Each face by angles of its own, so many arcsec about each axis.
 fn tilted_faces(s: &mut Scenario, arcsec: f64) -> Option<()> {
-    let size = arcsec / 3600.0 / 180.0 * std::f64::consts::PI;
-    s.effects.push(EffectChoice::sized(&format!("outside:{TILTED_FACES}"), size));
+    s.effects.push(EffectChoice::sized(&format!("outside:{TILTED_FACES}"), radians_from_arcsec(arcsec)));
     stated(s)?;
     (!s.programme.rates_arcsec_s.is_empty()).then_some(())
 }

@@ -75,7 +75,7 @@ struct Entry {
     cell: u8,
 }
 
-/// Names of one kind: a million in some 80 MB.
+/// Names of one kind.
 #[derive(Debug, Default)]
 pub struct Table {
     /// Of all names one after the other. One that was removed leaves its own behind.
@@ -94,11 +94,15 @@ pub struct Table {
 
 impl Table {
     fn place(&self, number: u32) -> Option<u32> {
-        self.by_number.find(spread(number), |place| self.entries[*place as usize].number == number).copied()
+        self.by_number.find(spread(number), |place| self.entry(*place).number == number).copied()
+    }
+
+    fn entry(&self, place: u32) -> Entry {
+        self.entries[place as usize]
     }
 
     fn at(&self, place: u32) -> &str {
-        let Entry { start, bytes, .. } = self.entries[place as usize];
+        let Entry { start, bytes, .. } = self.entry(place);
         &self.letters[start as usize..start as usize + usize::from(bytes)]
     }
 
@@ -110,7 +114,7 @@ impl Table {
             .stored_as(name)
             .or_else(|| self.stored_as(&normal))
             .or_else(|| self.by_name.find(&normal, has_form))?;
-        Some(self.entries[place as usize].number)
+        Some(self.entry(place).number)
     }
 
     fn stored_as(&self, name: &str) -> Option<u32> {
@@ -139,7 +143,7 @@ impl Table {
 
     /// Where a number is at home.
     pub fn cell(&self, number: u32) -> Option<u8> {
-        self.place(number).map(|place| self.entries[place as usize].cell)
+        self.place(number).map(|place| self.entry(place).cell)
     }
 
     /// Every name, in no order.
@@ -149,7 +153,7 @@ impl Table {
 
     /// In ascending order.
     pub fn numbers(&self) -> Vec<u32> {
-        let mut numbers: Vec<u32> = self.by_number.iter().map(|place| self.entries[*place as usize].number).collect();
+        let mut numbers: Vec<u32> = self.by_number.iter().map(|place| self.entry(*place).number).collect();
         numbers.sort_unstable();
         numbers
     }
@@ -201,7 +205,7 @@ impl Table {
         };
         let (place, _) = found.remove();
         let name = self.at(place).to_owned();
-        let cell = self.entries[place as usize].cell;
+        let cell = self.entry(place).cell;
         self.by_cell.entry(cell).or_default().retain(|other| *other != number);
         if let Cow::Owned(normal) = normal_form(&name) {
             self.by_name.remove(&normal, place);
@@ -249,7 +253,7 @@ impl Tables {
     /// [`StoreError::Damaged`] where the number is another name's.
     pub(crate) fn learn(&mut self, kind: NamesOf, number: u32, cell: u8, name: &str) -> Result<(), StoreError> {
         let table = self.of_mut(kind);
-        let lost = table.stored_as(name).map(|place| table.entries[place as usize].number);
+        let lost = table.stored_as(name).map(|place| table.entry(place).number);
         if let Some(lost) = lost.filter(|known| *known != number) {
             table.remove(lost);
         }

@@ -21,11 +21,13 @@ fn write(trend: &Trend<'_>, text: &mut Vec<u8>) -> std::io::Result<()> {
     head(trend, text)?;
     text.write_all(b"\"points\":[")?;
     let mut names = [Quoted::default(), Quoted::default()];
+    let mut before = '{';
+    let heads = PointColumn::ALL.map(|column| format!("{}\"{}\":", std::mem::replace(&mut before, ','), column.name()));
     for (i, point) in trend.points.iter().enumerate() {
         if i > 0 {
             text.push(b',');
         }
-        write_point(point, &mut names, text)?;
+        write_point(point, &heads, &mut names, text)?;
     }
     text.push(b']');
     tail(trend, text)
@@ -101,11 +103,15 @@ fn write_member<'t>(
     }
 }
 
-fn write_point<'t>(point: &Point<'t>, names: &mut [Quoted<'t>; 2], text: &mut Vec<u8>) -> std::io::Result<()> {
-    for (k, column) in PointColumn::ALL.into_iter().enumerate() {
-        text.write_all(if k == 0 { b"{\"" } else { b",\"" })?;
-        text.write_all(column.name().as_bytes())?;
-        text.write_all(b"\":")?;
+/// `heads`: what stands before each member, made once for all points.
+fn write_point<'t>(
+    point: &Point<'t>,
+    heads: &[String],
+    names: &mut [Quoted<'t>; 2],
+    text: &mut Vec<u8>,
+) -> std::io::Result<()> {
+    for (column, head) in PointColumn::ALL.into_iter().zip(heads) {
+        text.write_all(head.as_bytes())?;
         write_member(column, point, names, text)?;
     }
     if let Some(voided) = point.voided {

@@ -4,6 +4,7 @@ use crate::config::JudgedMethod;
 use crate::core::changes::{GyroHistory, HistoryEntry};
 use crate::pipeline::ingest::judge::gyro_window::sample_of;
 use crate::pipeline::prelude::*;
+use crate::store::Table;
 
 /// Newest records of each gyro that tell what stations do.
 pub(super) const PEER_RECORDS: usize = 100;
@@ -42,18 +43,23 @@ pub(super) fn entries(
     temperatures: &HashMap<Id, f64>,
 ) -> Vec<HistoryEntry> {
     let tables = store.names().read();
-    // A history names few of them, again and again.
-    let (mut imus, mut stations) = (HashMap::<u32, Arc<str>>::new(), HashMap::<u32, Arc<str>>::new());
+    let (mut imu, mut station) = (repeated(&tables.imus), repeated(&tables.stations));
     let entry = |figures: &Figures| HistoryEntry {
         at: figures.at,
-        station: stations
-            .entry(figures.station)
-            .or_insert_with_key(|number| tables.stations.text(*number).into())
-            .clone(),
-        imu: imus.entry(figures.imu).or_insert_with_key(|number| tables.imus.text(*number).into()).clone(),
+        station: station(figures.station),
+        imu: imu(figures.imu),
         slot: figures.slot,
         temperature_c: temperatures.get(&figures.record).copied(),
         d: sample_of(figures, method).d,
     };
     rows.iter().map(entry).collect()
+}
+
+/// Names by their numbers; mostly the one that was asked for last is asked for again.
+fn repeated(table: &Table) -> impl FnMut(u32) -> Arc<str> {
+    let mut last: Option<(u32, Arc<str>)> = None;
+    move |number| match &last {
+        Some((known, name)) if *known == number => Arc::clone(name),
+        _ => Arc::clone(&last.insert((number, table.text(number).into())).1),
+    }
 }

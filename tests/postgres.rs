@@ -165,7 +165,7 @@ async fn a_record_whose_names_are_new_is_shown_by_another_server_at_once() {
     }
 }
 
-/// Whoever is told of every step, each in a message of its own.
+/// A receiver that is told of every step, each in a message of its own.
 async fn told_of_steps(server: &Server) -> Receiver {
     let told = Receiver::start().await;
     let hook = json!({"name": "h", "kind": "standard-webhooks", "url": told.url(), "filter": {"rules": ["step"]},

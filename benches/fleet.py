@@ -80,6 +80,8 @@ def fill(service, gyros, records):
             at = now - timedelta(days=30 * (records - 1 - number) + 60 * imu / imus, minutes=10)
             lines.append(json.dumps(record(rng, imu, number, levels[imu], at)))
             if len(lines) == 2000 or (number, imu) == (records - 1, imus - 1):
+                # It may have been closed while the lines were made.
+                service.connection.close()
                 status, text = service.ask("POST", "/v1/import", "\n".join(lines))
                 assert status in (200, 207) and text.count(b'"status":201') == len(lines), text[:500]
                 lines = []

@@ -1,6 +1,7 @@
 //! The writer's part in alerts: they follow what a group's judging finds, and what people say.
 
 use super::heads::{Heads, touched};
+use super::shared_look::SharedLook;
 use super::shared_shifts::SharedShifts;
 use super::state::WriterState;
 use crate::core::alert_decision::Late;
@@ -109,6 +110,10 @@ impl WriterState {
     pub(super) fn heads(&self) -> Heads<'_> {
         let Self { store, config, judge, alerts, .. } = self;
         Heads { store, judging: &config.judging, judge, alerts }
+    }
+
+    pub(super) fn shared_look(&self, now: UtcMicros) -> SharedLook {
+        SharedLook { store: self.store.clone(), config: self.config.clone(), now, nothing: self.nothing_shared }
     }
 
     pub(super) fn shared_shifts(&self, now: UtcMicros) -> SharedShifts<'_> {

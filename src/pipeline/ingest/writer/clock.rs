@@ -1,12 +1,12 @@
 //! Alerts follow the clock: what becomes overdue, is to be repeated or told of as one, and what gyros share.
 
 use super::alerts::gyros_of;
-use super::shared_shifts::SharedShifts;
+use super::shared_look::{NothingShared, shared_and_explicable};
 use super::state::WriterState;
 use crate::core::alert_decision::Late;
 use crate::pipeline::alerts::{AlertContext, Naming, SharedVerdict, follow_clock};
 use crate::pipeline::prelude::*;
-use crate::store::{AlertOf, AlertRow, Cells, Duty};
+use crate::store::{AlertOf, Cells};
 
 /// Gyros, stations and IMUs that one transaction of the clock is about.
 const AT_ONCE: usize = 1000;
@@ -18,18 +18,16 @@ pub(super) struct ClockTick<'a> {
 }
 
 impl ClockTick<'_> {
-    /// Lets the alerts follow the clock.
-    pub async fn tick(&mut self) {
-        if !self.state.store.is_on_duty(Duty::Clock) {
-            return;
-        }
-        let followed = self.try_tick().await;
+    /// Lets the alerts follow the clock, and what a look has found that gyros share.
+    pub async fn tick(&mut self, nothing: Result<Option<NothingShared>, StoreError>) {
+        let followed = self.try_tick(nothing).await;
         self.end(followed).await;
     }
 
     /// Lets the alerts of what is shared follow what has been written, whichever server the clock is on.
     pub async fn look_at_shared(&mut self) {
-        let followed = self.follow_shared().await;
+        let nothing = self.state.shared_look(self.now).nothing().await;
+        let followed = self.follow_shared(nothing).await;
         self.end(followed).await;
     }
 
@@ -42,9 +40,9 @@ impl ClockTick<'_> {
     }
 
     /// Transactions of each cell in which the clock changes something; in a file all is one cell.
-    async fn try_tick(&mut self) -> Result<(), StoreError> {
+    async fn try_tick(&mut self, nothing: Result<Option<NothingShared>, StoreError>) -> Result<(), StoreError> {
         let now = self.now;
-        self.follow_shared().await?;
+        self.follow_shared(nothing).await?;
         let overdue = self.may_be_overdue().await?;
         let repeated = now.plus_days(-self.state.config.alerts.repeat_days);
         let due = store::alerts::due(&self.state.store, now, repeated).await?;
@@ -114,27 +112,10 @@ impl ClockTick<'_> {
         self.state.commit_with_heads(&mut changes).await
     }
 
-    /// Lets the alerts of what is shared follow the clock, and those of gyros that they explain. Where nothing is
-    /// written of gyros, time alone changes what they share, slowly: by what is no longer recent.
-    async fn follow_shared(&mut self) -> Result<(), StoreError> {
-        let now = self.now;
-        let version = store::head::version(&self.state.store).await?;
-        let is_known = |(since, of): (UtcMicros, [i64; 2])| of == version && now.days_since(since).abs() < LOOKED_AGAIN;
-        if self.state.nothing_shared.is_some_and(is_known) {
-            return Ok(());
-        }
-        self.state.nothing_shared = None;
-        let (found, rows) = self.shared_and_explicable().await?;
-        let is_anything = {
-            let tables = self.state.store.names().read();
-            let naming = Naming { tables: &tables, new: None };
-            let shared = self.state.alerts.shared();
-            shared.not_judged(&found).next().is_some()
-                || found.iter().any(|one| shared.is_moved_by(one, &naming))
-                || !shared.explained_anew(&rows, &naming).is_empty()
-        };
-        if !is_anything {
-            self.state.nothing_shared = Some((now, version));
+    /// Lets the alerts of what is shared follow the clock, and those of gyros that they explain.
+    async fn follow_shared(&mut self, nothing: Result<Option<NothingShared>, StoreError>) -> Result<(), StoreError> {
+        self.state.nothing_shared = nothing?;
+        if self.state.nothing_shared.is_some() {
             return Ok(());
         }
         self.state.begin(&Cells::all()).await?;
@@ -145,7 +126,8 @@ impl ClockTick<'_> {
 
     async fn follow_shared_in_turn(&mut self) -> Result<(), StoreError> {
         let now = self.now;
-        let (found, rows) = self.shared_and_explicable().await?;
+        let WriterState { store, config, alerts, .. } = &mut *self.state;
+        let (found, rows) = shared_and_explicable(store, config, alerts, now).await?;
         let gyros: BTreeSet<u32> = rows.iter().filter_map(|row| row.of.gyro()).collect();
         self.state.alerts.recall(&self.state.store, gyros, now).await?;
         let mut changes = Changes::default();
@@ -162,25 +144,7 @@ impl ClockTick<'_> {
         self.state.note(&mut changes, now).await?;
         self.state.commit_with_heads(&mut changes).await
     }
-
-    /// What is shared, and the alerts of gyros that it explains, or did.
-    async fn shared_and_explicable(&mut self) -> Result<(Vec<SharedVerdict>, Vec<AlertRow>), StoreError> {
-        self.state.alerts.recall(&self.state.store, [], self.now).await?;
-        let excesses = store::alerts::excesses(&self.state.store).await?;
-        let found = self.shared_shifts().all(&excesses).await?;
-        self.state.alerts.learn_mates(&found);
-        let (subjects, gyros) = self.state.alerts.shared().that_explain(&found);
-        let rows = store::alerts::explicable(&self.state.store, &subjects, &gyros).await?;
-        Ok((found, rows))
-    }
-
-    fn shared_shifts(&self) -> SharedShifts<'_> {
-        self.state.shared_shifts(self.now)
-    }
 }
-
-/// What gyros share is looked at again after so many days, though nothing was written: an hour.
-const LOOKED_AGAIN: f64 = 1.0 / 24.0;
 
 /// An import of which nothing has come for so long was broken off: what it has found is told.
 const BROKEN_OFF: f64 = 15.0 / (24.0 * 60.0);

@@ -9,6 +9,7 @@ mod heads;
 mod homes;
 pub(crate) mod overlapped;
 mod restate;
+mod shared_look;
 mod shared_shifts;
 mod state;
 pub(crate) mod turn;
@@ -17,6 +18,7 @@ use std::ops::RangeInclusive;
 use std::time::{Duration, Instant};
 
 use tokio::sync::mpsc;
+use tokio::task::JoinSet;
 use tokio::time::{Interval, MissedTickBehavior, interval_at};
 
 use super::admit::Memory;
@@ -28,7 +30,7 @@ use crate::pipeline::ingest::judge::Judge;
 use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::{Job, ReplyTo, StoreJob};
 use crate::pipeline::{AccessOrder, DiagnosisOrder, HypothesisOrder, Order, Reply};
-use crate::store::{Cells, Writer};
+use crate::store::{Cells, Duty, Writer};
 use crate::telemetry;
 use clock::ClockTick;
 use forecasts::ForecastAlerts;
@@ -84,7 +86,7 @@ impl Task {
             behind: false,
             nothing_shared: None,
         };
-        Self { state, duties, under_way: None, items_at_once: 1024 }
+        Self { state, duties, under_way: None, looks: JoinSet::new(), items_at_once: 1024 }
     }
 
     /// Works until every sender is gone and the queue is empty; gives back what it has written with.
@@ -104,10 +106,17 @@ impl Task {
                     }
                 },
                 () = overlapped::written(&mut self.under_way), if self.under_way.is_some() => self.finish().await,
-                _ = ticks.tick(), if is_for_orders => {
+                _ = ticks.tick(), if is_for_orders && self.looks.is_empty() => {
+                    if self.state.store.is_on_duty(Duty::Clock) {
+                        let now = self.state.clock.now();
+                        self.looks.spawn(self.state.shared_look(now).nothing());
+                    }
+                }
+                Some(looked) = self.looks.join_next() => {
                     self.finish().await;
+                    let nothing = looked.unwrap_or_else(|error| std::panic::resume_unwind(error.into_panic()));
                     let now = self.state.clock.now();
-                    ClockTick { state: &mut self.state, now }.tick().await;
+                    ClockTick { state: &mut self.state, now }.tick(nothing).await;
                 }
                 Some(missed) = turn::next_of(&mut moves) => self.state.hear_of(&missed).await,
             }
@@ -116,6 +125,7 @@ impl Task {
             }
             self.work_off(&mut jobs).await;
         }
+        self.looks.shutdown().await;
         self.state.writer
     }
 

@@ -1,8 +1,9 @@
 //! What the writer knows, and what passes through it.
 
 use tokio::sync::watch;
-use tokio::task::JoinHandle;
+use tokio::task::{JoinHandle, JoinSet};
 
+use super::shared_look::NothingShared;
 use crate::core::alert_decision::Late;
 use crate::core::judge::{State, Status};
 use crate::pipeline::alerts::AlertCache;
@@ -22,6 +23,8 @@ pub(crate) struct Task {
     pub(super) duties: Duties,
     /// A group that is being written while the next is made ready.
     pub(super) under_way: Option<UnderWay>,
+    /// The look of the clock that is under way.
+    pub(super) looks: JoinSet<Result<Option<NothingShared>, StoreError>>,
     /// Items from which on no more are added to a transaction among other writers.
     pub(super) items_at_once: usize,
 }
@@ -43,8 +46,8 @@ pub(super) struct WriterState {
     pub(super) after: After,
     /// What others have written could not be read: everything is read again.
     pub(super) behind: bool,
-    /// Since when the clock has found nothing new that gyros share, and by which heads.
-    pub(super) nothing_shared: Option<(UtcMicros, [i64; 2])>,
+    /// None where that is to be looked at.
+    pub(super) nothing_shared: Option<NothingShared>,
 }
 
 /// Where a writer stands among those of its process.

@@ -23,6 +23,7 @@ pub mod figures;
 pub mod fleet_order;
 pub mod frames;
 pub mod gyro_attributes;
+pub mod gyro_event;
 pub mod history_note;
 pub mod id;
 pub mod imu_model;

@@ -1,11 +1,10 @@
 //! `/v1/gyros/{serial}/baseline`: from here on a gyro is compared with itself anew.
 
 use super::remark::{self, SentRemark};
+use crate::core::gyro_event::GyroEvent;
 use crate::core::judge::{Event, FixedLevels, Measured};
 use crate::core::message::text;
-use crate::core::record::Name;
 use crate::http::prelude::*;
-use crate::pipeline::{Actor, GyroEvent};
 use crate::wire::{json, text, time};
 
 /// Why and from when on a new baseline counts.
@@ -99,21 +98,11 @@ pub async fn post_baseline(
     Ok((status, Json(BaselineAnswer { id, serial, at, reason, author, fixed })))
 }
 
-fn read(app: &App, serial: Name, bytes: &[u8]) -> Result<GyroEvent, Faults> {
+fn read(app: &App, bytes: &[u8]) -> Result<GyroEvent, Faults> {
     let BaselineBody { reason, at, author, fixed } = json::parse(bytes)?;
     let mut faults = Faults::default();
     let (reason, at, author) = SentRemark { reason, at, author }.read(app, message!("baseline_reason"), &mut faults);
     let most = app.config.plausibility.max_drift_deg_per_h_g0;
     let fixed = fixed.map_or([None; 2], |fixed| fixed.checked(most, &mut faults));
-    faults.or(GyroEvent {
-        serial,
-        at,
-        event: Event::Baseline,
-        until: None,
-        test: None,
-        fixed,
-        reason,
-        author,
-        by: Actor::by_caller(),
-    })
+    faults.or(GyroEvent { at, event: Event::Baseline, until: None, test: None, fixed, reason, author })
 }

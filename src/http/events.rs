@@ -2,13 +2,11 @@
 
 use super::baseline::FixedBody;
 use super::remark::{self, SentRemark};
+use crate::core::gyro_event::GyroEvent;
 use crate::core::judge::{Event, Rule};
-use crate::core::record::Name;
 use crate::http::prelude::*;
-use crate::pipeline::{Actor, EventItem, GyroEvent};
-use crate::wire::body::{ToBody, bodies};
 use crate::wire::event::read_test;
-use crate::wire::{json, text};
+use crate::wire::{json, text, time};
 
 /// What was done to a gyro.
 #[derive(Serialize, ToSchema)]
@@ -34,9 +32,25 @@ pub struct EventBody {
     fixed: Option<FixedBody>,
 }
 
-bodies! {
-    EventBody of EventItem: id, at, event, kind = test, to = until, reason, author,
-        resets: |item| item.event.rules_reset().map(Rule::name).collect(), fixed: |item| FixedBody::of(&item.fixed);
+impl EventBody {
+    pub fn of(id: Id, done: &GyroEvent) -> Self {
+        let GyroEvent { at, event, until, test, fixed, reason, author } = done;
+        Self {
+            id: id.to_string(),
+            at: time::format(*at),
+            event: event.name(),
+            kind: test.clone(),
+            to: until.map(time::format),
+            reason: reason.clone(),
+            author: author.clone(),
+            resets: event.rules_reset().map(Rule::name).collect(),
+            fixed: FixedBody::of(fixed),
+        }
+    }
+
+    pub fn all(events: &[(Id, GyroEvent)]) -> Vec<Self> {
+        events.iter().map(|(id, done)| Self::of(*id, done)).collect()
+    }
 }
 
 /// Events, oldest first.
@@ -51,7 +65,7 @@ pub struct Events {
     responses((status = 200, description = "the events", body = Events)))]
 pub async fn get_events(app: App, Path(serial): Path<String>) -> Answer<Json<Events>> {
     let events = app.pipeline.queries.histories.events(query::gyro(&app, &serial)?).await?;
-    Ok(Json(Events { serial, events: events.to_body() }))
+    Ok(Json(Events { serial, events: EventBody::all(&events) }))
 }
 
 /// What was done, when and why.
@@ -82,12 +96,10 @@ struct NewEvent {
         (status = 409, description = "the same kind of event is stored at that very time, with other words")))]
 pub async fn post_event(app: App, Path(serial): Path<String>, body: Document) -> Answer<(StatusCode, Json<EventBody>)> {
     let (status, id, event) = remark::post(&app, &serial, &body, read, message!("event_there")).await?;
-    let GyroEvent { at, event, until, test, fixed, reason, author, .. } = event;
-    let row = EventItem { id, at, event, until, test, fixed, reason, author };
-    Ok((status, Json(EventBody::from(&row))))
+    Ok((status, Json(EventBody::of(id, &event))))
 }
 
-fn read(app: &App, serial: Name, bytes: &[u8]) -> Result<GyroEvent, Faults> {
+fn read(app: &App, bytes: &[u8]) -> Result<GyroEvent, Faults> {
     let NewEvent { event, reason, at, to, kind, author } = json::parse(bytes)?;
     let mut faults = Faults::default();
     // People write re-installation in more than one way.
@@ -95,6 +107,5 @@ fn read(app: &App, serial: Name, bytes: &[u8]) -> Result<GyroEvent, Faults> {
     let event = text::named("/event", event, &mut faults).unwrap_or(Event::Note);
     let (reason, at, author) = SentRemark { reason, at, author }.read(app, message!("empty_text"), &mut faults);
     let (until, test) = read_test(event, at, (to, kind), &mut faults);
-    let (fixed, by) = ([None; 2], Actor::by_caller());
-    faults.or(GyroEvent { serial, at, event, until, test, fixed, reason, author, by })
+    faults.or(GyroEvent { at, event, until, test, fixed: [None; 2], reason, author })
 }

@@ -283,7 +283,7 @@ pub async fn get_gyro(app: App, Path(serial): Path<String>) -> Answer<Json<GyroD
     let Queries { fleet, histories, .. } = &app.pipeline.queries;
     let found = fleet.standing_in_words(number).await?;
     let (standing, mut verdicts) = found.ok_or_else(|| Problem::unknown_gyro(&serial))?;
-    let events = histories.events(number).await?.iter().map(EventBody::from).collect();
+    let events = EventBody::all(&histories.events(number).await?);
     let calibrations = histories.count(number).await?;
     let bench_results = histories.benches(number, Span::EVER).await?.len();
     if bench_results > 0 {

@@ -1,10 +1,11 @@
 //! What people say of a gyro, as an event or as a baseline: read and submitted alike, each with messages of its own.
 
+use crate::core::gyro_event::GyroEvent;
 use crate::core::message::Message;
 use crate::core::record::Name;
 use crate::core::time::UtcMicros;
 use crate::http::prelude::*;
-use crate::pipeline::{Accepted, GyroEvent, Submission};
+use crate::pipeline::{Accepted, Actor, EventOrder, Submission};
 use crate::wire::text;
 
 /// Why, when and who, as they were sent.
@@ -38,12 +39,13 @@ pub async fn post(
     app: &App,
     serial: &str,
     body: &Document,
-    read: impl FnOnce(&App, Name, &[u8]) -> Result<GyroEvent, Faults>,
+    read: impl FnOnce(&App, &[u8]) -> Result<GyroEvent, Faults>,
     otherwise: Message,
 ) -> Answer<(StatusCode, Id, GyroEvent)> {
     let serial = Name::parse(serial).map_err(|_| Problem::unknown_gyro(serial))?;
-    let event = body.read(|bytes| read(app, serial, bytes))?;
-    match app.pipeline.ingest.submit(Submission::Event(event.clone())).await? {
+    let event = body.read(|bytes| read(app, bytes))?;
+    let order = EventOrder { serial, event: event.clone(), by: Actor::by_caller() };
+    match app.pipeline.ingest.submit(Submission::Event(order)).await? {
         Accepted::Stored { id, .. } => Ok((StatusCode::CREATED, id, event)),
         Accepted::There { id, same_bytes: true, .. } => Ok((StatusCode::OK, id, event)),
         Accepted::There { id, .. } => Err(Problem::new(409, "title_differs", otherwise).with_existing(id)),

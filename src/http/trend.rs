@@ -45,14 +45,14 @@ pub async fn get_trend(
     let request = Request::read(&app, &asked, &headers)?;
     let mut events = app.pipeline.queries.histories.events(gyro).await?;
     // What took time is seen wherever it reaches into the stretch.
-    events.retain(|event| event.at <= request.span.to && event.until.unwrap_or(event.at) >= request.span.from);
-    let done: Vec<EventBody> = events.iter().map(EventBody::from).collect();
+    events.retain(|(_, done)| done.at <= request.span.to && done.until.unwrap_or(done.at) >= request.span.from);
+    let done = EventBody::all(&events);
     let seen = |rows: &mut dyn Iterator<Item = Seen>| {
-        rows.chain(events.iter().map(|event| (event.id.0, None))).collect::<Vec<_>>()
+        rows.chain(events.iter().map(|(id, _)| (id.0, None))).collect::<Vec<_>>()
     };
     if let Some(period) = request.every {
         let (summaries, next) = request.periods(&app, gyro, period).await?;
-        let events: Vec<i64> = events.iter().map(|event| event.id.0).collect();
+        let events: Vec<i64> = events.iter().map(|(id, _)| id.0).collect();
         let holds = (summaries.iter().map(periods::shown).collect::<Vec<_>>(), events);
         let tag = etag(&request, &holds, &next);
         let written = || request.written_by_period(&serial, period, &summaries, &done, next);

@@ -2,9 +2,10 @@
 
 use super::form::{ActionForm, Word, see_other, typed_time};
 use super::prelude::*;
+use crate::core::gyro_event::GyroEvent;
 use crate::core::judge::Event;
 use crate::core::record::Name;
-use crate::pipeline::{Accepted, Actor, GyroEvent, Submission};
+use crate::pipeline::{Accepted, Actor, EventOrder, Submission};
 use crate::wire::event::read_test;
 use crate::wire::text;
 
@@ -94,9 +95,9 @@ pub(super) async fn act(
         return Ok(form(viewer.text(), &name, said).again(viewer, &said.word, &faults));
     };
     let Word { by, reason, .. } = said.word.clone();
-    let (fixed, author, by) = ([None; 2], Some(by), Actor::by_caller());
-    let event = GyroEvent { serial: name, at, event, until, test, fixed, reason, author, by };
-    match pages.pipeline.ingest.submit(Submission::Event(event)).await? {
+    let event = GyroEvent { at, event, until, test, fixed: [None; 2], reason, author: Some(by) };
+    let order = EventOrder { serial: name, event, by: Actor::by_caller() };
+    match pages.pipeline.ingest.submit(Submission::Event(order)).await? {
         Accepted::Stored { .. } | Accepted::There { same_bytes: true, .. } => {
             Ok(see_other(&format!("/gyros/{}#happenings", encoded(serial))))
         }

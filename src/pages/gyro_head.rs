@@ -9,9 +9,10 @@ use super::verdicts::{SeenVerdict, seen};
 use super::{bullet, gyro_attributes, status};
 use crate::config::JudgedMethod;
 use crate::core::changes::{ChangeCause, HistoryDiagnosis, NamedCause};
+use crate::core::gyro_event::GyroEvent;
 use crate::core::judge::{Coefficient, Event, Finding, Load, Standpoint, Suggestion, Verdict, suggest};
 use crate::core::message::text;
-use crate::pipeline::{EventItem, ExplainedHistory, Names, Violation, sample_of};
+use crate::pipeline::{ExplainedHistory, Names, Violation, sample_of};
 
 /// Causes of one coefficient's change in the head; all of them are on the page of the diagnosis.
 const MOST_CAUSES: usize = 3;
@@ -149,7 +150,7 @@ impl Facts {
     }
 
     /// What was decided last, and how many records have come since.
-    fn decision(&self) -> Option<(&EventItem, usize)> {
+    fn decision(&self) -> Option<(&GyroEvent, usize)> {
         let last = self.course.events.iter().rev().find(|event| event.event.is_decision())?;
         Some((last, self.course.figures.iter().filter(|row| row.at > last.at).count()))
     }

@@ -3,7 +3,8 @@
 use super::corrections;
 use super::prelude::*;
 use crate::core::figures::Figures;
-use crate::pipeline::{Course, EventItem, Names};
+use crate::core::gyro_event::GyroEvent;
+use crate::pipeline::{Course, Names};
 
 /// `IMU-07 G1`.
 pub(super) fn seat(figures: &Figures, names: &Names<'_>) -> String {
@@ -29,13 +30,13 @@ fn changes(t: &Text, course: &Course, names: &Names<'_>) -> Vec<(UtcMicros, Mark
 }
 
 /// `environmental test: vibration`.
-pub(super) fn event_label(t: &Text, event: &EventItem) -> String {
+pub(super) fn event_label(t: &Text, event: &GyroEvent) -> String {
     let name = t.event(event.event);
     event.test.as_ref().map_or_else(|| name.to_owned(), |test| format!("{name}{}{test}", t.colon))
 }
 
 /// The same on a page, of which the test's name is not translated.
-pub(super) fn event_name(t: &Text, event: &EventItem) -> Markup {
+pub(super) fn event_name(t: &Text, event: &GyroEvent) -> Markup {
     html! { (t.event(event.event)) @if let Some(test) = &event.test { (t.colon) span translate="no" { (test) } } }
 }
 

@@ -13,9 +13,10 @@ use super::{bullet, downsample};
 use crate::config::JudgedMethod;
 use crate::core::bench::BenchMethod;
 use crate::core::figures::Figures;
+use crate::core::gyro_event::GyroEvent;
 use crate::core::judge::limits::DEFAULT_BUDGET;
 use crate::core::judge::{Finding, Sample};
-use crate::pipeline::{Baseline, BenchItem, Course, EventItem, Names, Statuses, sample_of};
+use crate::pipeline::{Baseline, BenchItem, Course, Names, Statuses, sample_of};
 
 /// Points of one coefficient that are drawn one by one at the most.
 pub(super) const MOST_POINTS: usize = 1000;
@@ -418,7 +419,7 @@ fn envelope(times: &[f64], values: &[f64]) -> Vec<[f64; 4]> {
 
 /// What happened, numbered as in the list under the pictures.
 fn flags(t: &Text, course: &Course, view: &View, place: &str) -> Vec<Flag> {
-    let flag = |(k, event): (usize, &EventItem)| Flag {
+    let flag = |(k, event): (usize, &GyroEvent)| Flag {
         x: millis(event.at),
         until: event.until.map(millis),
         number: k + 1,

@@ -16,6 +16,7 @@ use super::station::changes;
 use super::{bullet, status as badges};
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{FleetStations, Shared};
+use crate::core::gyro_event::GyroEvent;
 use crate::pipeline::{
     CommonShift, DueDate, DueImu, FirstOf, FleetFilter, FleetPage, LINES, Names, Standing, Today, Together, Violation,
     today,
@@ -125,8 +126,8 @@ async fn known_of(
     let mut all = HashMap::new();
     for Standing { number, since, .. } in gyros {
         let events = pages.pipeline.queries.histories.events(*number).await?;
-        let decision =
-            events.iter().rev().find(|one| one.event.is_decision() && since.is_none_or(|since| since <= one.at));
+        let is_decision = |done: &&GyroEvent| done.event.is_decision() && since.is_none_or(|since| since <= done.at);
+        let decision = events.iter().rev().map(|(_, done)| done).find(is_decision);
         let alerts = open_ones(pages, *number).await?;
         let known: Option<Vec<_>> = alerts.iter().map(|alert| alert.acknowledged.as_ref()).collect();
         let said = match (decision, known.and_then(|known| known.into_iter().max_by_key(|known| known.at.clone()))) {

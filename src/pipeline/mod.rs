@@ -57,15 +57,15 @@ pub use diagnoses::{
 pub use error::{NotSplit, OrderError, StorageError, StorageFault, WriteError};
 pub use hooks::{DeliveryPage, Hooks, Order, Outbox};
 pub use ingest::{
-    Accepted, AttributesOrder, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt, Fitted,
-    GyroEvent, Ingest, Judged, Origin, Preview, ReadCampaign, ReadDocument, Reader, Refused, Reply, Submission,
+    Accepted, AttributesOrder, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt, EventOrder,
+    Fitted, Ingest, Judged, Origin, Preview, ReadCampaign, ReadDocument, Reader, Refused, Reply, Submission,
     WindowMark,
 };
 pub use queries::{
-    BEYOND, Baseline, BenchItem, CommonShift, Compared, Comparison, Course, DueDate, DueImu, EventItem,
-    ExplainedHistory, FirstOf, FleetFilter, FleetPage, Forecast, Foreseen, LINES, Levels, ListFilter, ListedRecord,
-    Names, Queries, RecentValues, Seats, Standing, StandingFilter, Statuses, StoredCampaign, StoredRecord, Tested,
-    Today, Together, Verified, Violation, sample_of, today,
+    BEYOND, Baseline, BenchItem, CommonShift, Compared, Comparison, Course, DueDate, DueImu, ExplainedHistory, FirstOf,
+    FleetFilter, FleetPage, Forecast, Foreseen, LINES, Levels, ListFilter, ListedRecord, Names, Queries, RecentValues,
+    Seats, Standing, StandingFilter, Statuses, StoredCampaign, StoredRecord, Tested, Today, Together, Verified,
+    Violation, sample_of, today,
 };
 
 pub use suspect::WindowOutcome;

@@ -1,4 +1,5 @@
 use crate::core::figures::{Figures, States};
+use crate::core::gyro_event::GyroEvent;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::time::{Span, UtcMicros};
@@ -119,13 +120,15 @@ async fn what_is_committed_is_read_back_and_survives_reopening() {
     let event = EventRow {
         id: writer.next_id(UtcMicros(0)),
         gyro: 2,
-        at: UtcMicros(44),
-        event: Event::Baseline,
-        until: Some(UtcMicros(47)),
-        test: Some("vibration".into()),
-        fixed: [Some(Measured { value: 2.95, sd: Some(1e-4) }), None],
-        reason: "bearing".into(),
-        author: None,
+        told: GyroEvent {
+            at: UtcMicros(44),
+            event: Event::Baseline,
+            until: Some(UtcMicros(47)),
+            test: Some("vibration".into()),
+            fixed: [Some(Measured { value: 2.95, sd: Some(1e-4) }), None],
+            reason: "bearing".into(),
+            author: None,
+        },
         received_at: UtcMicros(50),
     };
     let key = KeyRow { key: "k-1".into(), item: ids[0], body_sha256: [7; 32] };

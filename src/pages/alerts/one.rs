@@ -2,10 +2,11 @@
 
 use super::table::table;
 use crate::core::alert_decision::Action;
+use crate::core::gyro_event::GyroEvent;
 use crate::pages::form::who;
 use crate::pages::history::event_name;
 use crate::pages::prelude::*;
-use crate::pipeline::{AlertStep, EventItem};
+use crate::pipeline::AlertStep;
 
 pub(in crate::pages) async fn page(
     Visit(ref pages, ref viewer): Visit,
@@ -67,7 +68,7 @@ pub(in crate::pages) async fn page(
 }
 
 /// The event that ended an alert: one that cut its history off, for nobody has said why it ended.
-fn ended_by<'a>(step: &AlertStep, events: &'a [EventItem]) -> Option<&'a EventItem> {
+fn ended_by<'a>(step: &AlertStep, events: &'a [(Id, GyroEvent)]) -> Option<&'a GyroEvent> {
     if step.action != Action::Resolve.name() || step.author.is_some() {
         return None;
     }
@@ -75,9 +76,9 @@ fn ended_by<'a>(step: &AlertStep, events: &'a [EventItem]) -> Option<&'a EventIt
     let at = |text: &Option<String>| time::parse(text.as_deref()?).ok();
     let (since, judged) = (at(&step.alert.since)?, at(&step.alert.finding.calibrated_at)?);
     // What was judged after it, with figures, ended by itself.
-    let cuts = |event: &&EventItem| {
+    let cuts = |(id, event): &&(Id, GyroEvent)| {
         let is_between = since < event.at && (judged <= event.at || step.alert.finding.value.is_none());
-        event.id < step.id && event.event.resets(rule) && is_between
+        *id < step.id && event.event.resets(rule) && is_between
     };
-    events.iter().filter(cuts).max_by_key(|event| event.id)
+    events.iter().filter(cuts).max_by_key(|(id, _)| *id).map(|(_, event)| event)
 }

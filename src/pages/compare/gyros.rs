@@ -1,6 +1,7 @@
 //! Gyros over one another: deviations from their own baselines on one scale.
 
 use crate::core::figures::Figures;
+use crate::core::gyro_event::GyroEvent;
 use crate::core::judge::limits::DEFAULT_BUDGET;
 use crate::core::judge::{Finding, Verdict};
 use crate::pages::chart::{Across, Chart, Dot, Flag, Level, Track, bounds, millis, widened};
@@ -11,7 +12,7 @@ use crate::pages::prelude::*;
 use crate::pages::verdicts::{SeenVerdict, seen};
 use crate::pages::view::View;
 use crate::pages::{bullet, history, status};
-use crate::pipeline::{EventItem, Names, StoredRecord, sample_of};
+use crate::pipeline::{Names, StoredRecord, sample_of};
 use crate::wire::answer::{FigureBody, VerdictBody};
 
 /// Records of one gyro that are drawn, the newest.
@@ -156,7 +157,7 @@ fn scale_factor_table(t: &Text, all: &[Compared<'_>]) -> Markup {
 fn happened(t: &Text, all: &[Compared<'_>], aligned: bool) -> Vec<Flag> {
     let of_gyro = |one: &Compared<'_>| -> Vec<(UtcMicros, Flag)> {
         let place = |at: UtcMicros| one.place(at, 0, aligned);
-        let flag = |event: &EventItem| Flag {
+        let flag = |event: &GyroEvent| Flag {
             x: place(event.at),
             until: event.until.map(place),
             number: 0,

@@ -29,7 +29,7 @@ pub use reader::Reader;
 pub use refused::Refused;
 pub use same_content::Origin;
 pub use submission::{
-    AttributesOrder, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt, GyroEvent, Submission,
+    AttributesOrder, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt, EventOrder, Submission,
     WindowMark,
 };
 

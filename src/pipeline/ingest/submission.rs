@@ -4,7 +4,7 @@ use crate::core::bench::BenchResult;
 use crate::core::effects::Effect;
 use crate::core::fault::{Fault, Faults};
 use crate::core::gyro_attributes::GyroAttributesPatch;
-use crate::core::judge::{Event, FixedLevels};
+use crate::core::gyro_event::GyroEvent;
 use crate::core::message::text;
 use crate::core::mounting::Slot;
 use crate::core::name::normal_form;
@@ -21,7 +21,7 @@ use crate::wire::json::without_mark;
 pub enum Submission {
     Calibration(Box<Calibration>),
     Bench(Box<BenchTest>),
-    Event(GyroEvent),
+    Event(EventOrder),
     Correction(Box<Correction>),
     Confirmation(Confirmation),
     Doubt(Doubt),
@@ -51,7 +51,7 @@ impl Submission {
     pub fn serial(&self) -> Option<&str> {
         match self {
             Self::Bench(bench) => Some(bench.result.serial.as_str()),
-            Self::Event(event) => Some(event.serial.as_str()),
+            Self::Event(order) => Some(order.serial.as_str()),
             Self::Attributes(order) => Some(order.serial.as_str()),
             _ => None,
         }
@@ -202,20 +202,11 @@ pub struct BenchTest {
     pub idempotency_key: Option<String>,
 }
 
-/// Something that was done to a gyro.
+/// That something was done to a gyro.
 #[derive(Debug, Clone)]
-pub struct GyroEvent {
+pub struct EventOrder {
     pub serial: Name,
-    pub at: UtcMicros,
-    pub event: Event,
-    /// When it was over, of what took time.
-    pub until: Option<UtcMicros>,
-    /// Which environmental test it was.
-    pub test: Option<String>,
-    /// Levels that a baseline mark states.
-    pub fixed: FixedLevels,
-    pub reason: String,
-    pub author: Option<String>,
+    pub event: GyroEvent,
     /// Who says so.
     pub by: Actor,
 }

@@ -146,7 +146,7 @@ async fn made_to_be_compared(
     let separation = new_rows.chain(stored).min_by_key(|figures| nearness(figures, newest_bench));
     let mut marks = load_marks(store, gyro).await?;
     let new_marks = changes.events.iter().filter(|event| event.gyro == gyro);
-    marks.extend(new_marks.map(mark_of));
+    marks.extend(new_marks.map(|row| mark_of(&row.told)));
     let since = last_repair(&marks, newest_bench.max(separation.as_ref().map(|figures| figures.at)));
     let separation = separation.filter(|figures| figures.at >= since);
     let benches: Vec<BenchRow> = benches.into_iter().filter(|bench| bench.measured_at >= since).collect();

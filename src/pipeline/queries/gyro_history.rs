@@ -4,12 +4,13 @@ use super::agreement::compare_methods;
 use super::fleet::{level, stated};
 use crate::config::JudgedMethod;
 use crate::core::correction::CorrectedResult;
+use crate::core::gyro_event::GyroEvent;
 use crate::core::judge::history::{baseline_of, seat_baseline_of};
 use crate::core::judge::{BASELINE_RECORDS, Coefficient, Event, Limits, Mark, Sample};
 use crate::pipeline::ingest::judge::gyro_window::{distinct, load_marks, mark_of, sample_of};
 use crate::pipeline::prelude::*;
 use crate::pipeline::queries::items::Names;
-use crate::pipeline::{BenchItem, Comparison, EventItem, Statuses};
+use crate::pipeline::{BenchItem, Comparison, Statuses};
 use crate::store::{BenchRow, StoredVerdict};
 
 /// Everything about one gyro, oldest first.
@@ -17,7 +18,7 @@ use crate::store::{BenchRow, StoredVerdict};
 pub struct Course {
     pub figures: Vec<Figures>,
     pub benches: Vec<BenchItem>,
-    pub events: Vec<EventItem>,
+    pub events: Vec<GyroEvent>,
     /// What was said of results that do not count any more.
     pub corrections: Vec<CorrectedResult>,
     /// Records that do not count until somebody confirms their times.
@@ -86,7 +87,7 @@ impl Levels {
 /// An environmental test.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tested {
-    pub event: EventItem,
+    pub event: GyroEvent,
     /// The last record before it, and the first after.
     pub before: Option<Figures>,
     pub after: Option<Figures>,
@@ -98,12 +99,8 @@ pub struct Tested {
 impl Tested {
     /// When it was over.
     pub fn until(&self) -> UtcMicros {
-        end_of(&self.event)
+        self.event.end()
     }
-}
-
-fn end_of(event: &EventItem) -> UtcMicros {
-    event.until.map_or(event.at, |until| until.max(event.at))
 }
 
 /// What was measured of one gyro, and what became of it. Cheap to clone.
@@ -119,8 +116,8 @@ impl Histories {
     pub async fn course(&self, gyro: u32, serial: &str, method: JudgedMethod) -> Result<Course, StorageError> {
         let figures = store::history::oldest(&self.store, gyro, Span::EVER, usize::MAX).await?;
         let events = store::event::of_gyro(&self.store, gyro).await?;
+        let events: Vec<GyroEvent> = events.into_iter().map(|row| row.told).collect();
         let marks: Vec<Mark> = events.iter().map(mark_of).collect();
-        let events: Vec<EventItem> = events.into_iter().map(EventItem::from).collect();
         let benches = self.benches(gyro, Span::EVER).await?;
         let corrections = store::correction::of_gyro(&self.store, gyro).await?;
         let set_aside = store::set_aside::of_gyro(&self.store, gyro).await?;
@@ -185,8 +182,9 @@ impl Histories {
     }
 
     /// What was done to a gyro, oldest first.
-    pub async fn events(&self, gyro: u32) -> Result<Vec<EventItem>, StorageError> {
-        Ok(store::event::of_gyro(&self.store, gyro).await?.into_iter().map(EventItem::from).collect())
+    pub async fn events(&self, gyro: u32) -> Result<Vec<(Id, GyroEvent)>, StorageError> {
+        let events = store::event::of_gyro(&self.store, gyro).await?;
+        Ok(events.into_iter().map(|row| (row.id, row.told)).collect())
     }
 
     /// Bench results that count, oldest first.
@@ -214,7 +212,7 @@ impl Histories {
         Ok(Statuses::of(&self.store, gyro, rows, columns).await?)
     }
 
-    async fn tests(&self, gyro: u32, events: &[EventItem], figures: &[Figures]) -> Result<Vec<Tested>, StoreError> {
+    async fn tests(&self, gyro: u32, events: &[GyroEvent], figures: &[Figures]) -> Result<Vec<Tested>, StoreError> {
         let mut tests = tested(events, figures);
         let after = tests.iter().filter_map(|test| Some(test.after?.record));
         let sheets = store::record::verdict_sheets(&self.store, after).await?;
@@ -235,11 +233,11 @@ impl Histories {
 }
 
 /// The environmental tests among `events`, oldest first, with the records before and after; not judged yet.
-fn tested(events: &[EventItem], figures: &[Figures]) -> Vec<Tested> {
+fn tested(events: &[GyroEvent], figures: &[Figures]) -> Vec<Tested> {
     let tests = events.iter().filter(|event| event.event == Event::EnvironmentalTest);
     let with_records = tests.map(|event| Tested {
         before: figures[..figures.partition_point(|row| row.at < event.at)].last().copied(),
-        after: figures.get(figures.partition_point(|row| row.at < end_of(event))).copied(),
+        after: figures.get(figures.partition_point(|row| row.at < event.end())).copied(),
         event: event.clone(),
         verdicts: [None; 2],
     });

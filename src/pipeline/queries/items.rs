@@ -4,10 +4,10 @@ use std::sync::RwLockReadGuard;
 
 use crate::core::bench::BenchMethod;
 use crate::core::correction::CorrectionItem;
-use crate::core::judge::{Event, FixedLevels, State};
+use crate::core::judge::State;
 use crate::core::message::{Message, sent};
 use crate::pipeline::prelude::*;
-use crate::store::{BenchRow, ConfirmationRow, EventRow, RecordEntry, RecordRow, Tables};
+use crate::store::{BenchRow, ConfirmationRow, RecordEntry, RecordRow, Tables};
 use crate::wire::table::nearest;
 
 /// The names of what is stored, while it is looked at.
@@ -120,29 +120,6 @@ impl BenchItem {
         let serial = names.0.gyros.text(row.gyro).to_owned();
         let station = names.station(row.station).to_owned();
         Self { id, serial, station, measured_at, method, d, sd, voided, received_at, body, sent_by }
-    }
-}
-
-/// Something that was done to a gyro.
-#[derive(Debug, Clone, PartialEq)]
-pub struct EventItem {
-    pub id: Id,
-    pub at: UtcMicros,
-    pub event: Event,
-    /// When it was over, of what took time.
-    pub until: Option<UtcMicros>,
-    /// Which environmental test it was.
-    pub test: Option<String>,
-    /// Levels that a baseline mark states.
-    pub fixed: FixedLevels,
-    pub reason: String,
-    pub author: Option<String>,
-}
-
-impl From<EventRow> for EventItem {
-    fn from(row: EventRow) -> Self {
-        let EventRow { id, at, event, until, test, fixed, reason, author, .. } = row;
-        Self { id, at, event, until, test, fixed, reason, author }
     }
 }
 

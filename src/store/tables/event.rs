@@ -3,29 +3,27 @@
 use std::collections::HashMap;
 
 use super::*;
-use crate::core::judge::{Event, FixedLevels};
+use crate::core::gyro_event::GyroEvent;
+use crate::core::judge::Event;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct EventRow {
     pub id: Id,
     pub gyro: u32,
-    pub at: UtcMicros,
-    pub event: Event,
-    /// When it was over, of what took time.
-    pub until: Option<UtcMicros>,
-    /// Which environmental test it was.
-    pub test: Option<String>,
-    /// Levels that a baseline mark states.
-    pub fixed: FixedLevels,
-    pub reason: String,
-    pub author: Option<String>,
+    pub told: GyroEvent,
     pub received_at: UtcMicros,
 }
 
 columns! {
     EventRow in "event" {
-        id, gyro, at, event: ["kind"], until, test, fixed: ["d_i", "d_i_sd", "d_s", "d_s_sd"], reason, author, received_at,
+        id, gyro,
+        told: ["at", "kind", "until", "test", "d_i", "d_i_sd", "d_s", "d_s_sd", "reason", "author"],
+        received_at,
     }
+}
+
+part! {
+    GyroEvent { at, event, until, test, fixed, reason, author }
 }
 
 /// Every event of a gyro, oldest first.
@@ -35,8 +33,8 @@ pub async fn of_gyro(store: &Store, gyro: u32) -> Result<Vec<EventRow>> {
 
 /// Those of some gyros that were retired or put into storage: when last, and which.
 pub async fn out_of_use_of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, (UtcMicros, Event)>> {
-    let ended = of_gyros(store, gyros).await?.into_iter().filter(|event| event.event.ends_calibrations());
-    Ok(ended.map(|event| (event.gyro, (event.at, event.event))).collect())
+    let ended = of_gyros(store, gyros).await?.into_iter().filter(|event| event.told.event.ends_calibrations());
+    Ok(ended.map(|event| (event.gyro, (event.told.at, event.told.event))).collect())
 }
 
 /// Every event of several gyros, by gyro and oldest first.

@@ -305,7 +305,7 @@ async fn something_was_done(gyros: &[Known<'_>], at: UtcMicros, known: &Lookup<'
         let between = at.min(other.at)..=at.max(other.at);
         let stored = store::event::of_gyro(known.store, number).await?;
         let new = known.group.changes.events.iter().filter(|event| event.gyro == number);
-        if stored.iter().chain(new).any(|it| it.event.resets_baseline() && between.contains(&it.at)) {
+        if stored.iter().chain(new).any(|it| it.told.event.resets_baseline() && between.contains(&it.told.at)) {
             return Ok(true);
         }
     }

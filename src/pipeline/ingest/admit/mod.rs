@@ -14,11 +14,12 @@ use crate::core::figures::{PublishedFigures, States};
 use crate::core::gyro_attributes::GyroAttributes;
 use crate::core::name::look_keys;
 use crate::core::note::Note;
+use crate::core::record::Name;
 use crate::core::separate::{Branch, Separation};
 use crate::pipeline::ingest::same_content::says_the_same;
 use crate::pipeline::ingest::submission::BenchTest;
 use crate::pipeline::prelude::*;
-use crate::pipeline::{AttributesOrder, CalibratedGyro, Calibration, GyroEvent, Refused, Submission};
+use crate::pipeline::{AttributesOrder, CalibratedGyro, Calibration, EventOrder, Refused, Submission};
 use crate::store::{
     BenchRow, EventRow, GyroAttributeRow, HistoryRow, NamesOf, NewName, RecordRow, RecordVerdicts, RestatedRow,
     StoredVerdict,
@@ -176,44 +177,26 @@ impl Admission<'_> {
         Ok(Accepted::stored(id))
     }
 
-    async fn event(&mut self, sent: &GyroEvent, group: &mut Group) -> Result<Accepted, Refused> {
-        let unknown = || Refused::UnknownGyro { serial: sent.serial.to_string() };
-        let gyro = self.lookup(group).number(NamesOf::Gyros, sent.serial.as_str()).ok_or_else(unknown)?;
+    async fn event(&mut self, order: &EventOrder, group: &mut Group) -> Result<Accepted, Refused> {
+        let EventOrder { serial, event, by } = order;
+        let gyro = self.known_gyro(serial, group)?;
         let stored = store::event::of_gyro(self.store, gyro).await?;
-        let there = stored
-            .iter()
-            .chain(&group.changes.events)
-            .find(|event| event.gyro == gyro && event.at == sent.at && event.event == sent.event);
-        if let Some(event) = there {
-            let same_words = event.reason == sent.reason && event.author == sent.author;
-            let same_bytes =
-                same_words && event.fixed == sent.fixed && (event.until, &event.test) == (sent.until, &sent.test);
-            return Ok(Accepted::There { id: event.id, same_bytes, counts: true });
+        let mut known = stored.iter().chain(group.changes.events.iter().filter(|row| row.gyro == gyro));
+        if let Some(row) = known.find(|row| (row.told.at, row.told.event) == (event.at, event.event)) {
+            return Ok(Accepted::There { id: row.id, same_bytes: row.told == *event, counts: true });
         }
         let id = self.ids.next(self.now);
         let audited = json!({
-            "id": id.to_string(), "event": sent.event.name(), "at": time::format(sent.at), "reason": sent.reason,
-            "author": sent.author,
+            "id": id.to_string(), "event": event.event.name(), "at": time::format(event.at), "reason": event.reason,
+            "author": event.author,
         });
-        self.audit(&sent.by, ("mark event", format!("gyros/{}", sent.serial)), &audited, group);
-        group.changes.events.push(EventRow {
-            id,
-            gyro,
-            at: sent.at,
-            event: sent.event,
-            until: sent.until,
-            test: sent.test.clone(),
-            fixed: sent.fixed,
-            reason: sent.reason.clone(),
-            author: sent.author.clone(),
-            received_at: self.now,
-        });
+        self.audit(by, ("mark event", format!("gyros/{serial}")), &audited, group);
+        group.changes.events.push(EventRow { id, gyro, told: event.clone(), received_at: self.now });
         Ok(Accepted::stored(id))
     }
 
     async fn attributes(&mut self, sent: &AttributesOrder, group: &mut Group) -> Result<Accepted, Refused> {
-        let unknown = || Refused::UnknownGyro { serial: sent.serial.to_string() };
-        let gyro = self.lookup(group).number(NamesOf::Gyros, sent.serial.as_str()).ok_or_else(unknown)?;
+        let gyro = self.known_gyro(&sent.serial, group)?;
         let before = match group.changes.attributes.iter().rfind(|row| row.gyro == gyro) {
             Some(row) => row.attributes.clone(),
             None => store::gyro_attribute::of(self.store, &[gyro]).await?.remove(&gyro).unwrap_or_default(),
@@ -229,6 +212,12 @@ impl Admission<'_> {
         group.changes.access.audit.push(sent.by.line(line, self.now, what, Some(&was), Some(&is)));
         group.changes.attributes.push(GyroAttributeRow { gyro, attributes });
         Ok(Accepted::stored(line))
+    }
+
+    /// The number of a gyro that people say something of.
+    fn known_gyro(&self, serial: &Name, group: &Group) -> Result<u32, Refused> {
+        let unknown = || Refused::UnknownGyro { serial: serial.to_string() };
+        self.lookup(group).number(NamesOf::Gyros, serial.as_str()).ok_or_else(unknown)
     }
 
     /// Notes in the audit trail what somebody does, and with what outcome.

@@ -2,13 +2,13 @@
 
 use crate::config::JudgedMethod;
 use crate::core::correction::CorrectionItem;
+use crate::core::gyro_event::GyroEvent;
 use crate::core::judge::history::{History, Need};
 use crate::core::judge::{
     BASELINE_RECORDS, Limits, Mark, Measured, Older, Sample, Seat, Series, baseline_since, judge, reset_before,
 };
 use crate::pipeline::ingest::judge::older_summary::{OlderSummary, RUN};
 use crate::pipeline::prelude::*;
-use crate::store::EventRow;
 
 /// The newest records of one gyro, its newest baselines, and what was done to it.
 #[derive(Debug, Clone, Default)]
@@ -366,19 +366,19 @@ pub(crate) fn distinct(samples: impl IntoIterator<Item = Sample>) -> Vec<Sample>
 
 pub(crate) async fn load_marks(store: &Store, gyro: u32) -> Result<Vec<Mark>, StoreError> {
     let events = store::event::of_gyro(store, gyro).await?;
-    Ok(events.iter().map(mark_of).collect())
+    Ok(events.iter().map(|row| mark_of(&row.told)).collect())
 }
 
 /// What was done to each of several gyros; those to which nothing was are left out.
 pub(crate) async fn marks_of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, Vec<Mark>>, StoreError> {
     let mut marks = HashMap::<u32, Vec<Mark>>::new();
     for event in store::event::of_gyros(store, gyros).await? {
-        marks.entry(event.gyro).or_default().push(mark_of(&event));
+        marks.entry(event.gyro).or_default().push(mark_of(&event.told));
     }
     Ok(marks)
 }
 
-pub(crate) fn mark_of(event: &EventRow) -> Mark {
+pub(crate) fn mark_of(event: &GyroEvent) -> Mark {
     Mark { at: event.at, event: event.event, until: event.until, fixed: event.fixed }
 }
 

@@ -219,7 +219,7 @@ impl Judge {
         let mut stored = store::history::oldest(&self.store, gyro, Span::EVER, usize::MAX).await?;
         let mut marks = load_marks(&self.store, gyro).await?;
         let new_events = changes.events.iter().filter(|event| event.gyro == gyro);
-        let new_marks: Vec<Mark> = new_events.map(mark_of).collect();
+        let new_marks: Vec<Mark> = new_events.map(|row| mark_of(&row.told)).collect();
         marks.extend(&new_marks);
         marks.sort_by_key(|mark| mark.at);
         let mut altered = withdrawn_from(gyro, &mut stored, &marks, changes);

@@ -19,6 +19,27 @@ pub enum Role {
 }
 }
 
+/// A token, without its secret.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Token {
+    pub id: Id,
+    pub name: String,
+    pub role: Role,
+    /// The only station that it may send for.
+    pub station: Option<String>,
+    pub secret_sha256: [u8; 32],
+    pub created_at: UtcMicros,
+    pub expires_at: Option<UtcMicros>,
+    pub revoked_at: Option<UtcMicros>,
+}
+
+impl Token {
+    /// Neither revoked nor expired.
+    pub fn is_valid(&self, now: UtcMicros) -> bool {
+        self.revoked_at.is_none() && self.expires_at.is_none_or(|until| now < until)
+    }
+}
+
 /// One line of the audit trail. `before` and `after` are JSON.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AuditEntry {

@@ -1,5 +1,8 @@
 //! A validated bench result: what a single-gyro test outside the IMU says of one gyro.
 
+use std::sync::Arc;
+
+use super::id::Id;
 use super::named::named;
 use super::record::Name;
 use super::time::UtcMicros;
@@ -30,6 +33,27 @@ pub struct BenchResult {
     pub temperature_c: Option<f64>,
     pub operator: Option<String>,
     pub note: Option<String>,
+}
+
+/// A bench result as it is stored.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BenchItem {
+    pub id: Id,
+    pub gyro: u32,
+    pub station: u32,
+    pub measured_at: UtcMicros,
+    pub method: BenchMethod,
+    /// D_I and D_S, deg/(h g0).
+    pub d: [f64; 2],
+    pub sd: [Option<f64>; 2],
+    /// It does not count any more.
+    pub voided: bool,
+    pub received_at: UtcMicros,
+    /// Word for word.
+    pub body: Arc<str>,
+    pub body_sha256: [u8; 32],
+    /// The line of the audit trail that says who sent it.
+    pub sent_by: Option<Id>,
 }
 
 /// What a product of specific forces that is not fitted would do to D_I or D_S.

@@ -1,10 +1,10 @@
 //! `GET /v1/records` and `GET /v1/campaigns`: what has been stored, the last to arrive first.
 
-use crate::core::kind::Kind;
+use crate::core::kind::{Kind, RecordEntry};
 use crate::http::prelude::*;
-use crate::pipeline::{ListFilter, ListedRecord};
-use crate::wire::body::{ToBody, bodies};
-use crate::wire::cursor::{self, List};
+use crate::pipeline::{ListFilter, Names};
+use crate::wire::cursor::List;
+use crate::wire::time;
 
 const DEFAULT_RECORDS: usize = 100;
 const MOST_RECORDS: usize = 1000;
@@ -59,11 +59,21 @@ struct ListedRecordBody {
     valid: bool,
 }
 
-bodies! {
-    ListedRecordBody of ListedRecord: id, kind: |listed| match listed.kind {
-        Kind::Record => "record",
-        Kind::Campaign => "campaign",
-    }, imu, station, calibrated_at, received_at, valid = counts;
+impl ListedRecordBody {
+    fn of(entry: &RecordEntry, names: &Names<'_>) -> Self {
+        Self {
+            id: entry.id.to_string(),
+            kind: match entry.kind {
+                Kind::Record => "record",
+                Kind::Campaign => "campaign",
+            },
+            imu: names.imu(entry.imu).to_owned(),
+            station: names.station(entry.station).to_owned(),
+            calibrated_at: time::format(entry.calibrated_at),
+            received_at: time::format(entry.received_at),
+            valid: !entry.voided,
+        }
+    }
 }
 
 /// Records and campaigns of the fleet, the last to arrive first.
@@ -94,7 +104,8 @@ async fn listed(
     let before = Id(query::position(list, asked.cursor.as_deref())?.unwrap_or(i64::MAX));
     let calibrated = query::span(asked.from.as_deref(), asked.to.as_deref())?;
     let filter = ListFilter { kind, imu: asked.imu.as_deref(), station: asked.station.as_deref(), calibrated };
-    let (found, more) = app.pipeline.queries.records.listed(&filter, before, limit as u32).await?;
-    let next = found.last().filter(|_| more).map(|last| cursor::encode(list, last.id.0));
-    Ok((found.to_body(), next))
+    let found = app.pipeline.queries.records.listed(&filter, before, limit as u32 + 1).await?;
+    let (found, next) = query::page(list, found, limit, |last| Some(last.id));
+    let names = app.pipeline.queries.names();
+    Ok((found.iter().map(|entry| ListedRecordBody::of(entry, &names)).collect(), next))
 }

@@ -2,9 +2,9 @@
 
 use axum::http::header::LOCATION;
 
-use crate::core::access::Role;
+use crate::core::access::{Role, Token};
 use crate::http::prelude::*;
-use crate::pipeline::{AccessOrder, NewToken, Token};
+use crate::pipeline::{AccessOrder, NewToken};
 use crate::wire::body::{ToBody, bodies};
 use crate::wire::{json, text};
 

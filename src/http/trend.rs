@@ -14,8 +14,8 @@ use self::periods::PeriodTrend;
 use self::point::{Seen, bench_point, seen_bench, separated_point};
 use self::request::{PointMethod, Request, TrendQuery, TrendText};
 use super::events::EventBody;
+use crate::core::bench::BenchItem;
 use crate::http::prelude::*;
-use crate::pipeline::BenchItem;
 
 /// Points, lists where `columns` asks for them, or periods where `every` does.
 #[derive(ToSchema)]
@@ -76,8 +76,9 @@ pub async fn get_trend(
             let (rows, next) = request.benches(&app, gyro, method).await?;
             let holds = (seen(&mut rows.iter().map(seen_bench)), &levels);
             answer((&uri, &headers), etag(&request, &holds, &next), || {
+                let names = app.pipeline.queries.names();
                 let flag = |row: &BenchItem| request.voided.then_some(row.voided);
-                let points = rows.iter().filter_map(|row| bench_point(row, flag(row), request.coefficient));
+                let points = rows.iter().filter_map(|row| bench_point(row, flag(row), request.coefficient, &names));
                 let points = points.map(|point| point.held_against(levels.as_ref())).collect();
                 written(&request, &serial, points, &done, next)
             })

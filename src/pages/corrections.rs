@@ -67,10 +67,11 @@ impl ItemAction for VoidBench {
         let bench = pages.pipeline.queries.records.bench(number).await?.ok_or_else(unknown)?;
         still_counts(pages, number).await?;
         let t = viewer.text();
-        let serial = &bench.serial;
+        let names = pages.pipeline.queries.names();
+        let serial = names.gyro(bench.gyro);
         let shown = html! {
             p.lead {
-                (serial) " · " (t.method(bench.method.name())) " · " (t.station) " " (bench.station)
+                (serial) " · " (t.method(bench.method.name())) " · " (t.station) " " (names.station(bench.station))
                 " · " (t.measured) " " (instant(bench.measured_at))
             }
             p {

@@ -49,7 +49,7 @@ pub(super) async fn page(
         (before_after::section(t, &facts.course, judged))
         (agreement(t, serial, &facts.comparison))
         (history::happenings(t, &facts.course, &names))
-        (benches(viewer, &facts.course))
+        (benches(viewer, &facts.course, &names))
         (calibrations(viewer, serial, (&view, skip), &facts, &names))
         (gyro_attributes::edit(viewer, serial))
     };
@@ -241,7 +241,7 @@ fn judged(t: &Text, statuses: &Statuses, figures: &Figures) -> Markup {
 }
 
 /// Each bench result by itself, newest first.
-fn benches(viewer: &Viewer, course: &Course) -> Markup {
+fn benches(viewer: &Viewer, course: &Course, names: &Names<'_>) -> Markup {
     let t = viewer.text();
     html! {
         @if !course.benches.is_empty() {
@@ -254,7 +254,7 @@ fn benches(viewer: &Viewer, course: &Course) -> Markup {
                 }, html! { @for row in course.benches.iter().rev() { tr {
                     td { (instant(row.measured_at)) }
                     td { (t.method(row.method.name())) }
-                    td { (row.station) }
+                    td { (names.station(row.station)) }
                     @for i in 0..2 { td.n { (label("", DRIFTS[i])) (figure::drift(row.d[i], row.sd[i])) } }
                     @if may_void { td.no-print { (void_link(viewer, "bench-results", row.id, row.measured_at)) } }
                 } } }))

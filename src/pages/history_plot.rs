@@ -11,12 +11,12 @@ use super::verdicts::{SeenVerdict, seen};
 use super::view::{Shown, View};
 use super::{bullet, downsample};
 use crate::config::JudgedMethod;
-use crate::core::bench::BenchMethod;
+use crate::core::bench::{BenchItem, BenchMethod};
 use crate::core::figures::Figures;
 use crate::core::gyro_event::GyroEvent;
 use crate::core::judge::limits::DEFAULT_BUDGET;
 use crate::core::judge::{Finding, Sample};
-use crate::pipeline::{Baseline, BenchItem, Course, Names, Statuses, sample_of};
+use crate::pipeline::{Baseline, Course, Names, Statuses, sample_of};
 
 /// Points of one coefficient that are drawn one by one at the most.
 pub(super) const MOST_POINTS: usize = 1000;
@@ -330,7 +330,12 @@ impl Drawing<'_> {
                 x: millis(row.measured_at),
                 y,
                 sd: measured.sd,
-                said: self.said(column, row.measured_at, (y, measured), &[self.t.method(method.name()), &row.station]),
+                said: self.said(
+                    column,
+                    row.measured_at,
+                    (y, measured),
+                    &[self.t.method(method.name()), self.names.station(row.station)],
+                ),
                 ..Dot::default()
             }
         };

@@ -9,8 +9,8 @@ use super::prelude::*;
 use super::{bullet, forecast, status};
 use crate::core::alert_filter::AlertFilter;
 use crate::core::effects::Effect;
-use crate::core::kind::Kind;
-use crate::pipeline::{Conclusion, ListedRecord, Seats, Standing, sample_of};
+use crate::core::kind::{Kind, RecordEntry};
+use crate::pipeline::{Conclusion, Names, Seats, Standing, sample_of};
 use crate::wire::campaign::CampaignBody;
 use crate::wire::record::RecordBody;
 
@@ -23,7 +23,7 @@ const FORECASTS: u32 = 20;
 pub(super) struct Facts {
     pub seats: Seats,
     /// Newest first.
-    pub records: Vec<ListedRecord>,
+    pub records: Vec<RecordEntry>,
     /// The newest, as tables.
     pub parameters: Option<Markup>,
 }
@@ -73,7 +73,7 @@ pub(super) async fn page(Visit(ref pages, ref viewer): Visit, Path(ref imu): Pat
         @if let Some(newest) = parameters { section { h2 { (t.newest_parameters) } (newest) } }
         (forecast::versions(viewer, imu, &models))
         (forecast::series(t, &forecasts))
-        section { h2 { (t.records) } (list(t, &records, &concluded)) }
+        section { h2 { (t.records) } (list(t, &pages.pipeline.queries.names(), &records, &concluded)) }
     };
     Ok(Page { title: imu.to_owned(), section: Section::Fleet, body })
 }
@@ -152,7 +152,7 @@ fn standings(pages: &Pages, t: &Text, gyros: &[Standing], when: &str) -> Markup 
 }
 
 /// Where there are two campaigns, two of them can be chosen to be compared.
-fn list(t: &Text, records: &[ListedRecord], concluded: &HashMap<Id, Conclusion>) -> Markup {
+fn list(t: &Text, names: &Names<'_>, records: &[RecordEntry], concluded: &HashMap<Id, Conclusion>) -> Markup {
     let campaigns = records.iter().filter(|head| head.kind == Kind::Campaign);
     let newest: Vec<Id> = campaigns.take(2).map(|head| head.id).collect();
     let choice = newest.len() == 2;
@@ -169,7 +169,7 @@ fn list(t: &Text, records: &[ListedRecord], concluded: &HashMap<Id, Conclusion>)
                             aria-label={ (t.compare) " " (head.calibrated_at.date()) };
                     } } }
                     td { a href={ (if campaign { "/campaigns/" } else { "/records/" }) (head.id) } { (instant(head.calibrated_at)) } }
-                    td { (head.station) }
+                    td { (names.station(head.station)) }
                     td { @if campaign { (t.kind_campaign) } @else { (t.kind_record) } }
                     td.words { @if campaign { (conclusion(t, head.id, concluded.get(&head.id))) } }
                 }

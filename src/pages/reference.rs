@@ -3,8 +3,8 @@
 
 use super::figure::short;
 use super::prelude::*;
-use crate::core::kind::Kind;
-use crate::pipeline::{ListedRecord, NotSplit, StoredCampaign};
+use crate::core::kind::{Kind, RecordEntry};
+use crate::pipeline::{NotSplit, StoredCampaign};
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::split::{MovedBody, PartsBody, SplitBody};
 
@@ -20,7 +20,7 @@ pub(super) struct ReferenceQuery {
 /// What the campaign can be held against, and what came of the one that was chosen.
 pub(super) struct Against {
     /// Newest first.
-    offered: Vec<ListedRecord>,
+    offered: Vec<RecordEntry>,
     chosen: Option<Id>,
     split: Option<Result<SplitBody, Message>>,
 }
@@ -74,7 +74,7 @@ impl Against {
     }
 
     fn choice(&self, t: &Text) -> Markup {
-        let kind = |head: &ListedRecord| if head.kind == Kind::Campaign { t.kind_campaign } else { t.kind_record };
+        let kind = |head: &RecordEntry| if head.kind == Kind::Campaign { t.kind_campaign } else { t.kind_record };
         html! {
             form method="get" {
                 label { (t.reference) " "

@@ -2,11 +2,10 @@
 
 use super::prelude::*;
 use crate::config::{Config, Layer};
-use crate::core::access::{AuditEntry, AuditFilter};
+use crate::core::access::{AuditEntry, AuditFilter, Token};
 use crate::core::judge::Limit;
 use crate::core::judge::limits::{Bounds, LimitKey, Requirement};
 use crate::core::mounting::Slot;
-use crate::pipeline::Token;
 
 /// Lines of the audit trail that are shown.
 const LINES: u32 = 50;
@@ -111,7 +110,6 @@ fn requirements(t: &Text, config: &Config) -> Markup {
 
 fn tokens(pages: &Pages, t: &Text, tokens: &[Token]) -> Markup {
     let now = pages.clock.now();
-    let holds = |token: &Token| token.revoked_at.is_none() && token.expires_at.is_none_or(|at| at > now);
     html! {
         section {
             h2 { (t.tokens) }
@@ -125,7 +123,7 @@ fn tokens(pages: &Pages, t: &Text, tokens: &[Token]) -> Markup {
                 td translate="no" { (token.station.as_deref().unwrap_or("–")) }
                 td { (instant(token.created_at)) }
                 td { @if let Some(at) = token.expires_at { (instant(at)) } @else { (t.never) } }
-                td { @if holds(token) { (t.valid) } @else { span.quiet { (t.not_valid) } } }
+                td { @if token.is_valid(now) { (t.valid) } @else { span.quiet { (t.not_valid) } } }
             } } })) }
         }
     }

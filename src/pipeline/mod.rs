@@ -47,8 +47,7 @@ use write_queue::{Job, WriteQueue};
 
 pub use crate::alert::HookKind;
 pub use access::{
-    Access, AccessOrder, Actor, By, Caller, Denied, Guard, NewToken, SESSION_COOKIE, Token, create_beside,
-    revoke_beside,
+    Access, AccessOrder, Actor, By, Caller, Denied, Guard, NewToken, SESSION_COOKIE, create_beside, revoke_beside,
 };
 pub use alerts::{AlertChange, AlertOrder, AlertStep, Alerts, SilenceOrder};
 pub use diagnoses::{
@@ -62,10 +61,10 @@ pub use ingest::{
     WindowMark,
 };
 pub use queries::{
-    BEYOND, Baseline, BenchItem, CommonShift, Compared, Comparison, Course, DueDate, DueImu, ExplainedHistory, FirstOf,
-    FleetFilter, FleetPage, Forecast, Foreseen, LINES, Levels, ListFilter, ListedRecord, Names, Queries, RecentValues,
-    Seats, Standing, StandingFilter, Statuses, StoredCampaign, StoredRecord, Tested, Today, Together, Verified,
-    Violation, sample_of, today,
+    BEYOND, Baseline, CommonShift, Compared, Comparison, Course, DueDate, DueImu, ExplainedHistory, FirstOf,
+    FleetFilter, FleetPage, Forecast, Foreseen, LINES, Levels, ListFilter, Names, Queries, RecentValues, Seats,
+    Standing, StandingFilter, Statuses, StoredCampaign, StoredRecord, Tested, Today, Together, Verified, Violation,
+    sample_of, today,
 };
 
 pub use suspect::WindowOutcome;

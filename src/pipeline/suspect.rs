@@ -73,12 +73,10 @@ impl Pipeline {
         let filter = ListFilter { kind: None, imu: None, station: Some(station), calibrated: span };
         let (mut found, mut before) = (Vec::new(), Id(i64::MAX));
         loop {
-            let (page, more) = self.queries.records.listed(&filter, before, PAGE).await.map_err(WriteError::from)?;
-            before = page.last().map_or(before, |last| last.id);
-            found.extend(page.into_iter().filter(|record| record.counts == counting).map(|r| (r.calibrated_at, r.id)));
-            if !more {
-                break;
-            }
+            let page = self.queries.records.listed(&filter, before, PAGE).await.map_err(WriteError::from)?;
+            let Some(last) = page.last() else { break };
+            before = last.id;
+            found.extend(page.iter().filter(|record| record.voided != counting).map(|r| (r.calibrated_at, r.id)));
         }
         found.sort_unstable();
         Ok(found.into_iter().map(|(_, id)| id).collect())

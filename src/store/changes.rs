@@ -2,13 +2,14 @@
 
 use std::collections::BTreeSet;
 
+use crate::core::bench::BenchItem;
 use crate::core::correction::CorrectionItem;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::store::tables::correction::Withdrawn;
 use crate::store::tables::set_aside::SetAside;
 use crate::store::{
-    AccessChanges, AlertRow, BenchRow, ConfirmationRow, EventRow, GyroAttributeRow, HeadChanges, HistoryRow, HookRow,
+    AccessChanges, AlertRow, ConfirmationRow, EventRow, GyroAttributeRow, HeadChanges, HistoryRow, HookRow,
     HypothesisRow, JobChanges, KeyRow, ModelRow, NamesOf, NewDiagnosis, NewName, News, OutboxChanges, PackedText,
     RecordRow, RejudgedSheet, SilenceRow, StepRow, StoredVerdict, WindowMarkRow,
 };
@@ -32,7 +33,7 @@ pub struct Changes {
     pub set_aside: SetAside,
     /// What was set aside and counts from now on; its rows are among those of `history`.
     pub confirmed: Vec<ConfirmationRow>,
-    pub benches: Vec<BenchRow>,
+    pub benches: Vec<BenchItem>,
     pub events: Vec<EventRow>,
     pub attributes: Vec<GyroAttributeRow>,
     pub window_marks: Vec<WindowMarkRow>,

@@ -31,9 +31,8 @@ pub(crate) use crate::store::postgres::hosts::without_password;
 pub use crate::store::sqlite::backup::{
     Holdings, backup, check, check_all_but_records, check_checksums, open_to_read, restore,
 };
-pub use crate::store::tables::access::{AccessChanges, SessionRow, TokenRow};
+pub use crate::store::tables::access::{AccessChanges, SessionRow};
 pub use crate::store::tables::alerts::{AlertOf, AlertRow, ExcessRow, Remark, StepRow};
-pub use crate::store::tables::bench::BenchRow;
 pub use crate::store::tables::delivery::{
     AttemptRow, DeliveryRow, DeliverySubject, DueDelivery, NewDelivery, OutboxChanges, Part, Progress,
 };
@@ -51,7 +50,7 @@ pub use crate::store::tables::hypothesis::HypothesisRow;
 pub use crate::store::tables::keys::KeyRow;
 pub use crate::store::tables::model::ModelRow;
 pub use crate::store::tables::record::{
-    LongText, PackedText, RecordAt, RecordEntry, RecordFilter, RecordRow, RejudgedSheet, StationTotals,
+    LongText, PackedText, RecordAt, RecordFilter, RecordRow, RejudgedSheet, StationTotals,
 };
 pub use crate::store::tables::set_aside::{ConfirmationRow, StoredAside};
 pub use crate::store::tables::silence::SilenceRow;

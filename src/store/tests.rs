@@ -10,7 +10,7 @@ use tempfile::TempDir;
 
 use super::db::Readers;
 use super::*;
-use crate::core::bench::BenchMethod;
+use crate::core::bench::{BenchItem, BenchMethod};
 use crate::core::judge::{Coefficient, Event, Measured, Rule, State};
 use crate::core::mounting::Slot;
 
@@ -103,7 +103,7 @@ async fn what_is_committed_is_read_back_and_survives_reopening() {
     let dir = TempDir::new().unwrap();
     let (store, mut writer) = opened(&dir).await;
     let ids = [writer.next_id(UtcMicros(1_000_000)), writer.next_id(UtcMicros(1_000_000))];
-    let bench = BenchRow {
+    let bench = BenchItem {
         id: writer.next_id(UtcMicros(0)),
         gyro: 2,
         station: 1,

@@ -10,9 +10,10 @@ use super::sqlite::writer::waiting_for_disk;
 use super::sqlite::{lock, private};
 use super::statements::batch_of;
 use super::tables::access;
+use crate::core::access::Token;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::store::{AccessChanges, Cells, Changes, IdSource, Options, Result, Store, StoreError, TokenRow, Writer};
+use crate::store::{AccessChanges, Cells, Changes, IdSource, Options, Result, Store, StoreError, Writer};
 
 /// A database beside the service that may be serving it: for commands that read tokens or write one row.
 #[derive(Debug)]
@@ -52,7 +53,7 @@ impl Beside {
         Ok(Self(Aside::File { reading: Box::new(reading), writing: Box::new(writing), ids }))
     }
 
-    pub async fn tokens(&mut self) -> Result<Vec<TokenRow>> {
+    pub async fn tokens(&mut self) -> Result<Vec<Token>> {
         match &mut self.0 {
             Aside::File { reading, .. } => access::tokens_of(reading).await,
             Aside::Server { store, .. } => access::tokens(store).await,

@@ -8,12 +8,12 @@ use super::settings::ConfigArgs;
 use crate::cli::common::{block_on, instant};
 use crate::cli::prelude::*;
 use crate::config::Config;
-use crate::core::access::Role;
+use crate::core::access::{Role, Token};
 use crate::core::fault::Faults;
 use crate::core::message::sent;
 use crate::core::time::UtcMicros;
 use crate::pipeline::{NewToken, OrderError, create_beside, revoke_beside};
-use crate::store::{Beside, StoreError, TokenRow};
+use crate::store::{Beside, StoreError};
 use crate::system::Clock;
 use crate::wire::text;
 
@@ -146,7 +146,7 @@ fn checked(
     faults.or(NewToken { name, role, station, expires_at })
 }
 
-fn table(tokens: &[TokenRow], now: UtcMicros) -> String {
+fn table(tokens: &[Token], now: UtcMicros) -> String {
     let mut table = document::table_of("terminal_tokens_head", 0..0);
     for token in tokens {
         let state = match (token.revoked_at, token.expires_at) {

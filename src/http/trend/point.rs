@@ -2,9 +2,10 @@
 
 use super::body::Point;
 use crate::config::JudgedMethod;
+use crate::core::bench::BenchItem;
 use crate::core::figures::Figures;
 use crate::core::judge::{Coefficient, State};
-use crate::pipeline::{BenchItem, Names, Statuses, sample_of};
+use crate::pipeline::{Names, Statuses, sample_of};
 
 /// A record or an event that an answer holds, and what is shown of the record: another model in force restates it.
 pub(super) type Seen = (i64, Option<PointContent>);
@@ -62,7 +63,12 @@ pub(super) fn separated_point<'t>(
     }
 }
 
-pub(super) fn bench_point<'t>(row: &'t BenchItem, voided: Option<bool>, coefficient: Coefficient) -> Option<Point<'t>> {
+pub(super) fn bench_point<'t>(
+    row: &BenchItem,
+    voided: Option<bool>,
+    coefficient: Coefficient,
+    names: &'t Names<'_>,
+) -> Option<Point<'t>> {
     let column = coefficient.column().filter(|&column| column < 2)?;
     Some(Point {
         calibrated_at: row.measured_at,
@@ -71,7 +77,7 @@ pub(super) fn bench_point<'t>(row: &'t BenchItem, voided: Option<bool>, coeffici
         method: row.method.name(),
         imu: None,
         slot: None,
-        station: &row.station,
+        station: names.station(row.station),
         record: row.id,
         state: None,
         status: None,

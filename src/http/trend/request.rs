@@ -3,14 +3,14 @@
 use super::body::PointColumn;
 use super::point::TrendRow;
 use crate::config::JudgedMethod;
-use crate::core::bench::BenchMethod;
+use crate::core::bench::{BenchItem, BenchMethod};
 use crate::core::figures::Figures;
 use crate::core::judge::Coefficient;
 use crate::core::period::Period;
 use crate::core::time::{Span, UtcMicros};
 use crate::http::prelude::*;
 use crate::http::query::{bad, not_one_of};
-use crate::pipeline::{BenchItem, Levels};
+use crate::pipeline::Levels;
 use crate::wire::cursor::{self, List};
 
 /// Points of one JSON answer unless `limit` says otherwise, and at the most.

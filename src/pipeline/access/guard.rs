@@ -9,10 +9,10 @@ use super::audit::{By, Caller, SETUP};
 use super::limits::{Allowance, Failures};
 use super::secret::Secret;
 use crate::config::AccessConfig;
-use crate::core::access::Role;
+use crate::core::access::{Role, Token};
 use crate::core::message::Message;
 use crate::pipeline::prelude::*;
-use crate::store::{SessionRow, TokenRow};
+use crate::store::SessionRow;
 
 /// How long a token that was revoked by the command line may still be used.
 const REREAD: Duration = Duration::from_secs(1);
@@ -57,7 +57,7 @@ impl Denied {
 
 #[derive(Debug, Default)]
 struct CredentialCache {
-    tokens: HashMap<Id, TokenRow>,
+    tokens: HashMap<Id, Token>,
     sessions: HashMap<Id, SessionRow>,
 }
 
@@ -168,7 +168,7 @@ impl Guard {
 
     fn admit(
         &self,
-        row: TokenRow,
+        row: Token,
         by: impl FnOnce(Id) -> By,
         source: IpAddr,
         now: UtcMicros,
@@ -207,7 +207,7 @@ impl Guard {
 
     /// A right token is let in whatever wrong ones came from its address: a guess has one chance in 2^256, and stations
     /// behind one address must not be able to shut each other out.
-    async fn by_token(&self, text: &str, source: IpAddr, arrived: Instant) -> Result<TokenRow, Denied> {
+    async fn by_token(&self, text: &str, source: IpAddr, arrived: Instant) -> Result<Token, Denied> {
         let secret = Secret::read(text);
         let find = |guard: &Self| {
             let secret = secret.as_ref()?;

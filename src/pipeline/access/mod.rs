@@ -14,9 +14,8 @@ mod secret;
 use std::net::IpAddr;
 
 use super::write_queue::{Job, WriteQueue};
-use crate::core::access::{AuditEntry, AuditFilter, Role};
+use crate::core::access::{AuditEntry, AuditFilter, Token};
 use crate::pipeline::prelude::*;
-use crate::store::TokenRow;
 
 pub use audit::{Actor, By, Caller};
 pub use guard::{Denied, Guard};
@@ -26,26 +25,6 @@ pub use secret::Secret;
 
 /// Under which name a browser keeps what it was given when it signed in.
 pub const SESSION_COOKIE: &str = "gyrowatch_session";
-
-/// A token, without its secret.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Token {
-    pub id: Id,
-    pub name: String,
-    pub role: Role,
-    /// The only station that it may send for.
-    pub station: Option<String>,
-    pub created_at: UtcMicros,
-    pub expires_at: Option<UtcMicros>,
-    pub revoked_at: Option<UtcMicros>,
-}
-
-impl From<TokenRow> for Token {
-    fn from(row: TokenRow) -> Self {
-        let TokenRow { id, name, role, station, created_at, expires_at, revoked_at, .. } = row;
-        Self { id, name, role, station, created_at, expires_at, revoked_at }
-    }
-}
 
 /// Who may use the service, and what they did. Cheap to clone.
 #[derive(Debug, Clone)]
@@ -100,7 +79,7 @@ impl Access {
 
     /// Every token there ever was, oldest first.
     pub async fn tokens(&self) -> Result<Vec<Token>, StorageError> {
-        Ok(store::access::tokens(&self.store).await?.into_iter().map(Token::from).collect())
+        Ok(store::access::tokens(&self.store).await?)
     }
 
     /// The audit trail, newest first.

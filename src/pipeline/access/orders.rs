@@ -3,10 +3,10 @@
 use serde::Serialize;
 
 use super::secret::Secret;
-use crate::core::access::{AuditEntry, Role};
+use crate::core::access::{AuditEntry, Role, Token};
 use crate::pipeline::Guard;
 use crate::pipeline::prelude::*;
-use crate::store::{AccessChanges, Beside, SessionRow, TokenRow, Writer};
+use crate::store::{AccessChanges, Beside, SessionRow, Writer};
 use crate::wire::time;
 
 /// A token to be made.
@@ -50,8 +50,8 @@ struct AuditedToken<'a> {
     revoked_at: Option<String>,
 }
 
-impl<'a> From<&'a TokenRow> for AuditedToken<'a> {
-    fn from(row: &'a TokenRow) -> Self {
+impl<'a> From<&'a Token> for AuditedToken<'a> {
+    fn from(row: &'a Token) -> Self {
         Self {
             id: row.id.to_string(),
             name: &row.name,
@@ -70,7 +70,7 @@ pub(in crate::pipeline) async fn order_access(
     now: UtcMicros,
     order: &AccessOrder,
     by: &Actor,
-    known: &[TokenRow],
+    known: &[Token],
 ) -> Result<Option<Secret>, OrderError> {
     let mut access = AccessChanges::default();
     let line = writer.next_id(now);
@@ -125,23 +125,23 @@ fn draw(id: Id) -> Result<Secret, OrderError> {
     })
 }
 
-fn token_row(new: &NewToken, secret: &Secret, now: UtcMicros) -> TokenRow {
+fn token_row(new: &NewToken, secret: &Secret, now: UtcMicros) -> Token {
     let NewToken { name, role, station, expires_at } = new.clone();
     let secret_sha256 = secret.sha256();
-    TokenRow { id: secret.id, name, role, station, secret_sha256, created_at: now, expires_at, revoked_at: None }
+    Token { id: secret.id, name, role, station, secret_sha256, created_at: now, expires_at, revoked_at: None }
 }
 
-fn created(by: &Actor, line: Id, row: &TokenRow) -> AuditEntry {
+fn created(by: &Actor, line: Id, row: &Token) -> AuditEntry {
     let what = ("create token", format!("tokens/{}", row.id));
     by.line(line, row.created_at, what, NOTHING, Some(&AuditedToken::from(row)))
 }
 
 /// None where it was revoked before.
-fn revoked(by: &Actor, line: Id, row: &TokenRow, now: UtcMicros) -> Option<(TokenRow, AuditEntry)> {
+fn revoked(by: &Actor, line: Id, row: &Token, now: UtcMicros) -> Option<(Token, AuditEntry)> {
     if row.revoked_at.is_some() {
         return None;
     }
-    let after = TokenRow { revoked_at: Some(now), ..row.clone() };
+    let after = Token { revoked_at: Some(now), ..row.clone() };
     let what = ("revoke token", format!("tokens/{}", row.id));
     let audit = by.line(line, now, what, Some(&AuditedToken::from(row)), Some(&AuditedToken::from(&after)));
     Some((after, audit))

@@ -9,9 +9,9 @@ use serde::Deserialize;
 use super::forecaster::{Forecaster, stored};
 use super::models::InForce;
 use crate::core::judge::State;
+use crate::core::kind::RecordEntry;
 use crate::pipeline::Diagnoses;
 use crate::pipeline::prelude::*;
-use crate::store::RecordEntry;
 use crate::wire::forecast::{ForecastBody, ForecastPointBody, ForecastSeriesBody};
 use crate::words;
 

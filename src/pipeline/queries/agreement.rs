@@ -1,13 +1,13 @@
 //! Which results of a gyro are put side by side, and how far they are apart.
 
 use crate::config::{JudgedMethod, Judging};
-use crate::core::bench::BenchMethod;
+use crate::core::bench::{BenchItem, BenchMethod};
 use crate::core::judge::{Coefficient, Event, FigureSource, Mark, Measured, SourcedResult, agreement};
 use crate::core::mounting::Slot;
 use crate::pipeline::alerts::{Naming, Origin};
 use crate::pipeline::ingest::judge::gyro_window::{load_marks, mark_of, sample_of};
 use crate::pipeline::prelude::*;
-use crate::store::{BenchRow, HistoryRow, Tables};
+use crate::store::{HistoryRow, Tables};
 
 /// Results side by side, oldest first; ranges and verdicts of D_I and D_S.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,7 +90,7 @@ pub(crate) async fn agreement_after(
 /// `within_days`: how much older than the newest a result may be and count.
 fn compare(
     gyro: u32,
-    (benches, separations): (&[BenchRow], &[Figures]),
+    (benches, separations): (&[BenchItem], &[Figures]),
     within_days: Option<f64>,
     judging: &Judging,
     naming: &Naming<'_>,
@@ -123,7 +123,7 @@ async fn made_to_be_compared(
     store: &Store,
     gyro: u32,
     changes: &Changes,
-) -> Result<(Vec<BenchRow>, Vec<Figures>), StoreError> {
+) -> Result<(Vec<BenchItem>, Vec<Figures>), StoreError> {
     let mut benches = store::bench::of_gyro(store, gyro, Span::EVER).await?;
     benches.retain(|bench| !changes.withdrawn.benches.contains(&(bench.id, gyro)));
     benches.extend(changes.benches.iter().filter(|bench| bench.gyro == gyro).cloned());
@@ -149,7 +149,7 @@ async fn made_to_be_compared(
     marks.extend(new_marks.map(|row| mark_of(&row.told)));
     let since = last_repair(&marks, newest_bench.max(separation.as_ref().map(|figures| figures.at)));
     let separation = separation.filter(|figures| figures.at >= since);
-    let benches: Vec<BenchRow> = benches.into_iter().filter(|bench| bench.measured_at >= since).collect();
+    let benches: Vec<BenchItem> = benches.into_iter().filter(|bench| bench.measured_at >= since).collect();
     let around = separation.as_ref().map(|figures| figures.at);
     let benches = BenchMethod::ALL.into_iter().flat_map(|method| {
         let of_method = benches.iter().filter(|bench| bench.method == method).cloned().collect();
@@ -181,7 +181,7 @@ async fn nearest(store: &Store, gyro: u32, at: UtcMicros) -> Result<Option<Figur
 
 /// The nearest results before and after `at`, or the two nearest where all lie on one side; the newest three
 /// where there is nothing to be near to. `benches` oldest first.
-fn around_it(benches: Vec<BenchRow>, at: Option<UtcMicros>) -> Vec<BenchRow> {
+fn around_it(benches: Vec<BenchItem>, at: Option<UtcMicros>) -> Vec<BenchItem> {
     let end = benches.len();
     let kept = match at {
         None => end.saturating_sub(3)..end,
@@ -194,7 +194,7 @@ fn around_it(benches: Vec<BenchRow>, at: Option<UtcMicros>) -> Vec<BenchRow> {
     benches[kept].to_vec()
 }
 
-fn of_bench(bench: &BenchRow, tables: &Tables) -> Compared {
+fn of_bench(bench: &BenchItem, tables: &Tables) -> Compared {
     Compared {
         method: bench.method.name(),
         source: FigureSource::Bench(bench.method),

@@ -15,13 +15,14 @@ use crate::core::fleet_order::FleetOrder;
 use crate::core::judge::{
     BASELINE_RECORDS, Limits, Mark, Measured, Sample, State, Status, baseline_since, stated_level,
 };
+use crate::core::kind::RecordEntry;
 use crate::core::mounting::Slot;
 use crate::pipeline::Standing;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, marks_of, sample_of};
 use crate::pipeline::kept::Kept;
 use crate::pipeline::prelude::*;
 use crate::store::head::{CalibratedRow, DueImus, Narrowed, Ranks, Sought, Standings, StationTally, Tally};
-use crate::store::{RecordEntry, Stretch, Table};
+use crate::store::{Stretch, Table};
 use crate::wire::answer::VerdictBody;
 use crate::words;
 

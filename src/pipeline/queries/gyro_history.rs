@@ -3,15 +3,15 @@
 use super::agreement::compare_methods;
 use super::fleet::{level, stated};
 use crate::config::JudgedMethod;
+use crate::core::bench::BenchItem;
 use crate::core::correction::CorrectedResult;
 use crate::core::gyro_event::GyroEvent;
 use crate::core::judge::history::{baseline_of, seat_baseline_of};
 use crate::core::judge::{BASELINE_RECORDS, Coefficient, Event, Limits, Mark, Sample};
 use crate::pipeline::ingest::judge::gyro_window::{distinct, load_marks, mark_of, sample_of};
 use crate::pipeline::prelude::*;
-use crate::pipeline::queries::items::Names;
-use crate::pipeline::{BenchItem, Comparison, Statuses};
-use crate::store::{BenchRow, StoredVerdict};
+use crate::pipeline::{Comparison, Statuses};
+use crate::store::StoredVerdict;
 
 /// Everything about one gyro, oldest first.
 #[derive(Debug, Clone, PartialEq)]
@@ -189,17 +189,12 @@ impl Histories {
 
     /// Bench results that count, oldest first.
     pub async fn benches(&self, gyro: u32, span: Span) -> Result<Vec<BenchItem>, StorageError> {
-        Ok(self.bench_items(store::bench::of_gyro(&self.store, gyro, span).await?))
+        Ok(store::bench::of_gyro(&self.store, gyro, span).await?)
     }
 
     /// Bench results, those included that count no more.
     pub async fn all_benches(&self, gyro: u32, span: Span) -> Result<Vec<BenchItem>, StorageError> {
-        Ok(self.bench_items(store::bench::all_of_gyro(&self.store, gyro, span).await?))
-    }
-
-    fn bench_items(&self, rows: Vec<BenchRow>) -> Vec<BenchItem> {
-        let names = Names(self.store.names().read());
-        rows.into_iter().map(|row| BenchItem::of(row, &names)).collect()
+        Ok(store::bench::all_of_gyro(&self.store, gyro, span).await?)
     }
 
     /// What the rules say of these calibrations of one gyro, for these columns of D_I, D_S and D_O.

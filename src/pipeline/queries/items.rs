@@ -2,12 +2,11 @@
 
 use std::sync::RwLockReadGuard;
 
-use crate::core::bench::BenchMethod;
 use crate::core::correction::CorrectionItem;
 use crate::core::judge::State;
 use crate::core::message::{Message, sent};
 use crate::pipeline::prelude::*;
-use crate::store::{BenchRow, ConfirmationRow, RecordEntry, RecordRow, Tables};
+use crate::store::{ConfirmationRow, RecordRow, Tables};
 use crate::wire::table::nearest;
 
 /// The names of what is stored, while it is looked at.
@@ -22,6 +21,10 @@ impl Names<'_> {
 
     pub fn station(&self, number: u32) -> &str {
         self.0.stations.text(number)
+    }
+
+    pub fn gyro(&self, number: u32) -> &str {
+        self.0.gyros.text(number)
     }
 
     /// That no IMU has the name, with the one that it most resembles where one is near.
@@ -70,56 +73,6 @@ impl RecordItem {
         let (imu, station) = (names.imu(row.imu).to_owned(), names.station(row.station).to_owned());
         let states = row.verdicts.states().collect();
         Self { id, kind, imu, station, calibrated_at, received_at, body, notes, sent_by, states }
-    }
-}
-
-/// A record or a campaign in a list.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ListedRecord {
-    pub id: Id,
-    pub kind: Kind,
-    pub imu: String,
-    pub station: String,
-    pub calibrated_at: UtcMicros,
-    pub received_at: UtcMicros,
-    /// Neither voided nor revised nor set aside.
-    pub counts: bool,
-}
-
-impl ListedRecord {
-    pub(super) fn of(entry: &RecordEntry, names: &Names<'_>) -> Self {
-        let RecordEntry { id, kind, imu, station, calibrated_at, received_at, voided } = *entry;
-        let (imu, station) = (names.imu(imu).to_owned(), names.station(station).to_owned());
-        Self { id, kind, imu, station, calibrated_at, received_at, counts: !voided }
-    }
-}
-
-/// A bench result.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BenchItem {
-    pub id: Id,
-    pub serial: String,
-    pub station: String,
-    pub measured_at: UtcMicros,
-    pub method: BenchMethod,
-    /// D_I and D_S, deg/(h g0).
-    pub d: [f64; 2],
-    pub sd: [Option<f64>; 2],
-    /// It does not count any more.
-    pub voided: bool,
-    pub received_at: UtcMicros,
-    /// Word for word.
-    pub body: Arc<str>,
-    /// The line of the audit trail that says who sent it.
-    pub sent_by: Option<Id>,
-}
-
-impl BenchItem {
-    pub(super) fn of(row: BenchRow, names: &Names<'_>) -> Self {
-        let BenchRow { id, measured_at, method, d, sd, voided, received_at, body, sent_by, .. } = row;
-        let serial = names.0.gyros.text(row.gyro).to_owned();
-        let station = names.station(row.station).to_owned();
-        Self { id, serial, station, measured_at, method, d, sd, voided, received_at, body, sent_by }
     }
 }
 

@@ -30,7 +30,7 @@ pub use dues::{DueDate, Dues};
 pub use fleet::{BEYOND, Fleet, FleetFilter, FleetPage, RecentValues, Seats, StandingFilter};
 pub use foreseen::{Forecast, Foreseen};
 pub use gyro_history::{Baseline, Course, Histories, Levels, Tested};
-pub use items::{BenchItem, ListedRecord, Names};
+pub use items::Names;
 pub use record::{ListFilter, Records, StoredCampaign, StoredRecord};
 pub use standing::{Standing, Violation};
 pub use status::Statuses;

@@ -1,17 +1,19 @@
 //! What is stored, as it is answered: separations made again from the stored body, verdicts as they were decided.
 
 use crate::core::access::AuditEntry;
+use crate::core::bench::BenchItem;
 use crate::core::diagnose::{ClosureDiagnosis, closures};
 use crate::core::fault::Faults;
 use crate::core::judge::Older;
 use crate::core::judge::history::Need;
+use crate::core::kind::RecordEntry;
 use crate::core::name::Name;
 use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::fitted::CampaignFit;
 use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
 use crate::pipeline::prelude::*;
 use crate::pipeline::queries::items::{ItemStatus, Names, RecordItem};
-use crate::pipeline::{BenchItem, Calibration, ListedRecord, Reader};
+use crate::pipeline::{Calibration, Reader};
 use crate::store::{RecordFilter, RecordRow, StoredVerdict};
 use crate::system::sha256;
 use crate::wire::answer::{RecordAnswer, VerdictBody};
@@ -145,14 +147,13 @@ impl Records {
         Ok(store::record::get(&self.store, id).await?.map(|row| self.item(row)))
     }
 
-    /// Records and campaigns, the last to arrive first, from the one before `before` on; and whether there are more
-    /// than `most`.
+    /// Records and campaigns, the last to arrive first, from the one before `before` on.
     pub async fn listed(
         &self,
         filter: &ListFilter<'_>,
         before: Id,
         most: u32,
-    ) -> Result<(Vec<ListedRecord>, bool), StorageError> {
+    ) -> Result<Vec<RecordEntry>, StorageError> {
         let [imus, stations] =
             [vec![filter.imu], vec![filter.station]].map(|name| name.into_iter().flatten().collect());
         store::names::look_up(&self.store, [imus, stations, Vec::new()]).await?;
@@ -161,26 +162,19 @@ impl Records {
             let imu = filter.imu.map(|imu| names.imu_number(imu));
             (imu, filter.station.map(|station| names.station_number(station)))
         };
-        let (None | Some(Some(_)), None | Some(Some(_))) = numbers else { return Ok((Vec::new(), false)) };
+        let (None | Some(Some(_)), None | Some(Some(_))) = numbers else { return Ok(Vec::new()) };
         let (imu, station) = (numbers.0.flatten(), numbers.1.flatten());
         let filter = RecordFilter { kind: filter.kind, imu, station, calibrated: filter.calibrated };
-        let mut entries = store::record::listed(&self.store, filter, before, most.saturating_add(1)).await?;
-        let more = entries.len() > most as usize;
-        entries.truncate(most as usize);
-        let names = Names(self.store.names().read());
-        Ok((entries.iter().map(|entry| ListedRecord::of(entry, &names)).collect(), more))
+        Ok(store::record::listed(&self.store, filter, before, most).await?)
     }
 
     /// Records and campaigns of an IMU, newest first.
-    pub async fn of_imu(&self, imu: u32, most: u32) -> Result<Vec<ListedRecord>, StorageError> {
-        let entries = store::record::of_imu(&self.store, imu, most).await?;
-        let names = Names(self.store.names().read());
-        Ok(entries.iter().map(|entry| ListedRecord::of(entry, &names)).collect())
+    pub async fn of_imu(&self, imu: u32, most: u32) -> Result<Vec<RecordEntry>, StorageError> {
+        Ok(store::record::of_imu(&self.store, imu, most).await?)
     }
 
     pub async fn bench(&self, id: Id) -> Result<Option<BenchItem>, StorageError> {
-        let row = store::bench::get(&self.store, id).await?;
-        Ok(row.map(|row| BenchItem::of(row, &Names(self.store.names().read()))))
+        Ok(store::bench::get(&self.store, id).await?)
     }
 
     /// Whether a record, campaign or bench result counts, and what was said of it.

@@ -3,27 +3,7 @@
 use sqlx::SqliteConnection;
 
 use super::*;
-use crate::core::access::{AuditEntry, AuditFilter, Role};
-
-/// A token, without its secret.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct TokenRow {
-    pub id: Id,
-    pub name: String,
-    pub role: Role,
-    /// The only station that it may send for.
-    pub station: Option<String>,
-    pub secret_sha256: [u8; 32],
-    pub created_at: UtcMicros,
-    pub expires_at: Option<UtcMicros>,
-    pub revoked_at: Option<UtcMicros>,
-}
-
-impl TokenRow {
-    pub fn is_valid(&self, now: UtcMicros) -> bool {
-        self.revoked_at.is_none() && self.expires_at.is_none_or(|until| now < until)
-    }
-}
+use crate::core::access::{AuditEntry, AuditFilter, Token};
 
 /// A browser that signed in.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -39,7 +19,7 @@ pub struct SessionRow {
 #[derive(Debug, Default)]
 pub struct AccessChanges {
     /// New ones, and those that were revoked.
-    pub tokens: Vec<TokenRow>,
+    pub tokens: Vec<Token>,
     pub sessions: Vec<SessionRow>,
     pub ended: Vec<Id>,
     pub audit: Vec<AuditEntry>,
@@ -52,7 +32,7 @@ impl AccessChanges {
 }
 
 columns! {
-    TokenRow in "token" { id, name, role, station, secret_sha256, created_at, expires_at, revoked_at }
+    Token in "token" { id, name, role, station, secret_sha256, created_at, expires_at, revoked_at }
 }
 columns! {
     SessionRow in "session" { id, token, secret_sha256, began_at, expires_at }
@@ -69,13 +49,13 @@ pub(crate) fn apply(changes: &AccessChanges, batch: &mut Batch) {
 }
 
 /// Every token there ever was, oldest first.
-pub async fn tokens(store: &Store) -> Result<Vec<TokenRow>> {
-    read!(store, all, TokenRow::select("ORDER BY id"))
+pub async fn tokens(store: &Store) -> Result<Vec<Token>> {
+    read!(store, all, Token::select("ORDER BY id"))
 }
 
 /// As [`tokens`], by a connection of one's own.
-pub(in crate::store) async fn tokens_of(reading: &mut SqliteConnection) -> Result<Vec<TokenRow>> {
-    sqlx::query(TokenRow::select("ORDER BY id")).fetch_all(reading).await?.iter().map(AnyRow::whole).collect()
+pub(in crate::store) async fn tokens_of(reading: &mut SqliteConnection) -> Result<Vec<Token>> {
+    sqlx::query(Token::select("ORDER BY id")).fetch_all(reading).await?.iter().map(AnyRow::whole).collect()
 }
 
 pub async fn sessions(store: &Store) -> Result<Vec<SessionRow>> {

@@ -1,39 +1,18 @@
 //! Bench results.
 
-use std::sync::Arc;
-
 use super::*;
-use crate::core::bench::BenchMethod;
+use crate::core::bench::{BenchItem, BenchMethod};
 use crate::store::RecordAt;
 
-#[derive(Debug, Clone, PartialEq)]
-pub struct BenchRow {
-    pub id: Id,
-    pub gyro: u32,
-    pub station: u32,
-    pub measured_at: UtcMicros,
-    pub method: BenchMethod,
-    /// D_I and D_S, deg/(h g0).
-    pub d: [f64; 2],
-    pub sd: [Option<f64>; 2],
-    /// It does not count any more.
-    pub voided: bool,
-    pub received_at: UtcMicros,
-    pub body: Arc<str>,
-    pub body_sha256: [u8; 32],
-    /// As of [`crate::store::RecordRow`].
-    pub sent_by: Option<Id>,
-}
-
 columns! {
-    BenchRow in "bench_result" {
+    BenchItem in "bench_result" {
         id, gyro, station, measured_at, method, d: ["d_i", "d_s"], sd: ["d_i_sd", "d_s_sd"], voided, received_at, body,
         body_sha256, sent_by,
     }
 }
 
-pub async fn get(store: &Store, id: Id) -> Result<Option<BenchRow>> {
-    read!(store, first, BenchRow::select("WHERE id = $1"), id)
+pub async fn get(store: &Store, id: Id) -> Result<Option<BenchItem>> {
+    read!(store, first, BenchItem::select("WHERE id = $1"), id)
 }
 
 /// Those of `gyros` that have bench results.
@@ -44,15 +23,15 @@ pub async fn on_benches(store: &Store, gyros: &[u32]) -> Result<Vec<u32>> {
 }
 
 /// Bench results of a gyro within `span` that count, oldest first.
-pub async fn of_gyro(store: &Store, gyro: u32, span: Span) -> Result<Vec<BenchRow>> {
+pub async fn of_gyro(store: &Store, gyro: u32, span: Span) -> Result<Vec<BenchItem>> {
     let mut rows = all_of_gyro(store, gyro, span).await?;
     rows.retain(|row| !row.voided);
     Ok(rows)
 }
 
 /// Bench results of a gyro within `span`, those that do not count any more included, oldest first.
-pub async fn all_of_gyro(store: &Store, gyro: u32, span: Span) -> Result<Vec<BenchRow>> {
-    let sql = BenchRow::select("WHERE gyro = $1 AND measured_at BETWEEN $2 AND $3 ORDER BY measured_at, method, id");
+pub async fn all_of_gyro(store: &Store, gyro: u32, span: Span) -> Result<Vec<BenchItem>> {
+    let sql = BenchItem::select("WHERE gyro = $1 AND measured_at BETWEEN $2 AND $3 ORDER BY measured_at, method, id");
     read!(store, all, sql, gyro, span.from, span.to)
 }
 

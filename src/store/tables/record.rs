@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::*;
-use crate::core::kind::Kind;
+use crate::core::kind::{Kind, RecordEntry};
 use crate::store::RecordVerdicts;
 use crate::store::packed::text;
 use crate::store::tables::names::look_up_numbers;
@@ -50,19 +50,6 @@ pub struct RecordRow {
     pub sent_by: Option<Id>,
     /// At which it was calibrated, deg C; none where nothing states it, and of what an earlier version stored.
     pub temperature_c: Option<f64>,
-}
-
-/// A record or a campaign among others, without what it says.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct RecordEntry {
-    pub id: Id,
-    pub kind: Kind,
-    pub imu: u32,
-    pub station: u32,
-    pub calibrated_at: UtcMicros,
-    pub received_at: UtcMicros,
-    /// It does not count: voided, revised or set aside.
-    pub voided: bool,
 }
 
 columns! {

@@ -10,6 +10,7 @@ mod memory;
 
 use serde_json::{Value, json};
 
+use crate::core::bench::BenchItem;
 use crate::core::figures::{PublishedFigures, States};
 use crate::core::gyro_attributes::GyroAttributes;
 use crate::core::name::look_keys;
@@ -21,8 +22,7 @@ use crate::pipeline::ingest::submission::BenchTest;
 use crate::pipeline::prelude::*;
 use crate::pipeline::{AttributesOrder, CalibratedGyro, Calibration, EventOrder, Refused, Submission};
 use crate::store::{
-    BenchRow, EventRow, GyroAttributeRow, HistoryRow, NamesOf, NewName, RecordRow, RecordVerdicts, RestatedRow,
-    StoredVerdict,
+    EventRow, GyroAttributeRow, HistoryRow, NamesOf, NewName, RecordRow, RecordVerdicts, RestatedRow, StoredVerdict,
 };
 use crate::wire::document::DocumentKind;
 use crate::wire::{history_note, time};
@@ -160,7 +160,7 @@ impl Admission<'_> {
         let sent_by = Some(self.note_sending("bench-results", id, group));
         group.benches.insert((gyro, at, method), (id, sent.body_sha256));
         group.take_key(sent.idempotency_key.as_deref(), id, sent.body_sha256);
-        group.changes.benches.push(BenchRow {
+        group.changes.benches.push(BenchItem {
             id,
             gyro,
             station,

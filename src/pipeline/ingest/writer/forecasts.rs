@@ -5,12 +5,13 @@
 use super::state::{Tally, WriterState};
 use crate::core::alert_decision::Late;
 use crate::core::judge::Finding;
+use crate::core::kind::RecordEntry;
 use crate::pipeline::Adoption;
 use crate::pipeline::alerts::{AlertCache, AlertContext, Origin};
 use crate::pipeline::diagnoses::{Made, newest_verdict};
 use crate::pipeline::ingest::judge::Undone;
 use crate::pipeline::prelude::*;
-use crate::store::{AlertOf, AlertRow, RecordEntry};
+use crate::store::{AlertOf, AlertRow};
 
 pub(super) struct ForecastAlerts<'a> {
     pub state: &'a mut WriterState,

@@ -20,6 +20,7 @@ pub mod dwells;
 pub mod effects;
 pub mod fault;
 pub mod figures;
+pub mod first_of;
 pub mod fleet_order;
 pub mod frames;
 pub mod gyro_attributes;

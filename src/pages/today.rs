@@ -16,10 +16,10 @@ use super::station::changes;
 use super::{bullet, status as badges};
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{FleetStations, Shared};
+use crate::core::first_of::{DueImu, FirstOf};
 use crate::core::gyro_event::GyroEvent;
 use crate::pipeline::{
-    CommonShift, DueDate, DueImu, FirstOf, FleetFilter, FleetPage, LINES, Names, Standing, Today, Together, Violation,
-    today,
+    CommonShift, DueDate, FleetFilter, FleetPage, LINES, Names, Standing, Today, Together, Violation, today,
 };
 
 /// Gyros that drift whose dates are asked for.
@@ -86,9 +86,9 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &TodayQuery) -> Result<Pag
             (worse(viewer, &today.worse, since, &known, &names))
             (still_out(viewer, &fleet, (&today.worse, &out), &known, &names))
             (approaching.shown(t, undated, &names))
-            (due(t, &today, &gone, now))
+            (due(t, &today, &gone, now, &names))
             div {
-                (several(viewer, &today, &of_groups, &changed, pages.config.judging.budget))
+                (several(viewer, &today, &of_groups, &changed, pages.config.judging.budget, &names))
                 @if stations.is_none() && fleet.total > 0 { p.note { (t.stations_not_compared) } }
             }
             @if today.outside.of > 0 { (outside(t, &today)) }
@@ -156,15 +156,13 @@ fn began_since(alerts: &[AlertBody], day_asked: UtcMicros) -> Vec<(Violation, Ut
 }
 
 /// Overdue gyros whose place in the IMU another one has taken.
-async fn no_longer_in_it(pages: &Pages, overdue: &[DueImu]) -> Result<HashMap<Arc<str>, Vec<Arc<str>>>, Problem> {
+async fn no_longer_in_it(pages: &Pages, overdue: &[DueImu]) -> Result<HashMap<u32, Vec<Arc<str>>>, Problem> {
     let mut gone = HashMap::new();
     for DueImu { imu, .. } in overdue {
-        let number = pages.pipeline.queries.names().imu_number(imu);
-        let Some(number) = number else { continue };
-        let before = pages.pipeline.queries.fleet.seated_in(number).await?.before.into_iter();
+        let before = pages.pipeline.queries.fleet.seated_in(*imu).await?.before.into_iter();
         let late: Vec<Arc<str>> = before.filter(|one| one.overdue_days.is_some()).map(|one| one.serial).collect();
         if !late.is_empty() {
-            gone.insert(imu.clone(), late);
+            gone.insert(*imu, late);
         }
     }
     Ok(gone)
@@ -336,14 +334,15 @@ impl<'a> Approaching<'a> {
     }
 }
 
-fn due(t: &Text, today: &Today, gone: &HashMap<Arc<str>, Vec<Arc<str>>>, now: UtcMicros) -> Markup {
+fn due(t: &Text, today: &Today, gone: &HashMap<u32, Vec<Arc<str>>>, now: UtcMicros, names: &Names<'_>) -> Markup {
     let lines = |list: &FirstOf<DueImu>, is_over: bool| {
         html! {
             @for due in &list.first {
                 tr {
                     td { @if is_over { (badges::badge(t, Some(Status::Overdue))) } @else { span.quiet { (t.due_word) } } }
                     @let gone = gone.get(&due.imu).filter(|_| is_over);
-                    @let imu = html! { a.id href={ "/imus/" (encoded(&due.imu)) } { (due.imu) } };
+                    @let imu = names.imu(due.imu);
+                    @let imu = html! { a.id href={ "/imus/" (encoded(imu)) } { (imu) } };
                     @let serials = html! {
                         @for serial in gone.into_iter().flatten() { a.id href={ "/gyros/" (encoded(serial)) } { (serial) } " " }
                     };
@@ -410,6 +409,7 @@ fn several(
     of_groups: &[&AlertBody],
     changed: &[StationChange<'_>],
     budget: f64,
+    names: &Names<'_>,
 ) -> Markup {
     let t = viewer.text();
     // What is over says nothing of the newest records.
@@ -425,8 +425,9 @@ fn several(
         @if !of_groups.is_empty() { (alerts::table(viewer, of_groups.iter().copied(), false, None)) }
         ul.findings {
             @for moved in &today.moved {
+                @let imu = names.imu(moved.imu);
                 li {
-                    a.id href={ "/imus/" (encoded(&moved.imu)) } { (moved.imu) } " · "
+                    a.id href={ "/imus/" (encoded(imu)) } { (imu) } " · "
                     a href={ "/records/" (moved.record) } { (day(moved.at)) } ": "
                     (t.all_moved_by) " " (format!("{:.0}", moved.least)) " " (t.budgets_or_more) " (" (t.count_of_gyros(moved.gyros)) "). "
                     strong { (t.wrong_file) }

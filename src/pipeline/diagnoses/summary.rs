@@ -3,6 +3,7 @@
 //! One pass over the digests in order of time; what is held grows with gyros and findings, not with campaigns.
 
 use crate::core::effects::Effect;
+use crate::core::first_of::FirstOf;
 use crate::pipeline::diagnoses::digest::{Digest, NamedDigest, OUTSIDE, OutsideForecast, REFUSED};
 use crate::pipeline::prelude::*;
 use crate::store::{CampaignFilter, DigestRow, Tables};
@@ -296,7 +297,7 @@ pub(in crate::pipeline) async fn outside_forecasts(
     store: &Store,
     since: UtcMicros,
     limit: usize,
-) -> Result<(Vec<OutsideForecastBody>, usize), StoreError> {
+) -> Result<FirstOf<OutsideForecastBody>, StoreError> {
     let (rows, of) = store::diagnosis_digest::holding(store, OUTSIDE, since, limit).await?;
     let tables = store.names().read();
     let body = |row: &DigestRow| {
@@ -304,7 +305,7 @@ pub(in crate::pipeline) async fn outside_forecasts(
         let seen = Sighting { record: row.record, at: row.measured_at, station: row.station };
         Some(outside_body(row.imu, &(seen, outside), &tables))
     };
-    Ok((rows.iter().filter_map(body).collect(), of))
+    Ok(FirstOf { first: rows.iter().filter_map(body).collect(), of })
 }
 
 /// The median of an even number is the lower of the two in the middle: a figure that some campaign reports.

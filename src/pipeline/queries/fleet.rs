@@ -11,6 +11,7 @@ use super::found_until::found_until;
 use super::record::Records;
 use super::standing::{StoredFacts, of_rank, rank};
 use crate::core::changes::{self, FleetStations};
+use crate::core::first_of::{DueImu, FirstOf};
 use crate::core::fleet_order::FleetOrder;
 use crate::core::judge::{
     BASELINE_RECORDS, Limits, Mark, Measured, Sample, State, Status, baseline_since, stated_level,
@@ -21,7 +22,7 @@ use crate::pipeline::Standing;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, marks_of, sample_of};
 use crate::pipeline::kept::Kept;
 use crate::pipeline::prelude::*;
-use crate::store::head::{CalibratedRow, DueImus, Narrowed, Ranks, Sought, Standings, StationTally, Tally};
+use crate::store::head::{CalibratedRow, Narrowed, Ranks, Sought, Standings, StationTally, Tally};
 use crate::store::{Stretch, Table};
 use crate::wire::answer::VerdictBody;
 use crate::words;
@@ -80,7 +81,7 @@ pub struct Fleet {
 pub(super) struct KnownOfFleet {
     counts: Kept<(Vec<Tally>, Vec<StationTally>)>,
     imus: Kept<usize>,
-    pub dues: Kept<[DueImus; 2]>,
+    pub dues: Kept<[FirstOf<DueImu>; 2]>,
     /// Since an instant.
     pub calibrated: Kept<Vec<CalibratedRow>>,
     /// What the stations do.
@@ -868,12 +869,12 @@ mod tests {
                 let (first, gyros) = of_imus.entry(imu).or_insert((at, 0));
                 (*first, *gyros) = (at.min(*first), *gyros + 1);
             }
-            let mut expected: Vec<(u32, UtcMicros, usize)> =
-                of_imus.iter().map(|(imu, (at, gyros))| (*imu, *at, *gyros)).collect();
-            expected.sort_by_key(|(imu, at, _)| (*at, *imu));
-            expected.truncate(4);
+            let row = |(&imu, &(at, gyros)): (&u32, &(UtcMicros, usize))| DueImu { imu, at, gyros };
+            let mut first: Vec<DueImu> = of_imus.iter().map(row).collect();
+            first.sort_by_key(|due| (due.at, due.imu));
+            first.truncate(4);
             let found = store::head::due(&store, [from, until].map(UtcMicros), 4).await.unwrap();
-            assert_eq!(found, (expected, of_imus.len()), "{from} to {until}");
+            assert_eq!(found, FirstOf { first, of: of_imus.len() }, "{from} to {until}");
         }
     }
 }

@@ -2,10 +2,11 @@
 
 use super::common_shift::shifts_of;
 use super::fleet::Fleet;
+use crate::core::first_of::{DueImu, FirstOf, MovedImu};
 use crate::pipeline::diagnoses::outside_forecasts;
 use crate::pipeline::prelude::*;
 use crate::pipeline::{CommonShift, Standing};
-use crate::store::head::{CalibratedRow, DueImus};
+use crate::store::head::CalibratedRow;
 use crate::wire::diagnoses::OutsideForecastBody;
 
 /// Lines of each list.
@@ -14,13 +15,6 @@ pub const LINES: usize = 6;
 pub const DUE_DAYS: f64 = 14.0;
 /// All gyros of an IMU so many budgets from their baselines: hardly all of them at once.
 const MOVED: f64 = 5.0;
-
-/// The first of a list, and how long it is.
-#[derive(Debug, Clone)]
-pub struct FirstOf<T> {
-    pub first: Vec<T>,
-    pub of: usize,
-}
 
 /// What there is to be done.
 #[derive(Debug, Clone)]
@@ -38,26 +32,6 @@ pub struct Today {
     pub outside: FirstOf<OutsideForecastBody>,
 }
 
-/// An IMU with gyros to be calibrated.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DueImu {
-    pub imu: Arc<str>,
-    /// When the first of them was or is due.
-    pub at: UtcMicros,
-    pub gyros: usize,
-}
-
-/// An IMU of which every gyro lies far from its baseline.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MovedImu {
-    pub imu: Arc<str>,
-    pub record: Id,
-    pub at: UtcMicros,
-    pub gyros: usize,
-    /// That of the gyro that lies nearest, in budgets.
-    pub least: f64,
-}
-
 /// What has become worse since an instant, what soon will, what is due, and where several gyros moved at once; of
 /// each as many as [`LINES`].
 pub async fn today(fleet: &Fleet, since: UtcMicros) -> Result<Today, StorageError> {
@@ -67,26 +41,17 @@ pub async fn today(fleet: &Fleet, since: UtcMicros) -> Result<Today, StorageErro
     let dues = fleet.known.dues.at(store::head::version(store), now, dues(store, now)).await?;
     let calibrated = fleet.known.calibrated.at(store::head::version(store), since, calibrated(store, since)).await?;
     let moved = store::head::moved(store, since, MOVED, LINES).await?;
-    let (first, of) = outside_forecasts(store, since, LINES).await?;
-    let outside = FirstOf { first, of };
+    let outside = outside_forecasts(store, since, LINES).await?;
     let (worse, approaching) = (first_of(fleet, worse).await?, first_of(fleet, approaching).await?);
     let tables = store.names().read();
-    let imu = |number: u32| Arc::from(tables.imus.text(number));
-    let [overdue, due] = dues.each_ref().map(|(rows, of)| {
-        let row = |(number, at, gyros): &(u32, UtcMicros, usize)| DueImu { imu: imu(*number), at: *at, gyros: *gyros };
-        FirstOf { first: rows.iter().map(row).collect(), of: *of }
-    });
-    let moved = moved.into_iter().map(|row| {
-        let store::head::MovedRow { record, at, gyros, least, .. } = row;
-        MovedImu { imu: imu(row.imu), record, at, gyros, least }
-    });
+    let [overdue, due] = (*dues).clone();
     let station = |number: u32| Arc::from(tables.stations.text(number));
     let shifts = shifts_of(&calibrated, station);
-    Ok(Today { worse, approaching, overdue, due, shifts, moved: moved.collect(), outside })
+    Ok(Today { worse, approaching, overdue, due, shifts, moved, outside })
 }
 
 /// IMUs that are overdue and that soon will be, and until when they are the same.
-async fn dues(store: &Store, now: UtcMicros) -> Result<([DueImus; 2], UtcMicros), StoreError> {
+async fn dues(store: &Store, now: UtcMicros) -> Result<([FirstOf<DueImu>; 2], UtcMicros), StoreError> {
     let due_by = now.plus_days(DUE_DAYS);
     let overdue = store::head::due(store, [UtcMicros(i64::MIN), now], LINES).await?;
     let due = store::head::due(store, [now, due_by], LINES).await?;
@@ -102,6 +67,6 @@ async fn calibrated(store: &Store, since: UtcMicros) -> Result<(Vec<CalibratedRo
     Ok((newest, first))
 }
 
-async fn first_of(fleet: &Fleet, (gyros, of): (Vec<u32>, usize)) -> Result<FirstOf<Standing>, StorageError> {
-    Ok(FirstOf { first: fleet.standings_of(&gyros).await?, of })
+async fn first_of(fleet: &Fleet, gyros: FirstOf<u32>) -> Result<FirstOf<Standing>, StorageError> {
+    Ok(FirstOf { first: fleet.standings_of(&gyros.first).await?, of: gyros.of })
 }

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
 use super::*;
+use crate::core::first_of::{DueImu, FirstOf, MovedImu};
 use crate::core::fleet_order::FleetOrder;
 use crate::core::judge::{Coefficient, Event, Measured, Outlook, Reach, Rule, Severity, State, Status};
 use crate::core::mounting::Slot;
@@ -471,13 +472,13 @@ pub async fn in_order(
 }
 
 /// Gyros of which something began to be worse no earlier than `since`, the newest first: as many as `limit`, of all.
-pub async fn changed(store: &Store, since: UtcMicros, limit: usize) -> Result<(Vec<u32>, usize)> {
+pub async fn changed(store: &Store, since: UtcMicros, limit: usize) -> Result<FirstOf<u32>> {
     first_and_count(store, "changed_at >= $1 AND rank > 10", "changed_at DESC", since, limit).await
 }
 
 /// Gyros in use that are not beyond a limit and that their trends carry to the budget after `now`, the first to reach it
 /// first: as many as `limit`, of all.
-pub async fn approaching(store: &Store, now: UtcMicros, limit: usize) -> Result<(Vec<u32>, usize)> {
+pub async fn approaching(store: &Store, now: UtcMicros, limit: usize) -> Result<FirstOf<u32>> {
     // The rank is no way to find them: nearly all gyros have one of these.
     let by = key(FleetOrder::Reach);
     let those = format!("{by} BETWEEN $1 AND 9223372036854775806 AND rank + 0 BETWEEN 10 AND 16");
@@ -485,24 +486,15 @@ pub async fn approaching(store: &Store, now: UtcMicros, limit: usize) -> Result<
 }
 
 /// `$1` is an instant.
-async fn first_and_count(
-    store: &Store,
-    those: &str,
-    by: &str,
-    at: UtcMicros,
-    limit: usize,
-) -> Result<(Vec<u32>, usize)> {
-    let of = AssertSqlSafe(format!("SELECT gyro FROM head WHERE {those} ORDER BY {by}, serial LIMIT $2"));
+async fn first_and_count(store: &Store, those: &str, by: &str, at: UtcMicros, limit: usize) -> Result<FirstOf<u32>> {
+    let first = AssertSqlSafe(format!("SELECT gyro FROM head WHERE {those} ORDER BY {by}, serial LIMIT $2"));
     let count = AssertSqlSafe(format!("SELECT count(*) FROM head WHERE {those}"));
-    Ok((read!(store, all, of, at, limit)?, read!(store, one, count, at)?))
+    Ok(FirstOf { first: read!(store, all, first, at, limit)?, of: read!(store, one, count, at)? })
 }
 
-/// The first IMUs with gyros that are due: number, when the first is due, how many are; and how many IMUs there are.
-pub type DueImus = (Vec<(u32, UtcMicros, usize)>, usize);
-
 /// IMUs with gyros that are due from one instant until before another, those whose first is due the longest ago first:
-/// number, when the first was or is due, how many are; as many as `limit`, of all.
-pub async fn due(store: &Store, [from, until]: [UtcMicros; 2], limit: usize) -> Result<DueImus> {
+/// as many as `limit`, of all.
+pub async fn due(store: &Store, [from, until]: [UtcMicros; 2], limit: usize) -> Result<FirstOf<DueImu>> {
     let sql = "SELECT imu, overdue_at FROM head
                WHERE overdue_at IS NOT NULL AND overdue_at >= $1 AND overdue_at < $2 AND imu IS NOT NULL
                ORDER BY overdue_at, imu LIMIT $3";
@@ -528,8 +520,8 @@ pub async fn due(store: &Store, [from, until]: [UtcMicros; 2], limit: usize) -> 
                        SELECT DISTINCT imu FROM head
                        WHERE overdue_at IS NOT NULL AND overdue_at >= $1 AND overdue_at < $2 AND imu IS NOT NULL) AS due";
     let all = read!(store, one, all, from, until)?;
-    let row = |(imu, at): (u32, UtcMicros)| (imu, at, gyros.get(&imu).copied().unwrap_or_default());
-    Ok((first.into_iter().map(row).collect(), all))
+    let row = |(imu, at): (u32, UtcMicros)| DueImu { imu, at, gyros: gyros.get(&imu).copied().unwrap_or_default() };
+    Ok(FirstOf { first: first.into_iter().map(row).collect(), of: all })
 }
 
 /// A gyro's newest calibration, for what its station has done to others too.
@@ -578,24 +570,13 @@ pub async fn near(store: &Store, station: u32, gyro: u32, most: usize) -> Result
     Ok(found)
 }
 
-/// A record of which every gyro lies far from its baseline.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MovedRow {
-    pub record: Id,
-    pub imu: u32,
-    pub at: UtcMicros,
-    pub gyros: usize,
-    /// The least load of them.
-    pub least: f64,
-}
-
 columns! {
-    MovedRow in "head" { record, imu, at, gyros, least }
+    MovedImu in "head" { record, imu, at, gyros, least }
 }
 
 /// Records with three gyros or more that began to be worse no earlier than `since` and lie `loads` budgets or more
 /// from their baselines, the farthest first.
-pub async fn moved(store: &Store, since: UtcMicros, loads: f64, limit: usize) -> Result<Vec<MovedRow>> {
+pub async fn moved(store: &Store, since: UtcMicros, loads: f64, limit: usize) -> Result<Vec<MovedImu>> {
     let sql = "SELECT record, imu, max(calibrated_at) AS at, count(*) AS gyros, min(extreme) AS least FROM head
                WHERE changed_at >= $1 AND extreme >= $2 GROUP BY record, imu HAVING count(*) >= 3
                ORDER BY 5 DESC, 1 LIMIT $3";

@@ -239,12 +239,13 @@ async fn copy_table(
     let mut done = done.unwrap_or(0);
     let sql = AssertSqlSafe(format!("{} LIMIT -1 OFFSET $1", table.select()));
     let mut rows = sqlx::query(sql).bind(done).fetch(source);
-    let (mut block, mut bytes) = (Vec::new(), 0);
+    let (mut block, mut bytes, mut packed) = (Vec::new(), 0, Vec::new());
     loop {
         let row = rows.try_next().await?;
         let ended = row.is_none();
         if let Some(row) = row {
-            bytes += size(table, &row)?;
+            pack(table, &row, &mut packed)?;
+            bytes += packed.len();
             block.push(row);
         }
         if !block.is_empty() && (ended || block.len() == BLOCK_ROWS || bytes >= BLOCK_BYTES) {
@@ -258,18 +259,6 @@ async fn copy_table(
             return Ok(());
         }
     }
-}
-
-fn size(table: &CopiedTable, row: &SqliteRow) -> Result<usize, sqlx::Error> {
-    let mut size = 0;
-    for (place, (_, kind)) in table.columns.iter().enumerate() {
-        size += match kind {
-            ColumnType::Text => row.try_get::<Option<&str>, _>(place)?.map_or(0, str::len),
-            ColumnType::Bytes => row.try_get::<Option<&[u8]>, _>(place)?.map_or(0, <[u8]>::len),
-            ColumnType::Whole | ColumnType::Real => 8,
-        };
-    }
-    Ok(size)
 }
 
 /// One transaction: the rows, and how many there are now.
@@ -301,21 +290,27 @@ async fn sum<R: AnyRow>(
 ) -> Result<(u64, u128)> {
     let (mut count, mut sum, mut bytes) = (0, 0_u128, Vec::new());
     while let Some(row) = rows.try_next().await? {
-        bytes.clear();
-        for (place, (_, kind)) in table.columns.iter().enumerate() {
-            match kind {
-                ColumnType::Whole => add(&mut bytes, row.cell::<Option<i64>>(place)?.map(i64::to_le_bytes)),
-                ColumnType::Real => add(&mut bytes, row.cell::<Option<f64>>(place)?.map(f64::to_le_bytes)),
-                ColumnType::Text => add(&mut bytes, row.cell::<Option<String>>(place)?),
-                ColumnType::Bytes => add(&mut bytes, row.cell::<Option<Vec<u8>>>(place)?),
-            }
-        }
+        pack(table, &row, &mut bytes)?;
         let hash = sha256(&bytes);
         let half = hash.first_chunk().expect("SHA-256 has 32 bytes");
         sum = sum.wrapping_add(u128::from_le_bytes(*half));
         count += 1;
     }
     Ok((count, sum))
+}
+
+/// What a row holds, cell by cell.
+fn pack(table: &CopiedTable, row: &impl AnyRow, bytes: &mut Vec<u8>) -> Result<()> {
+    bytes.clear();
+    for (place, (_, kind)) in table.columns.iter().enumerate() {
+        match kind {
+            ColumnType::Whole => add(bytes, row.cell::<Option<i64>>(place)?.map(i64::to_le_bytes)),
+            ColumnType::Real => add(bytes, row.cell::<Option<f64>>(place)?.map(f64::to_le_bytes)),
+            ColumnType::Text => add(bytes, row.cell::<Option<String>>(place)?),
+            ColumnType::Bytes => add(bytes, row.cell::<Option<Vec<u8>>>(place)?),
+        }
+    }
+    Ok(())
 }
 
 /// Nothing is told from an empty value by its length.

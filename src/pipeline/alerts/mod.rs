@@ -99,13 +99,8 @@ impl Alerts {
         let (now, is_newest_first) = (self.clock.now(), filter.standing == Some(Standing::Resolved));
         let gyros = store::alerts::gyros_found(&self.store, filter, now, is_newest_first, [skip, most]).await?;
         let rows = store::alerts::found_of(&self.store, filter, now, &gyros).await?;
-        let naming = Naming { tables: &self.store.names().read(), new: None };
-        let of_gyro = |gyro: &u32| {
-            let of_it = rows.iter().filter(|row| row.of.gyro() == Some(*gyro));
-            let alerts = of_it.map(|row| naming.alert(row, now)).collect::<Result<_, _>>()?;
-            Ok((*gyro, alerts))
-        };
-        Ok(gyros.iter().map(of_gyro).collect::<Result<_, StoreError>>()?)
+        let of_it = |gyro: u32| rows.iter().filter(move |row| row.of.gyro() == Some(gyro));
+        gyros.iter().map(|gyro| Ok((*gyro, self.bodies(of_it(*gyro), now)?))).collect()
     }
 
     /// Alerts of stations, batches and IMUs that a filter lets through, the newest first.

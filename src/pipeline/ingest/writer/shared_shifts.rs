@@ -237,7 +237,7 @@ impl SharedShifts<'_> {
         if self.config.judging.overrides.is_empty() {
             return String::new();
         }
-        Naming { tables: &self.store.names().read(), new: None }.imu(imu)
+        self.store.names().read().imus.text(imu).to_owned()
     }
 
     /// The newest calibrations of the fleet, or of one station, made no earlier than `from`.
@@ -246,9 +246,9 @@ impl SharedShifts<'_> {
         // Without overrides all have the same.
         let of_all = self.config.judging.overrides.is_empty().then(|| self.budgets("", ""));
         let tables = self.store.names().read();
-        let naming = Naming { tables: &tables, new: None };
         let calibrated = rows.into_iter().map(|row| {
-            let budgets = of_all.unwrap_or_else(|| self.budgets(&naming.imu(row.imu), &naming.gyro(row.gyro)));
+            let budgets =
+                of_all.unwrap_or_else(|| self.budgets(tables.imus.text(row.imu), tables.gyros.text(row.gyro)));
             let deviation = [0, 1].map(|column| times(row.load[column], budgets[column]));
             let store::head::CalibratedRow { gyro, imu, station, at, batch, .. } = row;
             NewestCalibration { gyro, imu, station, at, deviation, batch }

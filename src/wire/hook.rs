@@ -10,7 +10,7 @@ use crate::core::name::{Name, normal_form};
 use crate::wire::prelude::*;
 
 /// A hook to be set up.
-#[derive(Deserialize, ToSchema)]
+#[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewHookBody {
     /// For people, and the `receiver` of Alertmanager's body. The kind, where it is left out.
@@ -40,7 +40,7 @@ fn yes() -> bool {
 }
 
 /// What is to change of a hook; what is left out stays.
-#[derive(Default, Deserialize, ToSchema)]
+#[derive(Debug, Default, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct HookPatchBody {
     pub name: Option<String>,

@@ -180,18 +180,19 @@ impl HookHandler<'_> {
             return Err(OrderError::TooManyHooks(MOST_HOOKS));
         }
         let id = self.writer.next_id(self.now);
+        let NewHook { body, kind, secret, .. } = new;
         let row = HookRow {
             id,
-            name: new.name.clone(),
-            kind: new.kind.name().to_owned(),
-            url: new.url.clone(),
-            authorization: new.authorization.clone(),
-            secret: new.secret.as_ref().map(|secret| secret.reveal()),
+            name: body.name.clone().unwrap_or_else(|| kind.name().to_owned()),
+            kind: kind.name().to_owned(),
+            url: body.url.clone(),
+            authorization: body.authorization.clone(),
+            secret: secret.as_ref().map(|secret| secret.reveal()),
             old_secret: None,
-            filter: text(&new.filter),
-            batch: new.batch,
-            expect: new.expect.as_ref().map(text),
-            enabled: new.enabled,
+            filter: text(&body.filter),
+            batch: body.batch,
+            expect: body.expect.as_ref().map(text),
+            enabled: body.enabled,
             disabled_because: None,
             created_at: self.now,
             changed_at: self.now,
@@ -244,7 +245,8 @@ impl HookHandler<'_> {
     async fn change(&mut self, id: Id, patch: &HookPatch, changes: &mut Changes) -> Result<Id, OrderError> {
         let mut hook = self.hook(id).await?;
         let was_enabled = hook.enabled;
-        if let Some(secret) = &patch.secret {
+        let HookPatch { body: patch, secret } = patch;
+        if let Some(secret) = secret {
             if secret.is_none() && hook.kind == HookKind::StandardWebhooks.name() {
                 return Err(OrderError::SecretNeeded);
             }

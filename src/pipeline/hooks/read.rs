@@ -8,7 +8,7 @@ use crate::core::fault::Faults;
 use crate::core::message::{list, sent, text};
 use crate::core::record::Name;
 use crate::message;
-use crate::wire::hook::{ExpectBody, FilterBody, HookPatchBody, NewHookBody};
+use crate::wire::hook::{HookPatchBody, NewHookBody};
 use crate::wire::json;
 
 /// Longest `Authorization` header.
@@ -17,30 +17,19 @@ const MAX_AUTHORIZATION: usize = 4096;
 /// A hook that can be set up.
 #[derive(Debug)]
 pub struct NewHook {
-    pub(super) name: String,
+    /// Without the secret that it gives.
+    pub(super) body: NewHookBody,
     pub(super) kind: HookKind,
-    pub(super) url: String,
     pub(super) secret: Option<Secret>,
-    pub(super) authorization: Option<String>,
-    pub(super) filter: FilterBody,
-    pub(super) enabled: bool,
-    pub(super) batch: bool,
-    pub(super) expect: Option<ExpectBody>,
     drawn: bool,
 }
 
 /// Changes of a hook that can be made, but for a kind that does not allow them.
 #[derive(Debug)]
 pub struct HookPatch {
-    pub(super) name: Option<String>,
-    pub(super) url: Option<String>,
+    /// Without the secret that it gives.
+    pub(super) body: HookPatchBody,
     pub(super) secret: Option<Option<Secret>>,
-    pub(super) authorization: Option<Option<String>>,
-    pub(super) filter: Option<FilterBody>,
-    pub(super) enabled: Option<bool>,
-    pub(super) batch: Option<bool>,
-    pub(super) expect: Option<Option<ExpectBody>>,
-    drawn: bool,
 }
 
 impl NewHook {
@@ -53,13 +42,13 @@ impl NewHook {
 impl HookPatch {
     /// The new secret, where the service has drawn it.
     pub fn drawn(&self) -> Option<Secret> {
-        self.secret.clone().flatten().filter(|_| self.drawn)
+        self.secret.clone().flatten().filter(|_| self.body.rotate_secret)
     }
 }
 
 /// `has_mail`: the configuration names a mail server.
 pub(super) fn new_hook(bytes: &[u8], policy: &TargetPolicy, has_mail: bool) -> Result<NewHook, Faults> {
-    let body: NewHookBody = json::parse(bytes)?;
+    let mut body: NewHookBody = json::parse(bytes)?;
     let mut faults = Faults::default();
     let kind = HookKind::from_name(&body.kind);
     if kind.is_none() {
@@ -74,15 +63,14 @@ pub(super) fn new_hook(bytes: &[u8], policy: &TargetPolicy, has_mail: bool) -> R
     if let Some(expect) = &body.expect {
         expect.check("/expect", &mut faults);
     }
-    let drawn = body.secret.is_none() && kind == HookKind::StandardWebhooks;
-    let secret = if drawn { draw("/secret", &mut faults) } else { secret(body.secret.as_deref(), &mut faults) };
-    let NewHookBody { name, url, authorization, filter, enabled, batch, expect, .. } = body;
-    let name = name.unwrap_or_else(|| kind.name().to_owned());
-    faults.or(NewHook { name, kind, url, secret, authorization, filter, enabled, batch, expect, drawn })
+    let given = body.secret.take();
+    let drawn = given.is_none() && kind == HookKind::StandardWebhooks;
+    let secret = if drawn { draw("/secret", &mut faults) } else { secret(given.as_deref(), &mut faults) };
+    faults.or(NewHook { body, kind, secret, drawn })
 }
 
 pub(super) fn patch(bytes: &[u8], policy: &TargetPolicy, has_mail: bool) -> Result<HookPatch, Faults> {
-    let body: HookPatchBody = json::parse(bytes)?;
+    let mut body: HookPatchBody = json::parse(bytes)?;
     let mut faults = Faults::default();
     check_name(body.name.as_deref(), &mut faults);
     if let Some(url) = &body.url {
@@ -99,13 +87,12 @@ pub(super) fn patch(bytes: &[u8], policy: &TargetPolicy, has_mail: bool) -> Resu
     if body.rotate_secret && body.secret.is_some() {
         faults.push("/rotate_secret", message!("secret_is_drawn"));
     }
-    let secret = match &body.secret {
+    let secret = match body.secret.take() {
         _ if body.rotate_secret => Some(draw("/rotate_secret", &mut faults)),
         Some(given) => Some(secret(given.as_deref(), &mut faults)),
         None => None,
     };
-    let HookPatchBody { name, url, authorization, filter, enabled, batch, expect, rotate_secret: drawn, .. } = body;
-    faults.or(HookPatch { name, url, secret, authorization, filter, enabled, batch, expect, drawn })
+    faults.or(HookPatch { body, secret })
 }
 
 fn check_name(name: Option<&str>, faults: &mut Faults) {

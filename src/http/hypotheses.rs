@@ -36,10 +36,10 @@ pub struct HypothesesBody {
 
 impl StoredHypothesisBody {
     fn of(stored: StoredHypothesis) -> Option<Self> {
-        let StoredHypothesis { effect, author, reason, added_at, .. } = stored;
+        let StoredHypothesis { effect, row } = stored;
         let mut hypothesis = HypothesisBody::from(&effect.hypothesis()?.written);
         hypothesis.unit = unit::of_machines(&hypothesis.unit);
-        Some(Self { hypothesis, author, reason, added_at: time::format(added_at) })
+        Some(Self { hypothesis, author: row.author, reason: row.reason, added_at: time::format(row.added_at) })
     }
 }
 
@@ -64,7 +64,7 @@ pub async fn get_hypotheses(app: App) -> Json<HypothesesBody> {
 pub async fn post_hypothesis(app: App, body: Document) -> Answer<Response> {
     let order = body.read(read)?;
     let (status, id) = outcome(&app.pipeline.diagnoses.order_hypothesis(order).await?);
-    let stored = app.pipeline.diagnoses.hypotheses().into_iter().find(|stored| stored.id == id);
+    let stored = app.pipeline.diagnoses.hypotheses().into_iter().find(|stored| stored.row.id == id);
     let body = stored.and_then(StoredHypothesisBody::of);
     let body = body.ok_or_else(|| Problem::new(500, "title_internal_error", message!("model_lost")))?;
     let location = format!("/v1/hypotheses/{}", body.hypothesis.id);

@@ -10,11 +10,8 @@ use crate::wire::hypothesis::HypothesisBody;
 /// One that competes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredHypothesis {
-    pub id: Id,
     pub effect: Effect,
-    pub author: String,
-    pub reason: String,
-    pub added_at: UtcMicros,
+    pub row: HypothesisRow,
 }
 
 /// Which program a kept diagnosis is of, without hypotheses of one's own.
@@ -51,10 +48,9 @@ impl Competing {
 }
 
 /// As it is used.
-pub(super) fn stored(row: HypothesisRow) -> Result<StoredHypothesis, StoreError> {
+fn stored(row: HypothesisRow) -> Result<StoredHypothesis, StoreError> {
     let damaged = |why: &dyn std::fmt::Display| StoreError::Damaged(format!("hypothesis {}: {why}", row.id));
     let body: HypothesisBody = serde_json::from_str(&row.body).map_err(|error| damaged(&error))?;
     let effect = body.to_core().map_err(|faults: Faults| damaged(&faults))?;
-    let HypothesisRow { id, author, reason, added_at, .. } = row;
-    Ok(StoredHypothesis { id, effect, author, reason, added_at })
+    Ok(StoredHypothesis { effect, row })
 }

@@ -1,10 +1,9 @@
 //! Hypotheses of one's own, added and taken out by the one writer.
 
-use super::hypotheses::stored;
+use super::hypotheses::Competing;
 use super::made::text;
 use super::models::ModelCache;
 use crate::core::effects::Effect;
-use crate::pipeline::StoredHypothesis;
 use crate::pipeline::prelude::*;
 use crate::store::{HypothesisRow, Writer};
 use crate::wire::hypothesis::HypothesisBody;
@@ -30,17 +29,13 @@ pub(crate) async fn order_hypothesis(
     order: &HypothesisOrder,
     by: &Actor,
 ) -> Result<Accepted, OrderError> {
-    let competing = store::hypothesis::in_force(store).await?;
-    let read = |row: HypothesisRow| -> Result<_, StoreError> { Ok((stored(row.clone())?, row)) };
-    let known: Vec<(StoredHypothesis, HypothesisRow)> = competing.into_iter().map(read).collect::<Result<_, _>>()?;
-    let named = |name: &str| known.iter().find(|(stored, _)| stored.effect.id() == name);
+    let known = Competing::read(store).await?.hypotheses;
+    let named = |name: &str| known.iter().find(|stored| stored.effect.id() == name);
     let (row, action, name) = match order {
         HypothesisOrder::Add { effect, author, reason } => {
             let name = effect.id().to_owned();
             match named(&name) {
-                Some((same, _)) if same.effect == *effect => {
-                    return Ok(Accepted::there(same.id));
-                }
+                Some(same) if same.effect == *effect => return Ok(Accepted::there(same.row.id)),
                 Some(_) => return Err(OrderError::HypothesisTaken(name)),
                 None if known.len() >= MOST => return Err(OrderError::TooManyHypotheses(MOST)),
                 None => {}
@@ -52,8 +47,8 @@ pub(crate) async fn order_hypothesis(
             (row, "add hypothesis", name)
         }
         HypothesisOrder::End(name) => {
-            let (_, row) = named(name).ok_or_else(|| OrderError::NoSuchHypothesis(name.clone()))?;
-            (HypothesisRow { ended_at: Some(now), ..row.clone() }, "end hypothesis", name.clone())
+            let known = named(name).ok_or_else(|| OrderError::NoSuchHypothesis(name.clone()))?;
+            (HypothesisRow { ended_at: Some(now), ..known.row.clone() }, "end hypothesis", name.clone())
         }
     };
     let hypothesis: serde_json::Value = serde_json::from_str(&row.body).unwrap_or_default();

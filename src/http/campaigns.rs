@@ -89,7 +89,7 @@ pub async fn post_campaign(app: App, post: DocumentPost, body: Dwells) -> Answer
         }
         PostOutcome::There(id) => {
             let StoredCampaign { item, answer, .. } = stored(&app, id).await?;
-            let whole = (answer, item.states.into_iter(), note::read(item.notes.as_deref()));
+            let whole = (answer, item.verdicts.states(), note::read(item.notes.as_deref()));
             Ok(post.again((collection, id), whole, standing(&app, id).await?.unless_valid()))
         }
     }

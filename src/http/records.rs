@@ -55,7 +55,7 @@ pub async fn post_record(app: App, post: DocumentPost, Document(bytes): Document
         PostOutcome::New(answer) => Ok(answer),
         PostOutcome::There(id) => {
             let StoredRecord { item, answer, .. } = stored(&app, id).await?;
-            let whole = (answer, item.states.into_iter(), note::read(item.notes.as_deref()));
+            let whole = (answer, item.verdicts.states(), note::read(item.notes.as_deref()));
             Ok(post.again((COLLECTION, id), whole, standing(&app, id).await?.unless_valid()))
         }
     }

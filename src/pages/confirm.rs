@@ -23,13 +23,13 @@ impl ItemAction for ConfirmTime {
             let detail = message!("not_set_aside", id = text(number));
             return Err(Problem::new(409, "title_not_set_aside", detail));
         }
-        let t = viewer.text();
+        let (t, names) = (viewer.text(), pages.pipeline.queries.names());
         let form = ActionForm {
             section: Section::Fleet,
             title: t.confirm_time.into(),
             what: html! {
                 p.lead {
-                    (item.imu) " · " (t.station) " " (item.station)
+                    (names.imu(item.imu)) " · " (t.station) " " (names.station(item.station))
                     " · " (t.calibrated) " " (instant(item.calibrated_at)) " · " (t.received) " " (instant(item.received_at))
                 }
                 (noted(t, &note::read(item.notes.as_deref())))

@@ -27,12 +27,12 @@ impl ItemAction for VoidCalibration {
         let stored = pages.pipeline.queries.records.record(number).await?.ok_or_else(unknown)?;
         still_counts(pages, number).await?;
         let t = viewer.text();
-        let item = &stored.item;
+        let (item, names) = (&stored.item, pages.pipeline.queries.names());
         let campaign = item.kind == Kind::Campaign;
         let shown = html! {
             p.lead {
-                (if campaign { t.campaign } else { t.record }) " · " (item.imu)
-                " · " (t.station) " " (item.station)
+                (if campaign { t.campaign } else { t.record }) " · " (names.imu(item.imu))
+                " · " (t.station) " " (names.station(item.station))
                 " · " (t.calibrated) " " (instant(item.calibrated_at))
             }
             (wide_table("cards", html! {

@@ -34,11 +34,7 @@ impl Against {
         diagnosis: &DiagnosisBody,
         asked: &ReferenceQuery,
     ) -> Result<Self, Problem> {
-        let imu = pages.pipeline.queries.names().imu_number(&stored.item.imu);
-        let mut offered = match imu {
-            Some(imu) => pages.pipeline.queries.records.of_imu(imu, OFFERED).await?,
-            None => Vec::new(),
-        };
+        let mut offered = pages.pipeline.queries.records.of_imu(stored.item.imu, OFFERED).await?;
         offered.retain(|head| head.id != stored.item.id);
         let newest_before = offered.iter().find(|head| head.calibrated_at < stored.item.calibrated_at);
         let chosen = match asked.reference.as_deref().filter(|text| !text.is_empty()) {

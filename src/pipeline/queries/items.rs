@@ -1,12 +1,11 @@
-//! Stored items as they are asked for: names in the place of numbers.
+//! The names of what is stored, and whether an item counts.
 
 use std::sync::RwLockReadGuard;
 
 use crate::core::correction::CorrectionItem;
-use crate::core::judge::State;
 use crate::core::message::{Message, sent};
 use crate::pipeline::prelude::*;
-use crate::store::{ConfirmationRow, RecordRow, Tables};
+use crate::store::{ConfirmationRow, Tables};
 use crate::wire::table::nearest;
 
 /// The names of what is stored, while it is looked at.
@@ -45,34 +44,6 @@ impl Names<'_> {
 
     pub fn gyro_number(&self, serial: &str) -> Option<u32> {
         self.0.gyros.number(serial)
-    }
-}
-
-/// A record or a campaign as it was sent.
-#[derive(Debug, Clone)]
-pub struct RecordItem {
-    pub id: Id,
-    pub kind: Kind,
-    pub imu: String,
-    pub station: String,
-    pub calibrated_at: UtcMicros,
-    pub received_at: UtcMicros,
-    /// Word for word.
-    pub body: Arc<str>,
-    /// What was noted about it, as versioned JSON.
-    pub notes: Option<Arc<str>>,
-    /// The line of the audit trail that says who sent it.
-    pub sent_by: Option<Id>,
-    /// Of its verdicts, as they were decided.
-    pub states: Vec<State>,
-}
-
-impl RecordItem {
-    pub(super) fn of(row: RecordRow, names: &Names<'_>) -> Self {
-        let RecordRow { id, kind, calibrated_at, received_at, body, notes, sent_by, .. } = row;
-        let (imu, station) = (names.imu(row.imu).to_owned(), names.station(row.station).to_owned());
-        let states = row.verdicts.states().collect();
-        Self { id, kind, imu, station, calibrated_at, received_at, body, notes, sent_by, states }
     }
 }
 

@@ -12,7 +12,7 @@ use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::fitted::CampaignFit;
 use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
 use crate::pipeline::prelude::*;
-use crate::pipeline::queries::items::{ItemStatus, Names, RecordItem};
+use crate::pipeline::queries::items::{ItemStatus, Names};
 use crate::pipeline::{Calibration, Reader};
 use crate::store::{RecordFilter, RecordRow, StoredVerdict};
 use crate::system::sha256;
@@ -25,7 +25,7 @@ use crate::wire::sender::SenderBody;
 /// A stored record with its answer.
 #[derive(Debug, Clone)]
 pub struct StoredRecord {
-    pub item: RecordItem,
+    pub item: RecordRow,
     pub answer: RecordAnswer,
     /// What each rule saw, verdict by verdict of the answer; none where judging again finds other figures.
     pub seen: Vec<Option<Verdict>>,
@@ -35,7 +35,7 @@ pub struct StoredRecord {
 /// A stored campaign with its answer.
 #[derive(Debug, Clone)]
 pub struct StoredCampaign {
-    pub item: RecordItem,
+    pub item: RecordRow,
     pub answer: CampaignAnswer,
     /// As of [`StoredRecord`].
     pub seen: Vec<Option<Verdict>>,
@@ -80,7 +80,7 @@ impl Records {
         let mut notes = self.reader.notes_of_model(&calibration);
         notes.extend(note::read(row.notes.as_deref()));
         let answer = RecordAnswer { id: Some(id.to_string()), separations, notes, verdicts };
-        Ok(Some(StoredRecord { item: self.item(row), answer, seen, closures }))
+        Ok(Some(StoredRecord { item: row, answer, seen, closures }))
     }
 
     /// A stored campaign: fitted again from its dwells, the verdicts as they were decided.
@@ -94,7 +94,7 @@ impl Records {
         answer.id = Some(id.to_string());
         answer.notes.extend(note::read(row.notes.as_deref()));
         answer.verdicts = verdicts;
-        Ok(Some(StoredCampaign { item: self.item(row), answer, seen }))
+        Ok(Some(StoredCampaign { item: row, answer, seen }))
     }
 
     /// Who sent an item, by the line of the audit trail about it.
@@ -138,13 +138,9 @@ impl Records {
         Ok(Some(Reread { row, calibration, fitted }))
     }
 
-    fn item(&self, row: RecordRow) -> RecordItem {
-        RecordItem::of(row, &Names(self.store.names().read()))
-    }
-
     /// A record or campaign as it was sent.
-    pub async fn sent(&self, id: Id) -> Result<Option<RecordItem>, StorageError> {
-        Ok(store::record::get(&self.store, id).await?.map(|row| self.item(row)))
+    pub async fn sent(&self, id: Id) -> Result<Option<RecordRow>, StorageError> {
+        Ok(store::record::get(&self.store, id).await?)
     }
 
     /// Records and campaigns, the last to arrive first, from the one before `before` on.

@@ -34,8 +34,8 @@ pub struct AdoptedBody {
 }
 
 bodies! {
-    AdoptedBody of AdoptedModel: id, adopted_at, author, reason, model: |adopted| ModelBody::from(&*adopted.model),
-        campaigns;
+    AdoptedBody of AdoptedModel: id = row.id, adopted_at = row.adopted_at, author = row.author, reason = row.reason,
+        model: |adopted| ModelBody::from(&*adopted.model), campaigns;
 }
 
 /// The error model in force for the IMU, with its history.

@@ -56,14 +56,14 @@ pub(super) fn versions(viewer: &Viewer, imu: &str, models: &[AdoptedModel]) -> M
                     th { (symbol("D_I")) ", " (symbol("D_S")) " " (t.stated_at) } th.n { (t.campaigns_stated) }
                     th { (t.author) } th { (t.reason_word) }
                 }, html! { @for (k, one) in models.iter().enumerate() { tr {
-                    td { (instant(one.adopted_at)) @if k == 0 {
+                    td { (instant(one.row.adopted_at)) @if k == 0 {
                         br; strong { (t.in_force) }
                         @if may_undo { " " a href={ "/imus/" (encoded(imu)) "/model/undo" } { (t.undo) } }
                     } }
                     td.words { code translate="no" { (held(t, &one.model)) } }
                     @let reference_c = one.model.identified.as_ref().and_then(|own| own.reference_c);
                     td.nowrap { (or_dash(reference_c.map(|celsius| format!("{celsius:.1} °C")))) }
-                    td.n { (one.campaigns) } td { (one.author) } td.words { (one.reason) }
+                    td.n { (one.campaigns) } td { (one.row.author) } td.words { (one.row.reason) }
                 } } }))
                 p.note { (t.adopted_models_note) }
             }

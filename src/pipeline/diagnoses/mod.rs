@@ -59,28 +59,17 @@ pub(super) use hypothesis_orders::order_hypothesis;
 pub(super) use jobs::order_diagnoses;
 pub use jobs::{DiagnosisOrder, WantedDiagnoses};
 pub(super) use made::Made;
-pub use models::{Adoption, InForce};
+pub use models::Adoption;
 pub use summary::SummaryFilter;
 pub(super) use summary::outside_forecasts;
 
 /// A model that was adopted for an IMU.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AdoptedModel {
-    pub id: Id,
-    pub adopted_at: UtcMicros,
-    pub author: String,
-    pub reason: String,
+    pub row: ModelRow,
     pub model: Arc<AugmentedModel>,
     /// Stored campaigns, and records with effects of temperature, that are stated with it.
     pub campaigns: u64,
-}
-
-impl AdoptedModel {
-    fn of(row: ModelRow, InForce { model, .. }: InForce, uses: &[(Id, u64)]) -> Self {
-        let ModelRow { id, adopted_at, author, reason, .. } = row;
-        let campaigns = uses.iter().find(|(of, _)| *of == id).map_or(0, |(_, campaigns)| *campaigns);
-        Self { id, adopted_at, author, reason, model, campaigns }
-    }
 }
 
 /// Diagnoses of stored campaigns, and the models in force for IMUs. Cheap to clone.
@@ -159,9 +148,12 @@ impl Diagnoses {
     pub async fn models(&self, imu: &str) -> Result<Option<Vec<AdoptedModel>>, StorageError> {
         let Some(imu) = self.store.names().read().imus.number(imu) else { return Ok(None) };
         let rows = store::model::of_imu(&self.store, imu).await?;
-        let uses = store::model::uses(&self.store, imu).await?;
-        let read = rows.into_iter().map(|row| read(&row).map(|in_force| AdoptedModel::of(row, in_force, &uses)));
-        Ok(Some(read.collect::<Result<_, _>>()?))
+        let uses: HashMap<Id, u64> = store::model::uses(&self.store, imu).await?.into_iter().collect();
+        let adopted = |row: ModelRow| -> Result<_, StoreError> {
+            let campaigns = uses.get(&row.id).copied().unwrap_or_default();
+            Ok(AdoptedModel { model: read(&row)?.model, row, campaigns })
+        };
+        Ok(Some(rows.into_iter().map(adopted).collect::<Result<_, _>>()?))
     }
 
     /// Has a hypothesis compete in every diagnosis, or no more; returns once that is on disk.

@@ -6,6 +6,7 @@ use crate::http::prelude::*;
 use crate::pipeline::{DeliveryPage, Order};
 use crate::wire::cursor::List;
 use crate::wire::hook::{DeliveryBody, HookBody, HookPatchBody, NewHookBody};
+use crate::wire::json;
 
 const MOST_DELIVERIES: usize = 1000;
 
@@ -31,7 +32,7 @@ pub async fn get_hooks(app: App) -> Answer<Json<Hooks>> {
         (status = 409, description = "there are too many"),
         (status = 422, description = "an unknown kind, a forbidden address, a short secret …; the places are named")))]
 pub async fn post_hook(app: App, body: Document) -> Answer<Response> {
-    let new = body.read(|bytes| app.pipeline.hooks.read(bytes))?;
+    let new = body.read(|bytes| app.pipeline.hooks.check(json::parse(bytes)?))?;
     let drawn = new.drawn();
     let id = app.pipeline.hooks.order(Order::Create(new)).await?;
     let hook = app.pipeline.hooks.get(id, drawn.as_ref()).await?.ok_or_else(|| Problem::no_such_hook(id))?;
@@ -54,7 +55,7 @@ pub async fn get_hook(app: App, Path(id): Path<String>) -> Answer<Json<HookBody>
         (status = 422, description = "a forbidden address, a short secret …; the places are named")))]
 pub async fn patch_hook(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<HookBody>> {
     let id = query::id(&id, Problem::no_such_hook)?;
-    let patch = body.read(|bytes| app.pipeline.hooks.read_patch(bytes))?;
+    let patch = body.read(|bytes| app.pipeline.hooks.check_patch(json::parse(bytes)?))?;
     let drawn = patch.drawn();
     app.pipeline.hooks.order(Order::Change(id, patch)).await?;
     Ok(Json(app.pipeline.hooks.get(id, drawn.as_ref()).await?.ok_or_else(|| Problem::no_such_hook(id))?))

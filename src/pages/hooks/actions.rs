@@ -1,7 +1,7 @@
 //! What is done about hooks: set up, tried, switched, deleted; and what they were told, sent again.
 
 use axum::extract::State as Held;
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 
 use super::known;
 use crate::core::delivery::DeliveryState;
@@ -11,6 +11,7 @@ use crate::core::message::text;
 use crate::pages::form::{ActionForm, ItemAction, Word, choice, see_other};
 use crate::pages::prelude::*;
 use crate::pipeline::{DeliveryPage, HookKind, Order};
+use crate::wire::hook::{ExpectBody, FilterBody, HookPatchBody, NewHookBody};
 
 /// Dead letters that are sent again together.
 const MOST_AT_ONCE: u32 = 1000;
@@ -36,26 +37,25 @@ pub(crate) struct NewHook {
 
 impl NewHook {
     /// As the API takes it: what is empty is left out.
-    fn document(&self) -> Result<Value, Faults> {
-        let list = |text: &str| -> Vec<String> {
-            text.split([',', '，']).map(str::trim).filter(|part| !part.is_empty()).map(str::to_owned).collect()
-        };
-        let mut hook = Map::new();
-        let texts = [("name", &self.name), ("secret", &self.secret), ("authorization", &self.authorization)];
-        for (member, text) in texts.into_iter().filter(|(_, text)| !text.trim().is_empty()) {
-            hook.insert(member.into(), text.trim().into());
-        }
-        hook.insert("kind".into(), self.kind.as_str().into());
-        hook.insert("url".into(), self.url.trim().into());
-        let least = Some(self.min_severity.as_str()).filter(|least| !least.is_empty());
-        let filter = json!({"rules": list(&self.rules), "gyros": list(&self.gyros), "min_severity": least});
-        hook.insert("filter".into(), filter);
-        hook.insert("batch".into(), (self.batch == "true").into());
-        let expected = self.expected()?;
-        if !expected.is_empty() {
-            hook.insert("expect".into(), json!({ "json": expected }));
-        }
-        Ok(Value::Object(hook))
+    fn body(&self) -> Result<NewHookBody, Faults> {
+        let said = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
+        let list = |text: &str| text.split([',', '，']).filter_map(said).collect();
+        let json = self.expected()?;
+        Ok(NewHookBody {
+            name: said(&self.name),
+            kind: self.kind.clone(),
+            url: self.url.trim().to_owned(),
+            secret: said(&self.secret),
+            authorization: said(&self.authorization),
+            filter: FilterBody {
+                rules: list(&self.rules),
+                gyros: list(&self.gyros),
+                min_severity: Some(self.min_severity.clone()).filter(|least| !least.is_empty()),
+            },
+            enabled: true,
+            batch: self.batch == "true",
+            expect: (!json.is_empty()).then_some(ExpectBody { json }),
+        })
     }
 
     /// `member = value, ...`; a value is JSON (`0`, `true`), or else text.
@@ -85,7 +85,7 @@ pub(crate) async fn add(
     Form(ref new): Form<NewHook>,
 ) -> Result<Response, Problem> {
     let mut faults = Faults::default();
-    let read = new.document().and_then(|hook| pages.pipeline.hooks.read(hook.to_string().as_bytes()));
+    let read = new.body().and_then(|hook| pages.pipeline.hooks.check(hook));
     let read = read.map_err(|wrong| faults.absorb("", wrong)).ok().filter(|_| faults.is_empty());
     let Some(hook) = read else {
         return Ok(form(viewer.text(), new).again(viewer, &new.word, &faults));
@@ -187,8 +187,8 @@ pub(crate) async fn switch(
     Form(switch): Form<Switch>,
 ) -> Result<Response, Problem> {
     let (number, _) = known(&pages, &id).await?;
-    let document = json!({"enabled": switch.enabled == "true"}).to_string();
-    let patch = pages.pipeline.hooks.read_patch(document.as_bytes());
+    let patch = HookPatchBody { enabled: Some(switch.enabled == "true"), ..HookPatchBody::default() };
+    let patch = pages.pipeline.hooks.check_patch(patch);
     let patch = patch.map_err(|faults| Problem::of_faults(422, "title_cannot_be_stored", faults))?;
     pages.pipeline.hooks.order(Order::Change(number, patch)).await?;
     Ok(see_other(&format!("/hooks/{id}")))

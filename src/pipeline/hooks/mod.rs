@@ -23,7 +23,7 @@ use crate::alert::sign::Secret;
 use crate::core::delivery::{DeliveryState, QueueState};
 use crate::core::fault::Faults;
 use crate::pipeline::prelude::*;
-use crate::wire::hook::{DeliveryBody, HookBody};
+use crate::wire::hook::{DeliveryBody, HookBody, HookPatchBody, NewHookBody};
 use delivery::pulse::Pulse;
 
 /// A page of deliveries: their state, if it matters, and where the page before ended.
@@ -51,24 +51,24 @@ impl Hooks {
         Self { store, config, clock, queue, wake: watch::Sender::default(), pulse: Pulse::default() }
     }
 
-    /// Reads a hook to be set up; a secret is drawn where its kind needs one.
+    /// Checks a hook to be set up; a secret is drawn where its kind needs one.
     ///
     /// # Errors
     /// Every fault by its place.
-    pub fn read(&self, bytes: &[u8]) -> Result<NewHook, Faults> {
-        read::new_hook(bytes, &self.config.target_policy(), self.has_mail())
+    pub fn check(&self, body: NewHookBody) -> Result<NewHook, Faults> {
+        read::new_hook(body, &self.config.target_policy(), self.has_mail())
     }
 
     fn has_mail(&self) -> bool {
         !self.config.hooks.smtp_url.is_empty()
     }
 
-    /// Reads what is to change of a hook.
+    /// Checks what is to change of a hook.
     ///
     /// # Errors
     /// Every fault by its place.
-    pub fn read_patch(&self, bytes: &[u8]) -> Result<HookPatch, Faults> {
-        read::patch(bytes, &self.config.target_policy(), self.has_mail())
+    pub fn check_patch(&self, body: HookPatchBody) -> Result<HookPatch, Faults> {
+        read::patch(body, &self.config.target_policy(), self.has_mail())
     }
 
     /// Has the writer carry out an order. Returns once it is on disk, with the identifier of the hook or delivery that

@@ -9,7 +9,6 @@ use crate::core::message::{list, sent, text};
 use crate::core::record::Name;
 use crate::message;
 use crate::wire::hook::{HookPatchBody, NewHookBody};
-use crate::wire::json;
 
 /// Longest `Authorization` header.
 const MAX_AUTHORIZATION: usize = 4096;
@@ -47,8 +46,7 @@ impl HookPatch {
 }
 
 /// `has_mail`: the configuration names a mail server.
-pub(super) fn new_hook(bytes: &[u8], policy: &TargetPolicy, has_mail: bool) -> Result<NewHook, Faults> {
-    let mut body: NewHookBody = json::parse(bytes)?;
+pub(super) fn new_hook(mut body: NewHookBody, policy: &TargetPolicy, has_mail: bool) -> Result<NewHook, Faults> {
     let mut faults = Faults::default();
     let kind = HookKind::from_name(&body.kind);
     if kind.is_none() {
@@ -69,8 +67,7 @@ pub(super) fn new_hook(bytes: &[u8], policy: &TargetPolicy, has_mail: bool) -> R
     faults.or(NewHook { body, kind, secret, drawn })
 }
 
-pub(super) fn patch(bytes: &[u8], policy: &TargetPolicy, has_mail: bool) -> Result<HookPatch, Faults> {
-    let mut body: HookPatchBody = json::parse(bytes)?;
+pub(super) fn patch(mut body: HookPatchBody, policy: &TargetPolicy, has_mail: bool) -> Result<HookPatch, Faults> {
     let mut faults = Faults::default();
     check_name(body.name.as_deref(), &mut faults);
     if let Some(url) = &body.url {

@@ -3,8 +3,9 @@
 use crate::core::judge::{Severity, State, Status};
 use crate::core::mounting::Slot;
 use crate::pipeline::prelude::*;
-use crate::store::{AlertOf, AlertRow, NewName, Table, Tables};
+use crate::store::{AlertOf, AlertRow, NewName, Remark, Table, Tables};
 use crate::wire::alert::{AcknowledgementBody, AlertBody, AlertFindingBody, SilenceBody};
+use crate::wire::body::{ToBody, bodies};
 use crate::wire::reason::Reason;
 use crate::wire::{time, unit};
 
@@ -103,16 +104,14 @@ impl Naming<'_> {
             fired_at: time::format(row.alert.fired_at),
             resolved_at: row.alert.resolved_at.map(time::format),
             finding,
-            acknowledged: row.acknowledged.as_ref().map(|remark| AcknowledgementBody {
-                by: remark.by.clone(),
-                reason: remark.reason.clone(),
-                at: time::format(remark.at),
-            }),
+            acknowledged: row.acknowledged.to_body(),
             silenced: silence_of(row, now),
             inhibited_by: row.inhibited_by.map(|id| id.to_string()),
         })
     }
 }
+
+bodies! { AcknowledgementBody of Remark: by, reason, at; }
 
 /// The silence that holds for an alert the longest.
 fn silence_of(row: &AlertRow, now: UtcMicros) -> Option<SilenceBody> {

@@ -4,6 +4,7 @@ use super::body::{Naming, Origin, finding_of};
 use crate::core::alert_filter::Matchers;
 use crate::pipeline::prelude::*;
 use crate::store::{AlertOf, AlertRow, Remark, SilenceRow};
+use crate::wire::body::{ToBody, bodies};
 use crate::wire::silence::{EndedSilenceBody, MatchersBody, MatchingSilenceBody};
 use crate::wire::time;
 
@@ -65,21 +66,20 @@ impl Silences {
     }
 }
 
+bodies! {
+    MatchersBody of Matchers: serial, imu, station, rule;
+    EndedSilenceBody of Remark: by, reason, at;
+}
+
 pub(super) fn body(row: &SilenceRow, now: UtcMicros) -> MatchingSilenceBody {
-    let Matchers { serial, imu, station, rule } = row.matchers.clone();
-    let ended = row.ended.as_ref();
     MatchingSilenceBody {
         id: row.id.to_string(),
-        matchers: MatchersBody { serial, imu, station, rule: rule.map(|rule| rule.name().to_owned()) },
+        matchers: row.matchers.to_body(),
         until: time::format(row.until),
         by: row.said.by.clone(),
         reason: row.said.reason.clone(),
         at: time::format(row.said.at),
-        active: ended.is_none() && now < row.until,
-        ended: ended.map(|said| EndedSilenceBody {
-            by: said.by.clone(),
-            reason: said.reason.clone(),
-            at: time::format(said.at),
-        }),
+        active: row.ended.is_none() && now < row.until,
+        ended: row.ended.to_body(),
     }
 }

@@ -191,8 +191,10 @@ pub struct ClosingBody {
 }
 
 /// A gyro, the root mean square of its errors over their standard deviations, and the p of such over all gyros.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Furthest {
+    /// Empty in digests of before.
+    #[serde(default)]
     pub slot: String,
     pub rms_over_sd: f64,
     pub p_value: f64,

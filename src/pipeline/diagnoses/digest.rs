@@ -5,8 +5,9 @@ use serde::{Deserialize, Serialize};
 use crate::core::campaign::Campaign;
 use crate::core::message::Message;
 use crate::store::{DigestRow, StoreError};
-use crate::wire::diagnosis::DiagnosisBody;
-use crate::wire::forecast::{ComparedBody, ForecastPointBody};
+use crate::wire::body::{ToBody, bodies};
+use crate::wire::diagnosis::{DiagnosisBody, EffectBody, ImpactBody, SignBody};
+use crate::wire::forecast::{ComparedBody, ForecastPointBody, Furthest};
 
 /// The verdict of a campaign that leaves nothing to diagnose.
 pub(super) const REFUSED: &str = "refused";
@@ -31,21 +32,11 @@ pub(super) struct Digest {
     pub signs: Vec<Sign>,
     /// Where the campaign lies outside what was foretold of it; [`OUTSIDE`] finds it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub outside_forecast: Option<OutsideForecast>,
+    pub outside_forecast: Option<Furthest>,
 }
 
 /// What only the digest of a campaign outside its forecast holds.
 pub(super) const OUTSIDE: &str = "\"outside_forecast\":{";
-
-/// How far a campaign lies outside what was foretold.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct OutsideForecast {
-    /// Of the gyro that is furthest; empty in digests of before.
-    #[serde(default)]
-    pub slot: String,
-    pub rms_over_sd: f64,
-    pub p_value: f64,
-}
 
 /// Which gyro was where.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -80,6 +71,12 @@ pub(super) struct Sign {
     pub gyros: Vec<String>,
 }
 
+bodies! {
+    NamedDigest of EffectBody: effect, class, gyros, closure = held_out.closure;
+    ShiftDigest of ImpactBody: slot, coefficient, shift, of_budget;
+    Sign of SignBody: kind, gyros;
+}
+
 /// The gyros of a campaign.
 pub(super) fn seats(campaign: &Campaign) -> Vec<MountedGyro> {
     let seat = |gyro: &crate::core::campaign::CampaignGyro| MountedGyro {
@@ -100,30 +97,12 @@ impl Digest {
             outside_forecast: None,
         };
         let Ok(d) = diagnosed else { return nothing };
-        let effects = d.effects.iter().map(|e| NamedDigest {
-            effect: e.effect.clone(),
-            class: e.class.clone(),
-            gyros: e.gyros.clone(),
-            closure: e.held_out.closure,
-        });
-        let impact = d.impact.iter().map(|i| ShiftDigest {
-            slot: i.slot.clone(),
-            coefficient: i.coefficient.clone(),
-            shift: i.shift,
-            of_budget: i.of_budget,
-        });
-        let signs = d.remaining.signs.iter().map(|s| Sign { kind: s.kind.clone(), gyros: s.gyros.clone() });
-        let outside = d.forecast.as_ref().and_then(ForecastPointBody::outside).and_then(ComparedBody::furthest);
         Self {
             verdict: d.verdict.clone(),
-            outside_forecast: outside.map(|furthest| OutsideForecast {
-                slot: furthest.slot,
-                rms_over_sd: furthest.rms_over_sd,
-                p_value: furthest.p_value,
-            }),
-            effects: effects.collect(),
-            impact: impact.collect(),
-            signs: signs.collect(),
+            outside_forecast: d.forecast.as_ref().and_then(ForecastPointBody::outside).and_then(ComparedBody::furthest),
+            effects: d.effects.to_body(),
+            impact: d.impact.to_body(),
+            signs: d.remaining.signs.to_body(),
             ..nothing
         }
     }

@@ -4,13 +4,14 @@
 
 use crate::core::effects::Effect;
 use crate::core::first_of::FirstOf;
-use crate::pipeline::diagnoses::digest::{Digest, NamedDigest, OUTSIDE, OutsideForecast, REFUSED};
+use crate::pipeline::diagnoses::digest::{Digest, NamedDigest, OUTSIDE, REFUSED};
 use crate::pipeline::prelude::*;
 use crate::store::{CampaignFilter, DigestRow, Tables};
 use crate::wire::diagnoses::{
     AtStationBody, ClosuresBody, CoverageBody, DoubtBody, FindingBody, LargestShiftBody, OutsideForecastBody,
     OverviewBody, SightingBody, SummaryBody,
 };
+use crate::wire::forecast::Furthest;
 use crate::wire::time;
 
 /// Of which campaigns, and of which effect.
@@ -86,7 +87,7 @@ struct SummaryTally {
     /// By verdict and IMU.
     doubts: BTreeMap<(String, u32), Doubt>,
     /// By IMU.
-    outside: BTreeMap<u32, Vec<(Sighting, OutsideForecast)>>,
+    outside: BTreeMap<u32, Vec<(Sighting, Furthest)>>,
 }
 
 impl SummaryTally {
@@ -281,7 +282,7 @@ impl Sighting {
     }
 }
 
-fn outside_body(imu: u32, (seen, outside): &(Sighting, OutsideForecast), tables: &Tables) -> OutsideForecastBody {
+fn outside_body(imu: u32, (seen, outside): &(Sighting, Furthest), tables: &Tables) -> OutsideForecastBody {
     OutsideForecastBody {
         imu: tables.imus.text(imu).to_owned(),
         campaign: seen.body(tables),

@@ -1,4 +1,4 @@
-//! Reading JSON so that a fault names its place.
+//! Reading JSON so that a fault names its place, and writing what is sure to be JSON.
 
 mod lines;
 mod not_json;
@@ -13,6 +13,11 @@ use serde::de::{DeserializeOwned, IgnoredAny};
 pub use lines::{from_line, on_a_line};
 use place::{fault, fault_at};
 pub use place::{pointer_token, said_of};
+
+/// What the service has made or read itself: texts, finite numbers and members with names.
+pub fn written(value: &impl Serialize) -> String {
+    serde_json::to_string(value).expect("texts and finite numbers can be written as JSON")
+}
 
 /// Reads one JSON document. The error holds what is wrong with its form: of a short document every fault that can be
 /// found by reading on past the first, of a long one the first.

@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use crate::core::access::{AuditEntry, Role};
 use crate::pipeline::prelude::*;
+use crate::wire::json;
 
 tokio::task_local! {
     static CALLER: Caller;
@@ -130,12 +131,8 @@ impl Actor {
             agent: self.agent.clone(),
             action: action.to_owned(),
             subject,
-            before: before.map(text),
-            after: after.map(text),
+            before: before.map(json::written),
+            after: after.map(json::written),
         }
     }
-}
-
-fn text(value: &impl Serialize) -> String {
-    serde_json::to_string(value).expect("what is audited has text keys and finite numbers")
 }

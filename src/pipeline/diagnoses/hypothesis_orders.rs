@@ -1,12 +1,12 @@
 //! Hypotheses of one's own, added and taken out by the one writer.
 
 use super::hypotheses::Competing;
-use super::made::text;
 use super::models::ModelCache;
 use crate::core::effects::Effect;
 use crate::pipeline::prelude::*;
 use crate::store::{HypothesisRow, Writer};
 use crate::wire::hypothesis::HypothesisBody;
+use crate::wire::json;
 
 /// So many compete at most: each raises what a name takes, and the time of every diagnosis.
 const MOST: usize = 16;
@@ -41,7 +41,7 @@ pub(crate) async fn order_hypothesis(
                 None => {}
             }
             let written = effect.hypothesis().map(|own| HypothesisBody::from(&own.written));
-            let (id, body) = (writer.next_id(now), text(&written));
+            let (id, body) = (writer.next_id(now), json::written(&written));
             let (author, reason) = (author.clone(), reason.clone());
             let row = HypothesisRow { id, body, author, reason, added_at: now, ended_at: None };
             (row, "add hypothesis", name)

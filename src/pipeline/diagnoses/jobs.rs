@@ -1,9 +1,9 @@
 //! Orders to diagnose many campaigns, taken and canceled by the one writer.
 
-use super::made::text;
 use crate::pipeline::prelude::*;
 use crate::store::{CampaignFilter, JobChanges, NewJob, Writer};
 use crate::wire::diagnoses::WhichBody;
+use crate::wire::json;
 
 /// Which campaigns somebody wants diagnosed.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -33,7 +33,7 @@ pub(crate) async fn order_diagnoses(
     let (id, diagnosis_jobs, action, after) = match order {
         DiagnosisOrder::Start(WantedDiagnoses { asked, which }) => {
             let (wanted, which, again) = (asked, *which, asked.again);
-            let asked = text(wanted);
+            let asked = json::written(wanted);
             if let Some(id) = store::diagnosis_job::open_as_asked(store, &asked).await? {
                 return Ok(Accepted::there(id));
             }

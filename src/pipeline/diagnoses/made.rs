@@ -7,6 +7,7 @@ use crate::pipeline::prelude::*;
 use crate::store::{DiagnosisRow, JobChanges, NewDiagnosis, SettledTask};
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::forecast::ForecastPointBody;
+use crate::wire::json;
 use crate::wire::message::to_stored;
 
 /// The answer, or why there is none.
@@ -36,10 +37,6 @@ pub(super) enum DiagnosisOutcome {
     Failed(String),
 }
 
-pub(super) fn text(body: &impl serde::Serialize) -> String {
-    serde_json::to_string(body).expect("strings and finite numbers always serialise")
-}
-
 impl Made {
     /// What the writer writes, none where another model has come into force or another hypothesis competes meanwhile.
     /// Orders that wait for the campaign are told in the same.
@@ -52,12 +49,14 @@ impl Made {
                     return None;
                 }
                 let (refused, body) = match &**diagnosed {
-                    Ok(body) => (false, text(body)),
+                    Ok(body) => (false, json::written(body)),
                     Err(why) => (true, to_stored(why)),
                 };
                 let (model, program) = (*model, program.clone());
                 let row = DiagnosisRow { record: *campaign, model, program, refused, body: body.clone() };
-                changes.diagnoses.push(NewDiagnosis { row, gist: text(&Digest::of(gyros.clone(), diagnosed)) });
+                changes
+                    .diagnoses
+                    .push(NewDiagnosis { row, gist: json::written(&Digest::of(gyros.clone(), diagnosed)) });
                 refused.then_some(body)
             }
             DiagnosisOutcome::Failed(why) => Some(why.clone()),

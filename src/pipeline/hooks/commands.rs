@@ -11,6 +11,7 @@ use crate::core::judge::Severity;
 use crate::pipeline::hooks::registry::{CurrentAlert, OutboxContext, Subscription, introduce};
 use crate::pipeline::prelude::*;
 use crate::store::{AttemptRow, DeliverySubject, HookRow, NewDelivery, OutboxChanges, Progress, Writer};
+use crate::wire::json;
 use crate::wire::message::to_stored;
 use crate::wire::time;
 
@@ -189,9 +190,9 @@ impl HookHandler<'_> {
             authorization: body.authorization.clone(),
             secret: secret.as_ref().map(|secret| secret.reveal()),
             old_secret: None,
-            filter: text(&body.filter),
+            filter: json::written(&body.filter),
             batch: body.batch,
-            expect: body.expect.as_ref().map(text),
+            expect: body.expect.as_ref().map(json::written),
             enabled: body.enabled,
             disabled_because: None,
             created_at: self.now,
@@ -265,10 +266,10 @@ impl HookHandler<'_> {
         hook.name = patch.name.clone().unwrap_or(hook.name);
         hook.url = patch.url.clone().unwrap_or(hook.url);
         hook.authorization = patch.authorization.clone().unwrap_or(hook.authorization);
-        hook.filter = patch.filter.as_ref().map_or(hook.filter, text);
+        hook.filter = patch.filter.as_ref().map_or(hook.filter, json::written);
         hook.batch = patch.batch.unwrap_or(hook.batch);
         if let Some(expect) = &patch.expect {
-            hook.expect = expect.as_ref().map(text);
+            hook.expect = expect.as_ref().map(json::written);
         }
         if let Some(enabled) = patch.enabled {
             (hook.enabled, hook.disabled_because) = (enabled, None);
@@ -357,8 +358,4 @@ impl HookHandler<'_> {
         let hook = self.hook(id).await?;
         if hook.enabled { Ok(hook) } else { Err(OrderError::HookDisabled(id)) }
     }
-}
-
-fn text(body: &impl Serialize) -> String {
-    serde_json::to_string(body).expect("lists of texts, and JSON as it was read")
 }

@@ -10,6 +10,7 @@ use crate::pipeline::prelude::*;
 use crate::store::{DeliverySubject, HookRow, IdSource, NewDelivery, OutboxChanges, Part};
 use crate::wire::alert::AlertBody;
 use crate::wire::hook::{DigestBody, FilterBody};
+use crate::wire::json;
 
 /// Alerts of one message; more of them are several messages.
 const MOST_OF_A_MESSAGE: usize = 1000;
@@ -127,7 +128,7 @@ impl HookCache {
             told.sort_by_key(|(_, told)| told.rank());
             let (told, parts): (Vec<&AlertBody>, Vec<Part>) =
                 told.into_iter().map(|(body, told)| (body, told.part)).unzip();
-            let digest = serde_json::to_string(&DigestBody::of(&told)).expect("counts can be written as JSON");
+            let digest = json::written(&DigestBody::of(&told));
             context.outbox.queued.push(NewDelivery {
                 id: context.ids.next(context.now),
                 hook: subscription.hook,

@@ -6,6 +6,7 @@ use crate::prelude::*;
 use gyrowatch::config::Config;
 use gyrowatch::core::time::UtcMicros;
 use gyrowatch::system::Clock;
+use gyrowatch::words::Language;
 
 /// A laboratory on a file, and one on PostgreSQL where there is that.
 async fn on_both(change: impl Fn(&mut Config)) -> Vec<Lab> {
@@ -34,6 +35,11 @@ async fn stand(lab: &Lab, after: &str) {
     let verified = lab.verified().await;
     assert!(verified.faults.is_empty(), "{after}: {:#?}", verified.faults);
     assert!(verified.heads.is_some_and(|gyros| gyros > 0), "{after}: {verified:?}");
+}
+
+/// What is wrong, in English.
+async fn faults(lab: &Lab) -> Vec<String> {
+    lab.verified().await.faults.iter().map(|fault| Language::English.words(fault)).collect()
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -185,7 +191,7 @@ async fn a_row_that_is_wrong_or_missing_is_found_and_limits_that_change_make_all
             ("reach_of = 'D_I', reach_at = 5", "reach_of = NULL, reach_at = NULL"),
         ] {
             assert_eq!(lab.change(&format!("UPDATE head SET {wrong} WHERE serial = 'B'")).await, 1);
-            let faults = lab.verified().await.faults;
+            let faults = faults(&lab).await;
             assert!(faults.len() == 1 && faults[0].starts_with("gyro B: the table head has"), "{wrong}: {faults:?}");
             lab.change(&format!("UPDATE head SET {right} WHERE serial = 'B'")).await;
         }
@@ -204,7 +210,7 @@ async fn a_row_that_is_wrong_or_missing_is_found_and_limits_that_change_make_all
         lab.stop().await;
         assert_eq!(lab.change("DELETE FROM head WHERE serial = 'B'").await, 1);
         lab.start().await;
-        let faults = lab.verified().await.faults;
+        let faults = faults(&lab).await;
         assert_eq!(faults, ["gyro B: is missing from the table head"]);
         lab.stop().await;
         lab.config.judging.interval_days = 30.0;

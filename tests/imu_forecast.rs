@@ -668,14 +668,14 @@ async fn what_was_set_aside_counts_as_the_model_in_force_states_it() {
     let now = d_i(&lab, "LFG-0").await;
     assert!(step(now[1], now[0]) < 3.0 && step(now[2], now[0]) < 3.0, "{now:?}");
     assert_eq!(lab.get(&warm).await.ok()["imu_model"], adopted["id"]);
-    assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+    assert_eq!(lab.verified().await.faults, []);
 
     says("suspect").await;
     let none = json!({"terms": [], "effects": [], "author": "M. Adopter", "reason": "no more"});
     lab.post("/v1/imus/IMU-07/model", &none).await.created();
     says("trust").await;
     assert_eq!(d_i(&lab, "LFG-0").await, plain, "to the last bit");
-    assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+    assert_eq!(lab.verified().await.faults, []);
 }
 
 /// What a station would state that had fitted the campaign itself; at its mean temperature, or at none.
@@ -765,7 +765,7 @@ async fn records_are_restated_as_campaigns_are_and_what_states_no_temperature_is
         let note = notes.as_array().unwrap().iter().find(|note| note["code"] == code);
         assert!(note.is_some_and(|note| note["detail"].as_str().unwrap().contains("no temperature")), "{notes}");
     }
-    assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+    assert_eq!(lab.verified().await.faults, []);
 
     // What comes now is stated so from the start, and read so after a restart.
     let stored = lab.post("/v1/records", &finished(&warm(7), true)).await.created();
@@ -776,7 +776,7 @@ async fn records_are_restated_as_campaigns_are_and_what_states_no_temperature_is
     assert!(step(all[6], all[2]) < 3.0, "{all:?}");
     let late = lab.post("/v1/records", &finished(&warm(8), false)).await.created();
     assert!(late["notes"].to_string().contains("any_temperature_of_record"), "{late}");
-    assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+    assert_eq!(lab.verified().await.faults, []);
 
     let plain = json!({"terms": [], "effects": [], "author": "M. Adopter", "reason": "no more"});
     lab.post("/v1/imus/IMU-07/model", &plain).await.created();
@@ -784,7 +784,7 @@ async fn records_are_restated_as_campaigns_are_and_what_states_no_temperature_is
     let record = lab.get(&paths[3]).await.ok();
     assert!(record["separations"][0].get("as_measured").is_none_or(Value::is_null), "{record}");
     assert!(!lab.get(&paths[5]).await.ok()["notes"].to_string().contains("any_temperature"));
-    assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+    assert_eq!(lab.verified().await.faults, []);
 }
 
 /// Records that are sent while a model is adopted, and one that was read before and is stored after.
@@ -812,7 +812,7 @@ async fn a_record_that_meets_an_adoption_on_its_way_is_stated_by_the_model() {
     for one in &all[1..] {
         assert!(step(*one, all[0]) < 3.0 && (one[0] - all[1][0]).abs() < 1e-12, "{all:?}");
     }
-    assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+    assert_eq!(lab.verified().await.faults, []);
 }
 
 /// As an earlier version of the program leaves a database: its model is in force, what is stored is stated otherwise.
@@ -867,7 +867,7 @@ async fn what_an_earlier_version_stated_otherwise_is_stated_anew_after_the_start
     let silent = lab.get(&format!("/v1/records/{}", silent["id"].as_str().unwrap())).await.ok();
     assert!(silent["notes"].to_string().contains("any_temperature_of_record"), "{silent}");
     assert_eq!(lab.get(&gone).await.ok()["voided"]["author"], "M. Voider");
-    assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+    assert_eq!(lab.verified().await.faults, []);
     // Nothing is left to do: the next start leaves it as it is.
     lab.restart().await;
     tokio::time::sleep(Duration::from_secs(1)).await;

@@ -125,7 +125,7 @@ async fn a_campaign_is_stated_by_the_model_in_force_when_it_is_stored_whichever_
         assert_eq!(late["imu_model"], undone["id"]);
         assert_eq!(late["separations"], first["separations"]);
     }
-    assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+    assert_eq!(lab.verified().await.faults, []);
 }
 
 /// Another server on the same database.
@@ -144,7 +144,7 @@ async fn a_campaign_is_stated_by_the_model_that_another_server_has_put_in_force(
         let adopted = there.post(&path, &adoption(effects)).await.created();
         assert_eq!(stored(&here, waiting).await[0]["imu_model"], adopted["id"], "day {day}");
     }
-    assert_eq!(here.verified().await.faults, Vec::<String>::new());
+    assert_eq!(here.verified().await.faults, []);
 }
 
 #[tokio::test]

@@ -153,7 +153,7 @@ async fn a_station_that_shifts_is_one_alert_and_a_gyro_that_moves_by_itself_anot
     tokio::time::sleep(Duration::from_millis(300)).await;
     let told = heard(&target.told());
     assert!(told.contains(&("alert.resolved".to_owned(), "ST-2".to_owned())), "{told:?}");
-    assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+    assert_eq!(lab.verified().await.faults, []);
 }
 
 #[tokio::test]
@@ -342,7 +342,7 @@ async fn an_imu_of_which_every_gyro_moves_is_one_alert_and_what_one_does_later_a
     }
     let is_over = |alert: &&Value| of_imu(alert) && alert["state"] == "resolved";
     become_so(&lab, |alerts| alerts.iter().any(|alert| is_over(&alert))).await;
-    assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+    assert_eq!(lab.verified().await.faults, []);
 }
 
 async fn is_of(lab: &Lab, gyro: i64, batch: &str) {
@@ -424,7 +424,7 @@ async fn gyros_of_a_batch_that_move_together_are_one_alert_of_the_batch_and_none
         sent(&lab, &all(at, |_, _| 0.0)).await;
     }
     become_so(&lab, |alerts| of(alerts, "batch", "resolved") == 1 && of(alerts, "batch", "firing") == 0).await;
-    assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+    assert_eq!(lab.verified().await.faults, []);
 }
 
 #[tokio::test]

@@ -53,33 +53,8 @@ fn of_service(cause: &(dyn Error + 'static)) -> Option<Message> {
     use crate::store::StoreError;
 
     if let Some(OrderError::Write(WriteError::Storage(error))) = cause.downcast_ref() {
-        return Some(of_database(error.store_error()));
+        return Some(error.store_error().message());
     }
-    let found = message_of!(cause, ConfigError, OrderError);
-    let found = found.or_else(|| cause.downcast_ref::<StorageError>().map(|error| of_database(error.store_error())));
-    found.or_else(|| cause.downcast_ref::<StoreError>().map(of_database))
-}
-
-/// What the database said, for its administrator; clients are told less.
-#[cfg(feature = "server")]
-fn of_database(error: &crate::store::StoreError) -> Message {
-    use crate::core::message::text;
-    use crate::message;
-    use crate::store::StoreError;
-
-    match error {
-        StoreError::Full => message!("store_full"),
-        StoreError::ReadOnly(why) => message!("store_unusable", why = text(why)),
-        StoreError::Busy => message!("store_locked"),
-        StoreError::InUse(database) => message!("store_in_use", database = text(database)),
-        StoreError::File(why) | StoreError::Key(why) => Message::verbatim(why),
-        StoreError::NotDurable(why) => message!("store_not_durable", why = text(why)),
-        StoreError::Damaged(what) => message!("database_damaged", what = text(what)),
-        StoreError::Unreachable(why) => message!("store_unreachable", why = text(why)),
-        StoreError::Unanswered(why) => message!("store_unanswered", why = text(why)),
-        StoreError::Overtaken(why) => message!("store_overtaken", why = text(why)),
-        StoreError::Refused(why) => message!("store_refused", why = text(why)),
-        // Its cause says what.
-        StoreError::Other(_) => message!("store_other"),
-    }
+    let found = message_of!(cause, ConfigError, OrderError, StoreError);
+    found.or_else(|| cause.downcast_ref::<StorageError>().map(|error| error.store_error().message()))
 }

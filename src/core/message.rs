@@ -42,9 +42,12 @@ impl Message {
     }
 }
 
-/// For logs and for programmers: the code and its parameters, in no language.
+/// For logs and for programmers: the code and its parameters, in no language; a text of others as it is.
 impl Display for Message {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        if let ("verbatim", [(_, text)]) = (&*self.code, &self.parameters[..]) {
+            return write!(f, "{text}");
+        }
         f.write_str(&self.code)?;
         for (k, (name, value)) in self.parameters.iter().enumerate() {
             write!(f, "{}{name}: {value}", if k == 0 { " (" } else { ", " })?;
@@ -170,5 +173,6 @@ mod tests {
         let outer = message!("outer", count = 3_usize, value = signed(0.5, 2), why = inner);
         assert_eq!(outer.to_string(), "outer (count: 3, value: +0.50, why: inner (of: a, b))");
         assert_eq!(message!("plain").to_string(), "plain");
+        assert_eq!(Message::verbatim("as it is").to_string(), "as it is");
     }
 }

@@ -52,7 +52,7 @@ impl StorageError {
     pub fn message(&self) -> Message {
         match (&*self.0, self.fault()) {
             (StoreError::NotDurable(_), _) => message!("disk_failed"),
-            (StoreError::Damaged(what), _) => message!("database_damaged", what = what.to_string()),
+            (StoreError::Damaged(what), _) => message!("database_damaged", what = what.clone()),
             (_, StorageFault::Full) => message!("disk_full"),
             (_, StorageFault::Unwritable) => message!("cannot_write"),
             (_, StorageFault::Unanswered) => message!("perhaps_stored"),

@@ -7,6 +7,7 @@ use sqlx::{AssertSqlSafe, ConnectOptions, Connection, PgConnection, Row, SqliteC
 
 use super::postgres;
 use super::rows::{AnyRow, Stored};
+use crate::message;
 use crate::store::packed::history_row::PACKED_LEN;
 use crate::store::sqlite::lock::{self, Lock};
 use crate::store::sqlite::write_behind::history_log::PendingHistory;
@@ -33,7 +34,7 @@ impl ColumnType {
             "REAL" => Ok(Self::Real),
             "TEXT" => Ok(Self::Text),
             "BLOB" => Ok(Self::Bytes),
-            other => Err(StoreError::Damaged(format!("a column of type {other}"))),
+            other => Err(StoreError::damaged(format_args!("a column of type {other}"))),
         }
     }
 }
@@ -117,7 +118,7 @@ impl Copied {
 /// call goes on.
 pub async fn copy(from: &Options, to: &Options, mut each: impl FnMut(&'static str, u64)) -> Result<Vec<Copied>> {
     if from.is_server() || !to.is_server() {
-        return Err(StoreError::File("a copy goes from sqlite:// to postgres://".to_owned()));
+        return Err(StoreError::File(message!("copy_direction")));
     }
     let (mut source, _lock) = open_source(from).await?;
     let mut target = postgres::open::open_to_copy(to).await?;
@@ -184,17 +185,14 @@ async fn claim(target: &mut PgConnection, source: &str) -> Result<()> {
         sqlx::query_scalar("SELECT source FROM copying WHERE name = ''").fetch_optional(&mut *target).await?;
     match begun {
         Some(begun) if begun == source => return Ok(()),
-        Some(other) => {
-            let why = format!("the database holds a part of {other}: go on with that, or begin with an empty one");
-            return Err(StoreError::File(why));
-        }
+        Some(other) => return Err(StoreError::File(message!("copy_of_other", file = other))),
         None => {}
     }
     for table in TABLES.split(' ') {
         let any = AssertSqlSafe(format!("SELECT count(*) FROM (SELECT 1 FROM {table} LIMIT 1) AS chosen"));
         if sqlx::query_scalar::<_, i64>(any).fetch_one(&mut *target).await? > 0 {
             release_mark(target).await?;
-            return Err(StoreError::File(format!("the database is not empty: there are rows in {table}")));
+            return Err(StoreError::File(message!("copy_not_empty", table)));
         }
     }
     sqlx::query("INSERT INTO copying VALUES ('', 0, $1)").bind(source).execute(target).await?;

@@ -1,8 +1,12 @@
 //! What can go wrong with the database, sorted by what a caller can do about it.
 
+use std::fmt::Display;
 use std::io::ErrorKind;
 
 use sqlx::postgres::PgDatabaseError;
+
+use crate::core::message::{Message, text};
+use crate::message;
 
 /// What the store hands back, unless it says otherwise.
 pub type Result<T, E = StoreError> = std::result::Result<T, E>;
@@ -22,18 +26,18 @@ pub enum StoreError {
     /// Another service has the database open.
     #[error("another gyrowatch serves the database {0}; stop it first, or use a file of your own")]
     InUse(String),
-    /// A file beside the database, such as a backup, cannot be read or written.
+    /// A file or an address is not what it would have to be, or cannot be read or written.
     #[error("{0}")]
-    File(String),
+    File(Message),
     /// A write did not reach the disk and cannot be known to; nothing may be written until a restart.
     #[error("a write could not be made durable: {0}; restart after checking the disk")]
     NotDurable(String),
     /// The content contradicts its checksums or its structure.
     #[error("the database is damaged: {0}")]
-    Damaged(String),
+    Damaged(Message),
     /// A database server does not answer, or broke off what was under way; nothing was stored.
     #[error("the database cannot be reached: {0}")]
-    Unreachable(String),
+    Unreachable(Message),
     /// A database server broke off in the middle of a commit and cannot be asked what became of it.
     #[error("a commit was not answered, and the database cannot be asked what became of it: {0}")]
     Unanswered(String),
@@ -45,15 +49,44 @@ pub enum StoreError {
     Refused(String),
     /// What is encrypted cannot be read.
     #[error("{0}")]
-    Key(String),
+    Key(Message),
     #[error("database: {0}")]
     Other(#[source] Box<dyn std::error::Error + Send + Sync>),
 }
 
 impl StoreError {
+    /// Damage of a kind that has no message of its own.
+    pub fn damaged(what: impl Display) -> Self {
+        Self::Damaged(Message::verbatim(what))
+    }
+
+    /// What is wrong with a file or an address.
+    pub(super) fn at(place: &str, why: impl Into<Message>) -> Self {
+        Self::File(message!("file_fault", file = place.to_owned(), why = why.into()))
+    }
+
     /// With the table, where it says what is damaged there.
     pub(super) fn of(self, table: &str) -> Self {
-        if let Self::Damaged(what) = self { Self::Damaged(format!("{table}: {what}")) } else { self }
+        if let Self::Damaged(what) = self { Self::damaged(format_args!("{table}: {what}")) } else { self }
+    }
+
+    /// What the database said, for its administrator; clients are told less.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Full => message!("store_full"),
+            Self::ReadOnly(why) => message!("store_unusable", why = text(why)),
+            Self::Busy => message!("store_locked"),
+            Self::InUse(database) => message!("store_in_use", database = text(database)),
+            Self::File(why) | Self::Key(why) => why.clone(),
+            Self::NotDurable(why) => message!("store_not_durable", why = text(why)),
+            Self::Damaged(what) => message!("database_damaged", what = what.clone()),
+            Self::Unreachable(why) => message!("store_unreachable", why = why.clone()),
+            Self::Unanswered(why) => message!("store_unanswered", why = text(why)),
+            Self::Overtaken(why) => message!("store_overtaken", why = text(why)),
+            Self::Refused(why) => message!("store_refused", why = text(why)),
+            // Its cause says what.
+            Self::Other(_) => message!("store_other"),
+        }
     }
 }
 
@@ -65,13 +98,12 @@ impl From<sqlx::Error> for StoreError {
         use sqlx::Error::{Io, PoolTimedOut, Protocol, Tls};
         match &error {
             Io(why) if why.kind() == ErrorKind::ConnectionRefused => {
-                let asked = "nothing listens there; does PostgreSQL run at the host and port of database.url?";
-                return Self::Unreachable(format!("{asked} ({why})"));
+                return Self::Unreachable(message!("server_absent", why = text(why)));
             }
-            Io(why) => return Self::Unreachable(why.to_string()),
-            Tls(why) => return Self::Unreachable(format!("TLS failed: {why}")),
-            Protocol(why) => return Self::Unreachable(format!("what answers does not speak as PostgreSQL: {why}")),
-            PoolTimedOut => return Self::Unreachable("no connection to it became free in time".to_owned()),
+            Io(why) => return Self::Unreachable(Message::verbatim(why)),
+            Tls(why) => return Self::Unreachable(message!("tls_failed", why = text(why))),
+            Protocol(why) => return Self::Unreachable(message!("server_foreign", why = text(why))),
+            PoolTimedOut => return Self::Unreachable(message!("server_busy")),
             _ => {}
         }
         let Some(said) = error.as_database_error() else { return Self::Other(error.into()) };
@@ -107,8 +139,8 @@ fn of_server(code: &str, message: &str) -> Option<StoreError> {
         (_, "21" | "22" | "23") => StoreError::Refused(message),
         // Connections; transactions that were broken off; resources; locks not had in time; a server on its way up or
         // down.
-        (_, "08" | "25" | "40" | "53" | "55" | "57") => StoreError::Unreachable(message),
-        (_, "XX") => StoreError::Damaged(message),
+        (_, "08" | "25" | "40" | "53" | "55" | "57") => StoreError::Unreachable(Message::verbatim(message)),
+        (_, "XX") => StoreError::damaged(message),
         _ => return None,
     })
 }
@@ -121,7 +153,7 @@ fn of_file(code: i32, message: &str) -> Option<StoreError> {
     Some(match code & 0xff {
         5 | 6 => StoreError::Busy,
         8 | 10 | 14 => StoreError::ReadOnly(message.to_owned()),
-        11 | 26 => StoreError::Damaged(message.to_owned()),
+        11 | 26 => StoreError::damaged(message),
         13 => StoreError::Full,
         19 => StoreError::Refused(message.to_owned()),
         _ => return None,

@@ -257,7 +257,7 @@ impl Tables {
         if let Some(lost) = lost.filter(|known| *known != number) {
             table.remove(lost);
         }
-        let wrong = || StoreError::Damaged(format!("`{name}` has more than one number"));
+        let wrong = || StoreError::damaged(format_args!("`{name}` has more than one number"));
         table.add(number, cell, name).then_some(()).ok_or_else(wrong)
     }
 

@@ -10,6 +10,7 @@ use sqlx::{AssertSqlSafe, ConnectOptions, Connection, SqliteConnection};
 use super::db::{MigrationFile, Readers, migrations, migrator};
 use super::name_tables::Names;
 use super::postgres;
+use crate::message;
 use crate::store::sqlite::checkpoint::Checkpoints;
 use crate::store::sqlite::checksum::{Summing, settle};
 use crate::store::sqlite::halt::Halt;
@@ -118,7 +119,7 @@ async fn check_structure(connection: &mut SqliteConnection) -> Result<()> {
 /// What a check of SQLite's own finds wrong with the file is said as it says it.
 pub(super) async fn finds_nothing(connection: &mut SqliteConnection, check: &'static str) -> Result<()> {
     let found: Vec<String> = sqlx::query_scalar(check).fetch_all(connection).await?;
-    if found == ["ok"] { Ok(()) } else { Err(StoreError::Damaged(found.join("; "))) }
+    if found == ["ok"] { Ok(()) } else { Err(StoreError::damaged(found.join("; "))) }
 }
 
 /// WAL with `synchronous = FULL`: the log is on disk before a commit returns. Checkpoints are made by
@@ -153,11 +154,7 @@ fn pragmas(options: &Options) -> [(&'static str, String); 5] {
 fn refuse_parameters(url: &str) -> Result<()> {
     let (_, parameters) = url.split_once('?').unwrap_or_default();
     let other = parameters.split('&').find(|parameter| !matches!(*parameter, "" | "mode=rw" | "mode=rwc"));
-    other.map_or(Ok(()), |other| {
-        let why =
-            format!("the parameter `{other}` of its URL is not understood; what can be set is in the configuration");
-        Err(StoreError::Other(why.into()))
-    })
+    other.map_or(Ok(()), |other| Err(StoreError::File(message!("address_parameter", parameter = other.to_owned()))))
 }
 
 /// As [`connect_options`], of a connection that the calling thread itself works on.
@@ -203,12 +200,12 @@ async fn load_table(connection: &mut SqliteConnection, from: &str, column: &str)
         let names = sqlx::query_scalar(AssertSqlSafe(sql.clone())).bind(last).fetch_one(&mut *connection).await?;
         let names: String = names;
         let names: Vec<(u32, String)> =
-            serde_json::from_str(&names).map_err(|error| StoreError::Damaged(format!("names: {error}")))?;
+            serde_json::from_str(&names).map_err(|error| StoreError::damaged(format_args!("names: {error}")))?;
         let Some((number, _)) = names.last() else { return Ok(table) };
         last = i64::from(*number);
         for (number, name) in names {
             if !table.add(number, 0, &name) {
-                return Err(StoreError::Damaged(format!("`{name}` has more than one number")));
+                return Err(StoreError::damaged(format_args!("`{name}` has more than one number")));
             }
         }
     }

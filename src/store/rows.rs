@@ -363,6 +363,6 @@ impl<R: AnyRow> Found<'_, R> {
 
     /// That the last column holds what it should not.
     pub fn unknown(&self) -> StoreError {
-        StoreError::Damaged(format!("unknown {}", self.row.name(self.next - 1)))
+        StoreError::damaged(format_args!("unknown {}", self.row.name(self.next - 1)))
     }
 }

@@ -9,6 +9,7 @@ use base64::engine::general_purpose::{STANDARD, STANDARD_NO_PAD, URL_SAFE, URL_S
 use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, NONCE_LEN, Nonce, UnboundKey};
 
 use super::error::{Result, StoreError};
+use crate::message;
 use crate::system::fill_random;
 
 /// Before an encrypted text, and with a character that no text of a hook may have. The number is that of the way it
@@ -63,15 +64,9 @@ impl Secrets {
         for (place, text) in texts {
             let Some(hidden) = text.strip_prefix(MARK) else { continue };
             let Some(key) = &self.0 else {
-                return Err(StoreError::Key(format!(
-                    "GYROWATCH_SECRETS_KEY is missing: the secrets of {named} are encrypted; start with the key that they were stored with"
-                )));
+                return Err(StoreError::Key(message!("secrets_key_missing", of = named.to_owned())));
             };
-            let other = || {
-                StoreError::Key(format!(
-                    "GYROWATCH_SECRETS_KEY is another key than the secrets of {named} were encrypted with"
-                ))
-            };
+            let other = || StoreError::Key(message!("secrets_key_other", of = named.to_owned()));
             *text = shown(key, place, hidden).ok_or_else(other)?;
         }
         Ok(())

@@ -41,7 +41,7 @@ impl Verify {
 fn report(verified: &Verified) -> anyhow::Result<()> {
     let Verified { records, separations, verdicts, bench_results, heads, not_compared, faults } = verified;
     for fault in faults.iter().take(MOST_SHOWN) {
-        document::print(fault)?;
+        document::print(&said(fault))?;
     }
     let mut lines = vec![
         message!(

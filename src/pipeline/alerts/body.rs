@@ -134,7 +134,7 @@ fn silence_of(row: &AlertRow, now: UtcMicros) -> Option<SilenceBody> {
 /// [`StoreError::Damaged`] where it cannot be read.
 pub fn finding_of(row: &AlertRow) -> Result<AlertFindingBody, StoreError> {
     let mut finding: AlertFindingBody = serde_json::from_str(&row.finding)
-        .map_err(|error| StoreError::Damaged(format!("the finding of alert {}: {error}", row.id)))?;
+        .map_err(|error| StoreError::damaged(format_args!("the finding of alert {}: {error}", row.id)))?;
     finding.unit = unit::of_machines(&finding.unit).into();
     Ok(finding)
 }

@@ -153,7 +153,7 @@ impl Alerts {
         let steps = store::alerts::steps(&self.store, id, MOST_STEPS).await?;
         let steps = steps.into_iter().map(|step| {
             let alert = serde_json::from_str(&step.body)
-                .map_err(|error| StoreError::Damaged(format!("step {} of alert {id}: {error}", step.id)))?;
+                .map_err(|error| StoreError::damaged(format_args!("step {} of alert {id}: {error}", step.id)))?;
             let StepRow { id, at, action, told, author, reason, .. } = step;
             let reason = reason.map(|reason| match (author.as_deref(), reason.as_str()) {
                 (Some(SERVICE), EARLIER_IN_DOUBT) => message!("earlier_in_doubt"),

@@ -93,7 +93,7 @@ impl Diagnoser {
         let mut end = self.begin(&row, in_force, awaited)?;
         let ended = tokio::time::timeout(patience, end.wait_for(Option::is_some)).await;
         let Ok(ended) = ended else { return Ok(DiagnosisAnswer::Waiting) };
-        let gone = || StoreError::Damaged(format!("the diagnosis of campaign {id} failed"));
+        let gone = || StoreError::damaged(format_args!("the diagnosis of campaign {id} failed"));
         let diagnosed = ended.map_err(|_| gone())?.clone().ok_or_else(gone)?;
         Ok(DiagnosisAnswer::Answered(diagnosed))
     }
@@ -109,7 +109,7 @@ impl Diagnoser {
             |kept: &DiagnosisRow| kept.program == self.models.competing().program && kept.model == in_force.id;
         let Some(kept) = kept.filter(is_of_now) else { return Ok(None) };
         let damaged =
-            |error| StoreError::Damaged(format!("the diagnosis of campaign {} cannot be read: {error}", row.id));
+            |error| StoreError::damaged(format_args!("the diagnosis of campaign {} cannot be read: {error}", row.id));
         let read = |body: &str| serde_json::from_str(body).map_err(damaged);
         Ok(Some(Arc::new(if kept.refused { Err(from_stored(&kept.body)) } else { Ok(read(&kept.body)?) })))
     }

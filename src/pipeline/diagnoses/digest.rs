@@ -113,7 +113,7 @@ impl Digest {
     /// [`StoreError::Damaged`].
     pub fn of_row(row: &DigestRow) -> Result<Self, StoreError> {
         serde_json::from_str(&row.gist)
-            .map_err(|error| StoreError::Damaged(format!("the gist of diagnosis {}: {error}", row.record)))
+            .map_err(|error| StoreError::damaged(format_args!("the gist of diagnosis {}: {error}", row.record)))
     }
 
     /// The serial of the gyro in a slot.

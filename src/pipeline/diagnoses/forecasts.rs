@@ -52,7 +52,7 @@ impl Diagnoses {
             let told = forecaster.foretold(&campaign);
             (forecaster.point_of(&campaign, told.as_ref()), told.ok())
         });
-        let failed = |error| StoreError::Damaged(format!("forecasts could not be made: {error}"));
+        let failed = |error| StoreError::damaged(format_args!("forecasts could not be made: {error}"));
         Ok(Some(work.await.map_err(failed)?))
     }
 

@@ -48,8 +48,8 @@ impl Competing {
 }
 
 /// As it is used.
-fn stored(row: HypothesisRow) -> Result<StoredHypothesis, StoreError> {
-    let damaged = |why: &dyn std::fmt::Display| StoreError::Damaged(format!("hypothesis {}: {why}", row.id));
+pub(super) fn stored(row: HypothesisRow) -> Result<StoredHypothesis, StoreError> {
+    let damaged = |why: &dyn std::fmt::Display| StoreError::damaged(format_args!("hypothesis {}: {why}", row.id));
     let body: HypothesisBody = serde_json::from_str(&row.body).map_err(|error| damaged(&error))?;
     let effect = body.to_core().map_err(|faults: Faults| damaged(&faults))?;
     Ok(StoredHypothesis { effect, row })

@@ -297,7 +297,7 @@ impl Diagnoses {
 }
 
 fn shown(row: JobRow, counts: TaskCounts) -> Result<JobBody, StorageError> {
-    let damaged = |error| StoreError::Damaged(format!("order {} of diagnoses cannot be read: {error}", row.id));
+    let damaged = |error| StoreError::damaged(format_args!("order {} of diagnoses cannot be read: {error}", row.id));
     let asked: WhichBody = serde_json::from_str(&row.asked).map_err(damaged)?;
     let state = match (row.canceled, row.ended_at, row.begun_at) {
         (true, ..) => "canceled",

@@ -80,7 +80,7 @@ impl ModelCache {
 
 /// A stored model.
 pub(crate) fn read(row: &ModelRow) -> Result<InForce, StoreError> {
-    let damaged = |faults: Faults| StoreError::Damaged(format!("model {} cannot be read: {faults}", row.id));
+    let damaged = |faults: Faults| StoreError::damaged(format_args!("model {} cannot be read: {faults}", row.id));
     let model = model::parse_stored(row.body.as_bytes()).map_err(damaged)?;
     Ok(InForce { id: Some(row.id), model: Arc::new(model) })
 }

@@ -15,6 +15,7 @@ use super::diagnoser::Diagnoser;
 use super::made::{DiagnosisOutcome, Made};
 use crate::pipeline::diagnoses::background::Awaited;
 use crate::pipeline::prelude::*;
+use crate::wire::message::to_stored;
 
 /// How many due campaigns are looked up at once.
 const PAGE: u32 = 64;
@@ -150,7 +151,8 @@ impl Diagnoser {
             Ok(()) => {}
             Err(StoreError::Damaged(why)) => {
                 let ended_at = self.clock.now();
-                self.have_kept(Made { campaign: id, begun_at, ended_at, outcome: DiagnosisOutcome::Failed(why) }).await;
+                let outcome = DiagnosisOutcome::Failed(to_stored(&why));
+                self.have_kept(Made { campaign: id, begun_at, ended_at, outcome }).await;
             }
             Err(error) => tracing::warn!(%error, campaign = %id, "a campaign could not be read; it is tried again"),
         }
@@ -158,7 +160,7 @@ impl Diagnoser {
 
     /// Returns once it is kept, or can never be.
     async fn make(&self, id: Id) -> Result<(), StoreError> {
-        let missing = || StoreError::Damaged(format!("campaign {id} is missing"));
+        let missing = || StoreError::damaged(format_args!("campaign {id} is missing"));
         let row = self.campaign(id).await?.ok_or_else(missing)?;
         let in_force = self.models.of(Some(row.imu));
         let mut end = self.begin(&row, in_force, Awaited::ByNobody)?;

@@ -144,7 +144,7 @@ impl HookCache {
 
     /// What there is to tell, where anybody listens.
     fn read<'n>(&self, news: &'n [News]) -> Result<Vec<(&'n News, AlertBody)>, StoreError> {
-        let damaged = |id, error| StoreError::Damaged(format!("what has become of alert {id}: {error}"));
+        let damaged = |id, error| StoreError::damaged(format_args!("what has become of alert {id}: {error}"));
         let read = |one: &'n News| {
             let body = serde_json::from_str(&one.body).map_err(|error: serde_json::Error| damaged(one.id, error))?;
             Ok((one, body))
@@ -185,7 +185,7 @@ pub(crate) async fn heard_by(store: &Store, hook: Id) -> Result<HashMap<Id, Seve
 }
 
 fn severity_of(hook: Id, name: &str) -> Result<Severity, StoreError> {
-    let unknown = || StoreError::Damaged(format!("what hook {hook} has heard: unknown severity"));
+    let unknown = || StoreError::damaged(format_args!("what hook {hook} has heard: unknown severity"));
     Severity::from_name(name).ok_or_else(unknown)
 }
 

@@ -18,7 +18,8 @@ pub(super) const DIGEST: &str = "digest";
 pub(super) fn hook(row: HookRow, queue: QueueState, now: UtcMicros) -> Result<HookBody, StoreError> {
     let filter = filter(&row)?;
     let expect = row.expect.as_deref().map(serde_json::from_str).transpose();
-    let expect = expect.map_err(|error| StoreError::Damaged(format!("what hook {} is to hear: {error}", row.id)))?;
+    let expect =
+        expect.map_err(|error| StoreError::damaged(format_args!("what hook {} is to hear: {error}", row.id)))?;
     let old_secret = row.old_secret.filter(|(_, until)| now < *until);
     Ok(HookBody {
         id: row.id.to_string(),
@@ -43,7 +44,7 @@ pub(super) fn hook(row: HookRow, queue: QueueState, now: UtcMicros) -> Result<Ho
 /// The filter of a stored hook.
 pub(super) fn filter(row: &HookRow) -> Result<FilterBody, StoreError> {
     serde_json::from_str(&row.filter)
-        .map_err(|error| StoreError::Damaged(format!("the filter of hook {}: {error}", row.id)))
+        .map_err(|error| StoreError::damaged(format_args!("the filter of hook {}: {error}", row.id)))
 }
 
 /// The identifier of a message, the same at every attempt and replay; that of a single step also at every hook.

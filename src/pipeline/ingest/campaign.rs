@@ -147,7 +147,8 @@ impl Reader {
             let (campaign, outcome) = evaluated(&config.stations, &body, &model)?;
             Ok(CampaignFit { campaign, outcome, model: model.id })
         });
-        work.await.map_err(|error| StoreError::Damaged(format!("campaign {} could not be fitted: {error}", row.id)))
+        work.await
+            .map_err(|error| StoreError::damaged(format_args!("campaign {} could not be fitted: {error}", row.id)))
     }
 
     /// A stored record, as the model states it that it was stored by.
@@ -226,8 +227,9 @@ impl Reader {
             let Some(row) = store::record::get(&self.store, head.id).await? else { continue };
             let (reader, model) = (self.clone(), InForce { id: None, model: Arc::clone(model) });
             let stated = words::spawn_blocking(move || reader.stated_by(&row, &model).ok()).await;
-            let stated = stated
-                .map_err(|error| StoreError::Damaged(format!("campaign {} could not be fitted: {error}", head.id)))?;
+            let stated = stated.map_err(|error| {
+                StoreError::damaged(format_args!("campaign {} could not be fitted: {error}", head.id))
+            })?;
             restated.insert(head.id, stated);
         }
         Ok(restated)

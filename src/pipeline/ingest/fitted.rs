@@ -78,5 +78,5 @@ pub(crate) fn campaign_of(row: &RecordRow) -> Result<Campaign, StoreError> {
 }
 
 pub(crate) fn damaged(id: Id, faults: &Faults) -> StoreError {
-    StoreError::Damaged(format!("the body of campaign {id} cannot be read: {faults}"))
+    StoreError::damaged(format_args!("the body of campaign {id} cannot be read: {faults}"))
 }

@@ -55,8 +55,9 @@ impl Histories {
             let peers = peers.iter().filter(|peer| !is_mate(peer)).count();
             ExplainedHistory { peers, as_of, coefficients, budgets }
         });
-        let failed =
-            |error| StoreError::Damaged(format!("the history of gyro number {gyro} could not be diagnosed: {error}"));
+        let failed = |error| {
+            StoreError::damaged(format_args!("the history of gyro number {gyro} could not be diagnosed: {error}"))
+        };
         Ok(explained.await.map_err(failed)?)
     }
 

@@ -390,7 +390,7 @@ impl Fleet {
         let began = Instant::now();
         let histories = fleet_histories(&self.store, self.config.judging.method).await?;
         let figures = words::spawn_blocking(move || changes::stations(&histories)).await;
-        let failed = |error| StoreError::Damaged(format!("the stations could not be compared: {error}"));
+        let failed = |error| StoreError::damaged(format_args!("the stations could not be compared: {error}"));
         let mut figures = figures.map_err(failed)?;
         if let Some(figures) = &mut figures {
             self.count_all(figures).await?;

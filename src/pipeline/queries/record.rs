@@ -124,10 +124,10 @@ impl Records {
     pub(crate) async fn reread(&self, id: Id) -> Result<Option<Reread>, StoreError> {
         let Some(row) = store::record::get(&self.store, id).await? else { return Ok(None) };
         if sha256(row.body.as_bytes()) != row.body_sha256 {
-            return Err(StoreError::Damaged(format!("the body of record {id} does not have its hash")));
+            return Err(StoreError::damaged(format_args!("the body of record {id} does not have its hash")));
         }
         let unreadable =
-            |faults: Faults| StoreError::Damaged(format!("the body of record {id} cannot be read: {faults}"));
+            |faults: Faults| StoreError::damaged(format_args!("the body of record {id} cannot be read: {faults}"));
         let (calibration, fitted) = match row.kind {
             Kind::Record => (self.reader.record_again(&row).await?.map_err(unreadable)?, None),
             Kind::Campaign => {
@@ -205,7 +205,7 @@ impl Records {
         for (number, stored) in &row.verdicts.0 {
             let serial = self.store.names().read().gyros.name(*number).map(str::to_owned);
             let Some(serial) = serial else {
-                return Err(StoreError::Damaged(format!("gyro number {number} has no name")));
+                return Err(StoreError::damaged(format_args!("gyro number {number} has no name")));
             };
             let limits = self.config.judging.limits(calibration.imu.as_str(), &serial);
             let (need, method) = (Need::of(&limits), self.config.judging.method);

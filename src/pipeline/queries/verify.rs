@@ -4,9 +4,12 @@
 //! are decided again with the limits of the configuration in force: of a record that was judged with other limits,
 //! the verdicts cannot be compared, and are counted; so are those on records that count no more.
 
+use std::fmt::Display;
+
 use crate::core::figures::near;
 use crate::core::judge::Older;
 use crate::core::judge::history::Need;
+use crate::core::message::{Message, text};
 use crate::core::name::normal_form;
 use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
@@ -29,8 +32,8 @@ pub struct Verified {
     pub heads: Option<usize>,
     /// Verdicts that were decided with other limits than those in force, or on records that count no more.
     pub not_compared: usize,
-    /// In words, which record and what about it. Empty where everything is right.
-    pub faults: Vec<String>,
+    /// Which record and what about it. Empty where everything is right.
+    pub faults: Vec<Message>,
 }
 
 /// Versions up to 0.1 left the turn of a fitted input axis out of the standard deviations of a bench test's dwells:
@@ -50,7 +53,7 @@ impl Records {
             verified.records += 1;
             match self.reread(id).await {
                 Ok(Some(stored)) => self.verify_record(&stored, &mut verified).await?,
-                Ok(None) => verified.faults.push(format!("record {id}: is in an index only")),
+                Ok(None) => verified.faults.push(of_record(id, message!("in_index_only"))),
                 Err(StoreError::Damaged(what)) => verified.faults.push(what),
                 Err(error) => return Err(error.into()),
             }
@@ -72,10 +75,11 @@ impl Records {
             for expected in stored_rows(&self.store, &self.config.judging, some).await? {
                 let serial = &expected.serial;
                 match found.iter().find(|row| row.gyro == expected.gyro) {
-                    None => verified.faults.push(format!("gyro {serial}: is missing from the table head")),
-                    Some(row) if !row.agrees(&expected) => verified.faults.push(format!(
-                        "gyro {serial}: the table head has {row:?}, by what is stored it is {expected:?}"
-                    )),
+                    None => verified.faults.push(of_gyro(serial, message!("head_missing"))),
+                    Some(row) if !row.agrees(&expected) => {
+                        let (found, expected) = (format_args!("{row:?}"), format_args!("{expected:?}"));
+                        verified.faults.push(of_gyro(serial, message!("head_differs", found, expected)));
+                    }
                     Some(_) => {}
                 }
             }
@@ -88,15 +92,16 @@ impl Records {
         let Reread { row, calibration: again, .. } = stored;
         let (id, counts) = (row.id, !row.voided);
         let names = self.store.names();
-        let head = [
-            ("IMU", name(&names.read().imus, row.imu), again.imu.as_str()),
-            ("station", name(&names.read().stations, row.station), again.station.as_str()),
-        ];
-        for (what, stored, sent) in head.iter().filter(|(_, stored, sent)| normal_form(stored) != *sent) {
-            verified.faults.push(format!("record {id}: is stored under the {what} {stored}, its text says {sent}"));
+        let wrong = |fault| of_record(id, fault);
+        let (imu, station) = (name(&names.read().imus, row.imu), name(&names.read().stations, row.station));
+        if normal_form(&imu) != again.imu.as_str() {
+            verified.faults.push(wrong(message!("under_other_imu", stored = imu, sent = text(&again.imu))));
+        }
+        if normal_form(&station) != again.station.as_str() {
+            verified.faults.push(wrong(message!("under_other_station", stored = station, sent = text(&again.station))));
         }
         if row.calibrated_at != again.calibrated_at {
-            verified.faults.push(format!("record {id}: is stored under another time than its text says"));
+            verified.faults.push(wrong(message!("under_other_time")));
         }
         // A campaign that cannot be fitted with the model in force, or has other gyros by it, stays as it came.
         let places = |of: &Calibration| of.gyros.iter().map(|gyro| gyro.place).collect::<Vec<_>>();
@@ -105,13 +110,12 @@ impl Records {
             let figures = |of: &CalibratedGyro| figures_of(&of.separation, id, row.calibrated_at, row.imu, row.station);
             let was = again.gyros.iter().find(|was| was.place == gyro.place);
             if was.is_some_and(|was| difference(&figures(was), &figures(gyro)).is_some()) {
-                verified
-                    .faults
-                    .push(format!("record {id}: gyro {}: is not stated by the model in force of its IMU", gyro.serial));
+                verified.faults.push(wrong(of_gyro(&gyro.serial, message!("not_of_model_in_force"))));
             }
         }
         for gyro in &again.gyros {
             let serial = gyro.serial.as_str();
+            let wrong = |fault| wrong(of_gyro(serial, fault));
             let number = names.read().gyros.number(serial);
             let at = Span { from: row.calibrated_at, to: row.calibrated_at };
             let stored = match number {
@@ -124,15 +128,12 @@ impl Records {
             verified.separations += 1;
             let computed = figures_of(&gyro.separation, id, row.calibrated_at, row.imu, row.station);
             match stored {
-                None => verified.faults.push(format!("record {id}: gyro {serial} is missing from its history")),
-                Some(stored) => {
-                    let differs = difference(&stored, &computed);
-                    verified.faults.extend(differs.map(|what| format!("record {id}: gyro {serial}: {what}")));
-                }
+                None => verified.faults.push(wrong(message!("history_missing"))),
+                Some(stored) => verified.faults.extend(difference(&stored, &computed).map(wrong)),
             }
             let of_it = row.verdicts.0.iter().find(|(of, _)| Some(*of) == number);
             let Some((number, decided)) = of_it else {
-                verified.faults.push(format!("record {id}: gyro {serial} has no verdicts"));
+                verified.faults.push(wrong(message!("verdicts_missing")));
                 continue;
             };
             if !counts {
@@ -155,14 +156,13 @@ impl Records {
                 let computed = expected.iter().find(|computed| same_rule(stored, computed));
                 if computed.is_none_or(|computed| !same(stored, computed)) {
                     let (rule, coefficient) = (stored.rule.name(), stored.coefficient.name());
-                    let found = computed.map_or_else(|| "no verdict".to_owned(), |computed| format!("{computed:?}"));
-                    verified.faults.push(format!(
-                        "record {id}: gyro {serial}: the verdict of the rule {rule} on {coefficient} is {stored:?}, computed again it is {found}"
-                    ));
+                    let again = computed.map_or_else(|| "-".to_owned(), |computed| format!("{computed:?}"));
+                    let stored = format_args!("{stored:?}");
+                    verified.faults.push(wrong(message!("verdict_differs", rule, coefficient, stored, again)));
                 }
             }
             if stored.is_some_and(|stored| stored.states != states) {
-                verified.faults.push(format!("record {id}: gyro {serial}: its state is not that of its verdicts"));
+                verified.faults.push(wrong(message!("state_differs")));
             }
         }
         Ok(())
@@ -180,9 +180,9 @@ impl Records {
                         (d, [fitted.d_i_sd, fitted.d_s_sd], LEAST_OF_SD)
                     }),
                 };
-                let id = row.id;
+                let wrong = |fault| message!("fault_of_bench_result", id = text(row.id), fault);
                 match sent {
-                    None => verified.faults.push(format!("bench result {id}: its text cannot be read")),
+                    None => verified.faults.push(wrong(message!("text_unreadable"))),
                     Some((d, sd, least)) => {
                         let values = d.iter().zip(&row.d).all(|(a, b)| near(*a, *b));
                         let sds = sd.iter().zip(&row.sd).all(|(a, b)| {
@@ -190,10 +190,8 @@ impl Records {
                             within || near_or_none(*a, *b)
                         });
                         if !(values && sds) {
-                            verified.faults.push(format!(
-                                "bench result {id}: {:?} is stored, its text says {d:?} (D_I and D_S, deg/(h g0))",
-                                row.d
-                            ));
+                            let (stored, sent) = (format_args!("{:?}", row.d), format_args!("{d:?}"));
+                            verified.faults.push(wrong(message!("bench_differs", stored, sent)));
                         }
                     }
                 }
@@ -203,19 +201,27 @@ impl Records {
     }
 }
 
+fn of_record(id: Id, fault: Message) -> Message {
+    message!("fault_of_record", id = text(id), fault)
+}
+
+fn of_gyro(serial: impl Display, fault: Message) -> Message {
+    message!("fault_of_gyro", serial = text(serial), fault)
+}
+
 fn name(table: &Table, number: u32) -> String {
     table.name(number).map_or_else(|| format!("number {number}"), ToString::to_string)
 }
 
 /// What of the stored figures is not as computed, but for the states, which are the verdicts'.
-fn difference(stored: &Figures, computed: &Figures) -> Option<String> {
+fn difference(stored: &Figures, computed: &Figures) -> Option<Message> {
     let head = |figures: &Figures| (figures.record, figures.imu, figures.station, figures.slot, figures.at);
     if head(stored) != head(computed) {
-        return Some("its history names another record, IMU, slot or station".to_owned());
+        return Some(message!("history_of_another"));
     }
-    (!stored.agrees(computed)).then(|| {
-        format!("{stored:?} is stored, computed again it is {computed:?} (D_I, D_S, D_O, deg/(h g0), and further)")
-    })
+    let figures =
+        || message!("figures_differ", stored = format_args!("{stored:?}"), again = format_args!("{computed:?}"));
+    (!stored.agrees(computed)).then(figures)
 }
 
 fn same_rule(a: &StoredVerdict, b: &StoredVerdict) -> bool {

@@ -107,7 +107,7 @@ impl Figures {
     /// [`StoreError::Damaged`] where the bytes are not what was packed for this gyro.
     pub(crate) fn unpack(gyro: u32, bytes: &[u8; PACKED_LEN]) -> Result<Self> {
         Self::read(gyro, bytes)
-            .ok_or_else(|| StoreError::Damaged(format!("a history row of gyro number {gyro} fails its checksum")))
+            .ok_or_else(|| StoreError::damaged(format_args!("a history row of gyro number {gyro} fails its checksum")))
     }
 
     fn read(gyro: u32, bytes: &[u8; PACKED_LEN]) -> Option<Self> {

@@ -87,7 +87,7 @@ impl RecordVerdicts {
     /// [`StoreError::Damaged`] where the bytes are not what was packed for this record.
     pub(crate) fn unpack(record: Id, bytes: &[u8]) -> Result<Self> {
         Self::read(record, bytes)
-            .ok_or_else(|| StoreError::Damaged(format!("the verdicts of record {record} fail their checksum")))
+            .ok_or_else(|| StoreError::damaged(format_args!("the verdicts of record {record} fail their checksum")))
     }
 
     fn read(record: Id, bytes: &[u8]) -> Option<Self> {

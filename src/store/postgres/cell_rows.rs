@@ -38,7 +38,7 @@ pub(super) const COLUMNS: &str =
 impl CellRow {
     pub fn of(row: &PgRow) -> Result<Self> {
         let (cell, stamp, last_id, news): (i64, _, _, _) = row.whole()?;
-        let cell = u8::try_from(cell).map_err(|_| StoreError::Damaged(format!("there is a cell {cell}")))?;
+        let cell = u8::try_from(cell).map_err(|_| StoreError::damaged(format_args!("there is a cell {cell}")))?;
         Ok(Self { cell, stamp, last_id, news })
     }
 

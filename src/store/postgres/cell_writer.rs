@@ -13,6 +13,7 @@ use super::bounded::{BREATH, COMES_UP, PgReaders, within};
 use super::cell_rows::{AllCells, COLUMNS, CellRow};
 use super::hosts::Hosts;
 use super::names;
+use crate::message;
 use crate::store::name_tables::Names;
 use crate::store::packed::history_row;
 use crate::store::statements::batch_of;
@@ -109,12 +110,12 @@ impl CellWriter {
     /// See [`crate::store::Writer::commit`]. `last_id`: the greatest identifier that was given out.
     pub async fn commit(&mut self, changes: &Changes, last_id: i64) -> Result<()> {
         if self.held.is_empty() {
-            return Err(StoreError::Unreachable("the cells to write were lost".to_owned()));
+            return Err(StoreError::Unreachable(message!("server_cells_lost")));
         }
         // Back in its place only when all has gone well: one on which an answer is still due is of no use.
         let Some(mut connection) = self.connection.take() else {
             self.held.clear();
-            return Err(StoreError::Unreachable("the connection was lost".to_owned()));
+            return Err(StoreError::Unreachable(message!("server_connection_lost")));
         };
         let next = self.after(changes, last_id);
         if let Err(error) = write(&mut connection, changes, &next, self.lease).await {

@@ -10,6 +10,7 @@ use sqlx::postgres::PgConnectOptions;
 use sqlx::{ConnectOptions, PgConnection, Row as _};
 
 use super::bounded::{LastSilence, within};
+use crate::message;
 use crate::store::error::{Result, StoreError};
 
 /// The hosts of one database, and the one that answered last.
@@ -27,10 +28,9 @@ const FOR_EACH: Duration = Duration::from_secs(2);
 
 impl Hosts {
     /// # Errors
-    /// [`StoreError::Other`] where the address cannot be read.
+    /// [`StoreError::File`] where the address cannot be read.
     pub fn of(url: &str) -> Result<Self> {
-        let wrong = |why: String| StoreError::Other(why.into());
-        let (scheme, rest) = url.split_once("://").ok_or_else(|| wrong("no address of a database".to_owned()))?;
+        let (scheme, rest) = url.split_once("://").ok_or_else(|| StoreError::File(message!("address_foreign")))?;
         let (authority, path) = rest.split_at(rest.find(['/', '?']).unwrap_or(rest.len()));
         let (user, hosts) = authority.rsplit_once('@').map_or(("", authority), |(user, hosts)| (user, hosts));
         let user = if user.is_empty() { String::new() } else { format!("{user}@") };
@@ -44,8 +44,7 @@ impl Hosts {
             None | Some("any") => false,
             Some("read-write" | "primary") => true,
             Some(other) => {
-                let why = "the service writes, so it takes any, read-write or primary";
-                return Err(wrong(format!("target_session_attrs={other}: {why}")));
+                return Err(StoreError::File(message!("address_read_only", value = other.to_owned())));
             }
         };
         let one = |host: &str| {

@@ -25,7 +25,7 @@ pub(in crate::store) fn read(found: Vec<Found>) -> Result<Vec<(NamesOf, u32, u8,
 
 fn read_one((kind, number, cell, name): Found) -> Result<(NamesOf, u32, u8, String), StoreError> {
     let kind = usize::try_from(kind).ok().and_then(|kind| NamesOf::ALL.get(kind)).copied();
-    let wrong = || StoreError::Damaged(format!("`{name}` has the number {number} in cell {cell}"));
+    let wrong = || StoreError::damaged(format_args!("`{name}` has the number {number} in cell {cell}"));
     let known = kind.zip(u32::try_from(number).ok()).zip(u8::try_from(cell).ok());
     let ((kind, number), cell) = known.ok_or_else(wrong)?;
     Ok((kind, number, cell, name))

@@ -11,6 +11,7 @@ use super::cell_writer::CellWriter;
 use super::hosts::Hosts;
 use super::other_servers::Neighbours;
 use super::{homes, names};
+use crate::message;
 use crate::store::db::{MigrationFile, Readers, migrations, migrator, newest_of};
 use crate::store::name_tables::Names;
 use crate::store::sqlite::write_behind::WriteBehind;
@@ -81,9 +82,7 @@ async fn refuse_shared(one: &mut PgConnection, hosts: &Hosts, patience: Duration
         let of_other = process(&mut other).await?;
         sqlx::raw_sql("ROLLBACK").execute(&mut other).await?;
         if of_one == of_other {
-            let why = "the pooler before the database hands out connections by the transaction: \
-                       set pool_mode = session for this database, or name the database itself in database.url";
-            return Err(StoreError::File(why.to_owned()));
+            return Err(StoreError::File(message!("server_pooled")));
         }
     }
     Ok(())
@@ -118,25 +117,23 @@ async fn check_copied(readers: &PgReaders) -> Result<()> {
     let sql = "SELECT count(*) FROM information_schema.tables
                WHERE table_schema = current_schema() AND table_name = 'copying'";
     if sqlx::query_scalar::<_, i64>(sql).fetch_one(readers).await? > 0 {
-        return Err(StoreError::File(
-            "a copy into the database has not come to its end: run gyrowatch copy again".to_owned(),
-        ));
+        return Err(StoreError::File(message!("copy_unfinished")));
     }
     Ok(())
 }
 
 async fn check_schema(connection: &mut PgConnection, options: &Options) -> Result<()> {
-    let wrong = |why: &str| Err(StoreError::File(format!("{}: {why}", options.shown())));
+    let wrong = |why| Err(StoreError::at(&options.shown(), why));
     let ours = "SELECT count(*) FROM information_schema.tables WHERE table_schema = current_schema()
                 AND table_name IN ('_sqlx_migrations', 'record', 'cell')";
     if sqlx::query_scalar::<_, i64>(ours).fetch_one(&mut *connection).await? != 3 {
-        return wrong("no database of gyrowatch");
+        return wrong(message!("file_foreign"));
     }
     let found: Option<i64> =
         sqlx::query_scalar("SELECT max(version) FROM _sqlx_migrations").fetch_one(connection).await?;
     match found.cmp(&newest_of(&MIGRATIONS)) {
-        std::cmp::Ordering::Greater => wrong("written by a newer version of gyrowatch"),
-        std::cmp::Ordering::Less => wrong("written by an older version of gyrowatch: start the service on it once"),
+        std::cmp::Ordering::Greater => wrong(message!("file_newer")),
+        std::cmp::Ordering::Less => wrong(message!("file_older")),
         std::cmp::Ordering::Equal => Ok(()),
     }
 }

@@ -10,7 +10,9 @@ use sqlx::{ConnectOptions, Connection, SqliteConnection, SqlitePool};
 use super::lock::beside;
 use super::{checksum, private};
 use crate::core::id::Id;
+use crate::core::message::{Message, list, text};
 use crate::core::time::Span;
+use crate::message;
 use crate::store::db::{Readers, newest_of};
 use crate::store::name_tables::Names;
 use crate::store::open::{MIGRATIONS, connect_options, finds_nothing, load_names, migrate};
@@ -26,9 +28,7 @@ impl Options {
     /// [`StoreError`] where it names none.
     pub fn file(&self) -> Result<PathBuf> {
         if self.is_server() {
-            let why =
-                "is no file: a server's database is copied and put back with its own tools, pg_dump and pg_restore";
-            return Err(StoreError::File(format!("{} {why}", self.shown())));
+            return Err(StoreError::File(message!("file_of_server", database = self.shown())));
         }
         Ok(connect_options(self)?.get_filename().to_owned())
     }
@@ -53,7 +53,7 @@ pub async fn backup(options: &Options, target: &Path) -> Result<Holdings> {
     let source = options.file()?;
     let mut source = reading(&source).busy_timeout(options.busy_timeout).connect().await?;
     placed(target, async |part: &Path| {
-        let into = part.to_str().ok_or_else(|| failed(part, &"its name is not UTF-8"))?;
+        let into = part.to_str().ok_or_else(|| wrong(part, message!("file_name_not_utf8")))?;
         sqlx::query("VACUUM INTO $1").bind(into).execute(&mut source).await?;
         Ok(())
     })
@@ -109,7 +109,7 @@ pub async fn check(file: &Path) -> Result<Holdings> {
     let holdings = read_through(file, true).await?;
     match checksum::check(file)? {
         faults if faults.is_empty() => Ok(holdings),
-        faults => Err(StoreError::Damaged(faults.join("; "))),
+        faults => Err(StoreError::Damaged(message!("damages", faults = list(faults)))),
     }
 }
 
@@ -117,7 +117,7 @@ pub async fn check(file: &Path) -> Result<Holdings> {
 ///
 /// # Errors
 /// [`StoreError`] where something cannot be read at all.
-pub fn check_checksums(options: &Options) -> Result<Vec<String>> {
+pub fn check_checksums(options: &Options) -> Result<Vec<Message>> {
     if options.is_server() { Ok(Vec::new()) } else { checksum::check(&options.file()?) }
 }
 
@@ -138,7 +138,7 @@ pub async fn check_all_but_records(options: &Options) -> Result<()> {
 async fn read_through(file: &Path, records: bool) -> Result<Holdings> {
     // SQLite says of what is not there only that it cannot be opened.
     if !fs::exists(file).map_err(|error| failed(file, &error))? {
-        return Err(StoreError::File("there is no such file".to_owned()));
+        return Err(StoreError::File(message!("file_absent")));
     }
     let version = {
         let mut connection = reading(file).connect().await?;
@@ -214,10 +214,10 @@ async fn check_calendar(readers: &SqlitePool) -> Result<()> {
                    FROM record AS held)";
     let (entries, entered, missing): (i64, i64, Option<i64>) = sqlx::query_as(sql).fetch_one(readers).await?;
     if let Some(record) = missing {
-        return Err(StoreError::Damaged(format!("record {}: its IMU has it elsewhere", Id(record))));
+        return Err(of_record(Id(record), message!("record_elsewhere")));
     }
     if entries != entered {
-        return Err(StoreError::Damaged(format!("{} entries of the calendar are no record's", entries - entered)));
+        return Err(StoreError::Damaged(message!("calendar_entries", count = text(entries - entered))));
     }
     Ok(())
 }
@@ -228,7 +228,7 @@ async fn structure(connection: &mut SqliteConnection) -> Result<()> {
         sqlx::query_scalar("SELECT \"table\" FROM pragma_foreign_key_check").fetch_optional(connection).await?;
     match dangling {
         None => Ok(()),
-        Some(table) => Err(StoreError::Damaged(format!("a row of the table {table} refers to one that is missing"))),
+        Some(table) => Err(StoreError::Damaged(message!("row_refers_to_none", table))),
     }
 }
 
@@ -238,7 +238,7 @@ async fn structure(connection: &mut SqliteConnection) -> Result<()> {
 /// [`StoreError::File`].
 pub(crate) async fn check_schema(connection: &mut SqliteConnection, file: &Path) -> Result<()> {
     if schema(connection, file).await? < newest_version() {
-        return Err(failed(file, &"written by an older version of gyrowatch: start the service on it once"));
+        return Err(wrong(file, message!("file_older")));
     }
     Ok(())
 }
@@ -247,12 +247,12 @@ pub(crate) async fn check_schema(connection: &mut SqliteConnection, file: &Path)
 async fn schema(connection: &mut SqliteConnection, file: &Path) -> Result<Option<i64>> {
     let ours = "SELECT count(*) FROM sqlite_schema WHERE name IN ('_sqlx_migrations', 'record', 'history')";
     if sqlx::query_scalar::<_, i64>(ours).fetch_one(&mut *connection).await? != 3 {
-        return Err(failed(file, &"no database of gyrowatch"));
+        return Err(wrong(file, message!("file_foreign")));
     }
     let version: Option<i64> =
         sqlx::query_scalar("SELECT max(version) FROM _sqlx_migrations").fetch_one(connection).await?;
     if version > newest_version() {
-        return Err(failed(file, &"written by a newer version of gyrowatch"));
+        return Err(wrong(file, message!("file_newer")));
     }
     Ok(version)
 }
@@ -265,9 +265,11 @@ async fn contents(store: &Store, records: bool) -> Result<Holdings> {
     let mut holdings = Holdings::default();
     let records = if records { store::record::ids(store).await? } else { Vec::new() };
     for id in records {
-        let missing = || StoreError::Damaged(format!("record {id} is in an index only"));
+        let missing = || of_record(id, message!("in_index_only"));
         let row = store::record::get(store, id).await?.ok_or_else(missing)?;
-        unchanged("record", id, &row.body, row.body_sha256)?;
+        if !is_unchanged(&row.body, row.body_sha256) {
+            return Err(of_record(id, message!("text_not_as_stored")));
+        }
         holdings.records += 1;
     }
     let gyros = store.names().read().gyros.numbers();
@@ -277,18 +279,22 @@ async fn contents(store: &Store, records: bool) -> Result<Holdings> {
         store::history::voided(store, gyro, Span::EVER).await?;
         store::event::of_gyro(store, gyro).await?;
         for row in store::bench::all_of_gyro(store, gyro, Span::EVER).await? {
-            unchanged("bench result", row.id, &row.body, row.body_sha256)?;
+            if !is_unchanged(&row.body, row.body_sha256) {
+                let fault = message!("text_not_as_stored");
+                return Err(StoreError::Damaged(message!("fault_of_bench_result", id = text(row.id), fault)));
+            }
             holdings.bench_results += 1;
         }
     }
     Ok(holdings)
 }
 
-fn unchanged(what: &str, id: Id, body: &str, hash: [u8; 32]) -> Result<()> {
-    if sha256(body.as_bytes()) == hash {
-        return Ok(());
-    }
-    Err(StoreError::Damaged(format!("{what} {id}: its text is not the one that was stored")))
+fn is_unchanged(body: &str, hash: [u8; 32]) -> bool {
+    sha256(body.as_bytes()) == hash
+}
+
+fn of_record(id: Id, fault: Message) -> StoreError {
+    StoreError::Damaged(message!("fault_of_record", id = text(id), fault))
 }
 
 /// Reads only, and leaves the journal mode as it is.
@@ -296,6 +302,10 @@ fn reading(file: &Path) -> SqliteConnectOptions {
     SqliteConnectOptions::new().filename(file).read_only(true).disable_statement_logging()
 }
 
-fn failed(file: &Path, error: &dyn std::fmt::Display) -> StoreError {
-    StoreError::File(format!("{}: {error}", file.display()))
+fn wrong(file: &Path, why: Message) -> StoreError {
+    StoreError::at(&file.display().to_string(), why)
+}
+
+fn failed(file: &Path, error: &io::Error) -> StoreError {
+    wrong(file, Message::verbatim(error))
 }

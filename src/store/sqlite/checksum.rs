@@ -14,6 +14,8 @@ use rusqlite::functions::FunctionFlags;
 use rusqlite::types::{Null, ValueRef};
 use rusqlite::{Connection, OpenFlags, params};
 
+use crate::core::message::{Message, text};
+use crate::message;
 use crate::store::error::Result;
 
 /// Sums stay below this: so do not overflow where SQLite adds two.
@@ -120,13 +122,13 @@ pub(crate) fn settle(connection: &Connection) -> Result<()> {
 ///
 /// # Errors
 /// Where something cannot be read at all.
-pub(crate) fn check(file: &Path) -> Result<Vec<String>> {
+pub(crate) fn check(file: &Path) -> Result<Vec<Message>> {
     let connection = Connection::open_with_flags(file, OpenFlags::SQLITE_OPEN_READ_ONLY)?;
     // All as of one moment.
     connection.execute_batch("BEGIN")?;
     if !is_kept(&connection)? {
         let lost = newest_migration(&connection)? >= SINCE;
-        return Ok(if lost { vec!["the table checksum is missing".to_owned()] } else { Vec::new() });
+        return Ok(if lost { vec![message!("checksums_missing")] } else { Vec::new() });
     }
     let mut statement = connection.prepare("SELECT name, version, rows, sum FROM checksum")?;
     let kept = statement.query_map((), |row| {
@@ -144,16 +146,17 @@ pub(crate) fn check(file: &Path) -> Result<Vec<String>> {
         let found = table_sum(&connection, name)?;
         let entry = kept.iter().find(|(kept, of, _)| kept == name && *of == version);
         match entry {
-            None => faults.push(format!("the table {name} has no checksum")),
+            None => faults.push(message!("table_unsummed", table = name.to_owned())),
             Some((_, _, sum)) if *sum == found => {}
             Some((_, _, Sum { rows, .. })) if *rows != found.rows => {
-                faults.push(format!("the table {name} has {} rows, {rows} were written", found.rows));
+                let (have, written) = (text(found.rows), text(rows));
+                faults.push(message!("table_of_other_length", table = name.to_owned(), have, written));
             }
-            Some(_) => faults.push(format!("a row of the table {name} is not as it was written")),
+            Some(_) => faults.push(message!("table_changed", table = name.to_owned())),
         }
     }
     if kept.len() != tables.len() + 1 {
-        faults.push("there is a checksum of a table that is missing".to_owned());
+        faults.push(message!("summed_table_missing"));
     }
     Ok(faults)
 }

@@ -8,6 +8,8 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::private;
+use crate::core::message::text;
+use crate::message;
 use crate::store::error::{Result, StoreError};
 
 /// Held as long as it lives; none for a database in memory.
@@ -24,12 +26,11 @@ pub(crate) fn take(file: &Path) -> Result<Lock> {
     let path = beside(file, ".lock");
     let failed = |error: std::io::Error| match (error.kind(), path.parent()) {
         (ErrorKind::NotFound, Some(directory)) => {
-            StoreError::File(format!("there is no directory {}: make it first", directory.display()))
+            StoreError::File(message!("no_directory", directory = text(directory.display())))
         }
-        (ErrorKind::PermissionDenied, Some(directory)) => StoreError::File(format!(
-            "this account may not write in {}, where the database and its lock are kept",
-            directory.display()
-        )),
+        (ErrorKind::PermissionDenied, Some(directory)) => {
+            StoreError::File(message!("directory_closed", directory = text(directory.display())))
+        }
         _ => StoreError::ReadOnly(format!("{}: {error}", path.display())),
     };
     let lock = private::open(&path).map_err(failed)?;

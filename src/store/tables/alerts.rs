@@ -168,7 +168,7 @@ fn alert(found: &mut Found<'_, impl AnyRow>) -> Result<AlertRow> {
         [Some(gyro), ..] => AlertOf::Gyro(gyro),
         [_, Some(station), _] => AlertOf::Station(station),
         [.., Some(imu)] => AlertOf::Imu(imu),
-        [None, None, None] => return Err(StoreError::Damaged("unknown subject".to_owned())),
+        [None, None, None] => return Err(StoreError::damaged("unknown subject")),
     };
     let (coefficient, status, severity) = found.part()?;
     let ([since, fired_at], resolved_at, record_at, within) = found.part()?;

@@ -165,7 +165,7 @@ pub(crate) fn upsert(heads: &HeadChanges, batch: &mut Batch) {
 pub async fn made(store: &Store) -> Result<HeadsMade> {
     let sql = "SELECT limits, through FROM head_made WHERE id = 1";
     let made: Option<HeadsMade> = read!(store, first, sql)?;
-    made.ok_or_else(|| StoreError::Damaged("the table head_made is empty".to_owned()))
+    made.ok_or_else(|| StoreError::damaged("the table head_made is empty"))
 }
 
 /// Gyros by serial, from the first after `serial` on, as many as `limit`; whether they have a row or not.

@@ -113,7 +113,7 @@ async fn marked_of_many(store: &Store, of: &[Stretch], limit: usize, newest_firs
 pub(crate) fn unpack(gyro: u32, packed: &[u8]) -> Result<Vec<Figures>> {
     let (rows, rest) = packed.as_chunks::<PACKED_LEN>();
     if !rest.is_empty() {
-        return Err(StoreError::Damaged(format!("history rows of gyro number {gyro} have a wrong length")));
+        return Err(StoreError::damaged(format_args!("history rows of gyro number {gyro} have a wrong length")));
     }
     rows.iter().map(|row| Figures::unpack(gyro, row)).collect()
 }

@@ -223,7 +223,11 @@ pub async fn at(store: &Store, imu: u32, at: UtcMicros) -> Result<Vec<RecordAt>>
     let found: Vec<((u32, UtcMicros), RecordAt)> = read!(store, all, sql, imu, at, waiting)?;
     let found = found.into_iter().map(|(place, found)| {
         let is_here = place == (imu, at);
-        if is_here { Ok(found) } else { Err(StoreError::Damaged(format!("record {} is of another instant", found.id))) }
+        if is_here {
+            Ok(found)
+        } else {
+            Err(StoreError::damaged(format_args!("record {} is of another instant", found.id)))
+        }
     });
     found.collect()
 }

@@ -251,6 +251,64 @@ store_overtaken = overtaken by another writer: { $why }
 store_refused = refused by the database: { $why }
 store_other = database
 
+## Files and servers of the database
+
+file_fault = { $file }: { $why }
+file_absent = there is no such file
+file_foreign = no database of gyrowatch
+file_newer = written by a newer version of gyrowatch
+file_older = written by an older version of gyrowatch: start the service on it once
+file_name_not_utf8 = its name is not UTF-8
+file_of_server = { $database } is no file: a server's database is copied and put back with its own tools, pg_dump and pg_restore
+no_directory = there is no directory { $directory }: make it first
+directory_closed = this account may not write in { $directory }, where the database and its lock are kept
+address_parameter = the parameter `{ $parameter }` of its URL is not understood; what can be set is in the configuration
+address_foreign = no address of a database
+address_read_only = target_session_attrs={ $value }: the service writes, so it takes any, read-write or primary
+server_absent = nothing listens there; does PostgreSQL run at the host and port of database.url? ({ $why })
+server_foreign = what answers does not speak as PostgreSQL: { $why }
+server_busy = no connection to it became free in time
+server_cells_lost = the cells to write were lost
+server_connection_lost = the connection was lost
+server_pooled = the pooler before the database hands out connections by the transaction: set pool_mode = session for this database, or name the database itself in database.url
+copy_direction = a copy goes from sqlite:// to postgres://
+copy_of_other = the database holds a part of { $file }: go on with that, or begin with an empty one
+copy_not_empty = the database is not empty: there are rows in { $table }
+copy_unfinished = a copy into the database has not come to its end: run gyrowatch copy again
+secrets_key_missing = GYROWATCH_SECRETS_KEY is missing: the secrets of { $of } are encrypted; start with the key that they were stored with
+secrets_key_other = GYROWATCH_SECRETS_KEY is another key than the secrets of { $of } were encrypted with
+
+## What is not as it was stored
+
+damages = { $faults }
+checksums_missing = the table checksum is missing
+table_unsummed = the table { $table } has no checksum
+table_of_other_length = the table { $table } has { $have } rows, { $written } were written
+table_changed = a row of the table { $table } is not as it was written
+summed_table_missing = there is a checksum of a table that is missing
+row_refers_to_none = a row of the table { $table } refers to one that is missing
+calendar_entries = { $count } entries of the calendar are no record's
+fault_of_record = record { $id }: { $fault }
+fault_of_bench_result = bench result { $id }: { $fault }
+fault_of_gyro = gyro { $serial }: { $fault }
+in_index_only = is in an index only
+record_elsewhere = its IMU has it elsewhere
+text_not_as_stored = its text is not the one that was stored
+text_unreadable = its text cannot be read
+under_other_imu = is stored under the IMU { $stored }, its text says { $sent }
+under_other_station = is stored under the station { $stored }, its text says { $sent }
+under_other_time = is stored under another time than its text says
+head_missing = is missing from the table head
+head_differs = the table head has { $found }, by what is stored it is { $expected }
+not_of_model_in_force = is not stated by the model in force of its IMU
+history_missing = is missing from its history
+history_of_another = its history names another record, IMU, slot or station
+figures_differ = { $stored } is stored, computed again it is { $again } (D_I, D_S, D_O, deg/(h g0), and further)
+verdicts_missing = has no verdicts
+verdict_differs = the verdict of the rule { $rule } on { $coefficient } is { $stored }, computed again it is { $again }
+state_differs = its state is not that of its verdicts
+bench_differs = { $stored } is stored, its text says { $sent } (D_I and D_S, deg/(h g0))
+
 ## What cannot be done
 
 terminal_scenario = scenario

@@ -239,6 +239,64 @@ store_overtaken = 另一程序已先写入：{ $why }
 store_refused = 数据库拒绝：{ $why }
 store_other = 数据库
 
+## 数据库的文件与服务器
+
+file_fault = { $file }：{ $why }
+file_absent = 没有此文件
+file_foreign = 不是gyrowatch的数据库
+file_newer = 由更新版本的gyrowatch写成
+file_older = 由较旧版本的gyrowatch写成：请先用它启动一次服务
+file_name_not_utf8 = 文件名不是UTF-8
+file_of_server = { $database }不是文件：服务器上的数据库用其自带工具pg_dump与pg_restore备份和恢复
+no_directory = 没有文件夹{ $directory }：请先创建
+directory_closed = 此账户不能在{ $directory }中写入，而数据库及其锁存放在该处
+address_parameter = 无法识别其URL中的参数`{ $parameter }`；可设置的内容见配置
+address_foreign = 不是数据库的地址
+address_read_only = target_session_attrs={ $value }：服务需要写入，只接受any、read-write或primary
+server_absent = 该处无程序监听；PostgreSQL是否运行在database.url的主机与端口？（{ $why }）
+server_foreign = 应答者不是PostgreSQL：{ $why }
+server_busy = 未能及时得到空闲连接
+server_cells_lost = 已失去待写的单元
+server_connection_lost = 连接已断开
+server_pooled = 数据库之前的连接池按事务分配连接：请为此数据库设置pool_mode = session，或在database.url中直接写数据库的地址
+copy_direction = 只能从sqlite://复制到postgres://
+copy_of_other = 数据库中已有{ $file }的一部分：请继续复制该文件，或改用空的数据库
+copy_not_empty = 数据库不是空的：{ $table }中已有数据
+copy_unfinished = 向数据库的复制尚未完成：请再次运行gyrowatch copy
+secrets_key_missing = 缺少GYROWATCH_SECRETS_KEY：{ $of }的密钥已加密；请用存储时的密钥启动
+secrets_key_other = GYROWATCH_SECRETS_KEY不是加密{ $of }时所用的密钥
+
+## 与存储时不同之处
+
+damages = { $faults }
+checksums_missing = 缺少校验和表checksum
+table_unsummed = 表{ $table }没有校验和
+table_of_other_length = 表{ $table }有{ $have }行，写入的是{ $written }行
+table_changed = 表{ $table }中有一行与写入时不同
+summed_table_missing = 有校验和的一个表已不存在
+row_refers_to_none = 表{ $table }中有一行指向不存在的行
+calendar_entries = 日历中有{ $count }项不属于任何记录
+fault_of_record = 记录{ $id }：{ $fault }
+fault_of_bench_result = 单表测试结果{ $id }：{ $fault }
+fault_of_gyro = 陀螺{ $serial }：{ $fault }
+in_index_only = 只存在于索引中
+record_elsewhere = 其IMU将它列在别处
+text_not_as_stored = 其原文与存储时不同
+text_unreadable = 其原文无法读取
+under_other_imu = 存储在IMU { $stored }之下，原文为{ $sent }
+under_other_station = 存储在测试站{ $stored }之下，原文为{ $sent }
+under_other_time = 存储的时间与原文不同
+head_missing = 在表head中缺失
+head_differs = 表head中为{ $found }，由所存内容应为{ $expected }
+not_of_model_in_force = 不是按其IMU的现行模型给出
+history_missing = 在其履历中缺失
+history_of_another = 其履历给出的记录、IMU、位置或测试站不同
+figures_differ = 存储的是{ $stored }，重新计算得{ $again }（D_I、D_S、D_O，(°)/(h·g0)，等等）
+verdicts_missing = 没有判定
+verdict_differs = 规则{ $rule }对{ $coefficient }的判定为{ $stored }，重新计算得{ $again }
+state_differs = 其状态与各判定不符
+bench_differs = 存储的是{ $stored }，原文为{ $sent }（D_I与D_S，(°)/(h·g0)）
+
 ## 不能执行
 
 terminal_scenario = 仿真场景

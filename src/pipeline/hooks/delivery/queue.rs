@@ -114,7 +114,7 @@ impl DeliveryQueue {
         if self.changed_at.replace(row.changed_at) != Some(row.changed_at) {
             self.health = Circuit::default();
         }
-        let to = Addressee::of(row).map_err(|why| StoreError::Damaged(format!("hook {}: {why}", self.hook)))?;
+        let to = Addressee::of(row).map_err(|why| StoreError::damaged(format_args!("hook {}: {why}", self.hook)))?;
         Ok(Some(Arc::new(to)))
     }
 
@@ -238,7 +238,7 @@ impl DeliveryQueue {
 
     async fn resend(&mut self, to: &Addressee) -> Result<(), StoreError> {
         self.resend_at = Instant::now() + self.context.hooks.config.hooks.resend_every();
-        let damaged = |error: serde_json::Error| StoreError::Damaged(format!("a step of an alert: {error}"));
+        let damaged = |error: serde_json::Error| StoreError::damaged(format_args!("a step of an alert: {error}"));
         let mut firing: Vec<(String, AlertBody)> = Vec::new();
         for (severity, body) in store::alerts::heard_firing(&self.context.hooks.store, self.hook).await? {
             firing.push((severity, serde_json::from_str(&body).map_err(damaged)?));

@@ -269,7 +269,7 @@ impl Judge {
             None => store::record::sheet_to_rejudge(&self.store, record).await?,
         };
         let Some(mut sheet) = sheet else {
-            return Err(StoreError::Damaged(format!("record {record} of gyro number {gyro} is missing")));
+            return Err(StoreError::damaged(format_args!("record {record} of gyro number {gyro} is missing")));
         };
         let without_history = requirements.unwrap_or(sheet.sheet.of(gyro)).iter();
         let stays = without_history.filter(|verdict| verdict.rule == Rule::Requirement).copied();

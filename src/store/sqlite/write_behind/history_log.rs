@@ -40,7 +40,7 @@ impl PendingHistory {
         for (entry, packed) in entries {
             let (rows, rest) = packed.as_chunks::<{ GYRO_LEN + PACKED_LEN }>();
             if !rest.is_empty() {
-                return Err(StoreError::Damaged(format!("entry {entry} of the history's log has a wrong length")));
+                return Err(StoreError::damaged(format_args!("entry {entry} of the history's log has a wrong length")));
             }
             for row in rows {
                 let (gyro, figures) = row.split_first_chunk().expect("a row is longer than a number");

@@ -78,7 +78,7 @@ impl PendingIndex {
                 pending.waiting.pass(1);
             } else if voided || !pending.is_newest(imu, at) {
                 let why = "does not count or is not the newest of its IMU, and is not in the calendar";
-                return Err(StoreError::Damaged(format!("record {record} {why}")));
+                return Err(StoreError::damaged(format_args!("record {record} {why}")));
             } else {
                 pending.enter(imu, Entry { at, record });
             }

@@ -96,17 +96,14 @@ pub enum Proxies {
 }
 
 impl Proxies {
-    /// Nothing, `environment`, or the address of one.
-    ///
-    /// # Errors
-    /// What is none of these. It may hold a password, so that it is not repeated.
-    pub fn parse(text: &str) -> Result<Self, &'static str> {
+    /// Nothing, `environment`, or the address of one; none where it is none of these.
+    pub fn parse(text: &str) -> Option<Self> {
         let is_address = |url: url::Url| matches!(url.scheme(), "http" | "https") && url.host().is_some();
         match text {
-            "" => Ok(Self::None),
-            "environment" => Ok(Self::Environment),
-            url if url::Url::parse(url).is_ok_and(is_address) => Ok(Self::One(url.to_owned())),
-            _ => Err("must be http://host:port, `environment`, or empty for no proxy"),
+            "" => Some(Self::None),
+            "environment" => Some(Self::Environment),
+            url if url::Url::parse(url).is_ok_and(is_address) => Some(Self::One(url.to_owned())),
+            _ => None,
         }
     }
 

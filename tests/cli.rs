@@ -169,7 +169,10 @@ fn what_is_refused_is_said_in_both_languages() {
     let reversed = reversed.path().to_str().unwrap();
     let own = "docs/examples/creep.toml";
     let campaign = "tests/data/practice/campaign-00.json";
-    let cases: [(&[&str], i32, &str, &str); 10] = [
+    let cases: [(&[&str], i32, &str, &str); 13] = [
+        (&["blindcheck", "--count", "0"], 2, "from 1 on", "从1起的整数"),
+        (&["token", "create", "a", "--role", "b"], 2, "must be one of", "之一"),
+        (&["export", "x.csv", "--from", "soon"], 2, "must be a day (UTC)", "2026-03-01"),
         (&["simulate", "--scenario", scenario], 1, "-1 is not a positive number of seconds", "仿真场景"),
         (&["blindcheck", "--hypothesis", own, "--scenario", scenario], 1, "not a positive number", "仿真场景"),
         (&["simulate", "--csv"], 2, "--csv needs --preset", "--csv只用于"),

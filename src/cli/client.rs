@@ -13,7 +13,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use super::common::service_address;
+use super::common::{service_address, wrong};
 use super::prelude::*;
 use crate::core::message::sent;
 use crate::system::{self, Proxies};
@@ -108,8 +108,12 @@ pub struct Connection {
 
     /// Proxy on the way there: `http://host:port`, or `environment` for what HTTPS_PROXY, HTTP_PROXY and NO_PROXY say
     #[arg(long, env = "GYROWATCH_PROXY", value_name = "PROXY", default_value = "", hide_default_value = true,
-          hide_env_values = true, value_parser = Proxies::parse)]
+          hide_env_values = true, value_parser = proxies)]
     proxy: Proxies,
+}
+
+fn proxies(text: &str) -> Result<Proxies, String> {
+    Proxies::parse(text).ok_or_else(|| wrong(message!("config_proxy")))
 }
 
 impl Connection {

@@ -96,7 +96,7 @@ impl HooksConfig {
         let (hours, most) = (self.old_secret_hours, 24.0 * 365.0);
         require((0.0..=most).contains(&hours), "old_secret_hours", between(0.0, most, hours))?;
         // It may hold a password, so that it is not repeated.
-        require(Proxies::parse(&self.proxy).is_ok(), "proxy", message!("config_proxy"))?;
+        require(Proxies::parse(&self.proxy).is_some(), "proxy", message!("config_proxy"))?;
         if let Err(error) = self.mailer(None) {
             let key = if matches!(error, MailError::From) { "hooks.mail_from" } else { "hooks.smtp_url" };
             return Err(ConfigError::of(key, error.message()));

@@ -54,12 +54,15 @@ pub fn sources(language: Language) -> &'static [&'static str] {
     }
 }
 
-/// Takes the language of the environment (`LC_ALL`, else `LANG`) for this process. Not for a service: what it stores
-/// is not its operator's.
-pub fn speak_as_the_environment() {
+/// The language of the environment (`LC_ALL`, else `LANG`).
+pub fn of_environment() -> Language {
     let set = ["LC_ALL", "LANG"].into_iter().filter_map(|name| env::var(name).ok()).find(|value| !value.is_empty());
-    let language = set.and_then(|locale| Language::from_tag(&locale.replace(['_', '.'], "-")));
-    OF_PROCESS.get_or_init(|| language.unwrap_or_default());
+    set.and_then(|locale| Language::from_tag(&locale.replace(['_', '.'], "-"))).unwrap_or_default()
+}
+
+/// Takes the language of the environment for this process. Not for a service: what it stores is not its operator's.
+pub fn speak_as_the_environment() {
+    OF_PROCESS.get_or_init(of_environment);
 }
 
 /// The sources of both languages, by file.

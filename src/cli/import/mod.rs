@@ -16,7 +16,7 @@ use std::time::Duration;
 use indicatif::ProgressBar;
 
 use super::client::{Connection, Service};
-use super::common::{block_on, progress};
+use super::common::{block_on, progress, wrong};
 use super::prelude::*;
 use crate::logs::error::LogError;
 use crate::logs::text::of_any;
@@ -107,8 +107,8 @@ impl Import {
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
-    let seconds: f64 = text.parse().map_err(|_| "must be a number of seconds".to_owned())?;
-    if (0.0..=3600.0).contains(&seconds) { Ok(seconds) } else { Err("must lie between 0 and 3600".into()) }
+    let seconds = text.parse().ok().filter(|seconds| (0.0..=3600.0).contains(seconds));
+    seconds.ok_or_else(|| wrong(message!("argument_seconds")))
 }
 
 fn table_map(path: &Path) -> anyhow::Result<TableMap> {

@@ -12,7 +12,7 @@ use super::source::{Content, ImportDocument, MAX_DOCUMENT_BYTES, read_line};
 use crate::cli::client::{ImportLineAnswer, Sent, Service, Trouble};
 use crate::cli::faults;
 use crate::cli::prelude::*;
-use crate::core::message::list;
+use crate::core::message::{Message, list};
 use crate::core::note::Note;
 use crate::wire::differences::counted;
 use crate::wire::document::DocumentKind;
@@ -190,7 +190,10 @@ impl<'a> Importer<'a> {
             }
             401 | 403 => return Err(Trouble::stop(StatusCode::from_u16(answer.status).ok(), why)),
             408 | 425 | 429 | 500.. => {
-                return Err(Trouble::Again { why: format!("line {line}: {why}"), after: None });
+                return Err(Trouble::Again {
+                    why: said(message!("at_line", line, fault = Message::verbatim(why))),
+                    after: None,
+                });
             }
             _ => self.refuse(Some(line), why),
         }

@@ -17,7 +17,7 @@ use crate::blindcheck::run::{Foreign, drawn, file_name, foreign, key, key_text};
 use crate::blindcheck::score::Score;
 use crate::blindcheck::seal;
 use crate::blindcheck::tally::Tally;
-use crate::cli::common::positive;
+use crate::cli::common::{one_of, positive, wrong};
 use crate::cli::document::{part_of, write, write_all};
 use crate::cli::faults;
 use crate::cli::prelude::*;
@@ -86,22 +86,21 @@ enum BlindcheckOf {
 }
 
 fn count(text: &str) -> Result<usize, String> {
-    text.parse().ok().filter(|count| *count > 0).ok_or_else(|| "must be a whole number from 1 on".to_owned())
+    text.parse().ok().filter(|count| *count > 0).ok_or_else(|| wrong(message!("argument_count")))
 }
 
 fn case(text: &str) -> Result<Case, String> {
-    Case::from_name(text).ok_or_else(|| format!("cases are {}", Case::ALL.map(Case::name).join(", ")))
+    one_of(Case::from_name(text), Case::ALL.map(Case::name))
 }
 
 fn effect(text: &str) -> Result<String, String> {
-    let known = CATALOGUE.iter().any(|known| known.id == text);
-    known.then(|| text.to_owned()).ok_or_else(|| format!("effects are {}", listed()))
+    let known = CATALOGUE.map(|known| known.id);
+    one_of(known.contains(&text).then(|| text.to_owned()), known)
 }
 
 fn kinds(name: &str) -> Result<&'static str, String> {
-    let known = || KINDS.iter().map(|kind| kind.name).collect::<Vec<_>>().join(", ");
-    let found = KINDS.iter().map(|kind| kind.name).chain([ALL]).find(|kind| *kind == name);
-    found.ok_or_else(|| format!("kinds are {ALL}, {}", known()))
+    let known = || [ALL].into_iter().chain(KINDS.iter().map(|kind| kind.name));
+    one_of(known().find(|kind| *kind == name), known())
 }
 
 /// Campaigns that are drawn where no number is given.

@@ -10,6 +10,7 @@ use crate::blindcheck::history::draw::{DrawnFleet, HiddenCause};
 use crate::blindcheck::history::report::{HistoryRate, HistoryReport};
 use crate::blindcheck::history::run;
 use crate::blindcheck::history::speed::{Speed, measure};
+use crate::cli::common::one_of;
 use crate::cli::errors::with_causes;
 use crate::cli::prelude::*;
 
@@ -38,8 +39,7 @@ pub struct History {
 }
 
 fn kind(text: &str) -> Result<HiddenCause, String> {
-    HiddenCause::from_name(text)
-        .ok_or_else(|| format!("kinds are {}", HiddenCause::ALL.map(HiddenCause::name).join(", ")))
+    one_of(HiddenCause::from_name(text), HiddenCause::ALL.map(HiddenCause::name))
 }
 
 fn kinds_help() -> String {

@@ -1,5 +1,6 @@
 //! `--model`: terms of model (6) by name, or a model file.
 
+use crate::cli::common::wrong;
 use crate::cli::prelude::*;
 use crate::core::augmented::AugmentedModel;
 use crate::core::model::Terms;
@@ -18,7 +19,7 @@ pub fn choice(argument: &str) -> Result<Choice, String> {
     match terms(argument) {
         Ok(terms) => Ok(Choice::Terms(terms)),
         Err(_) if Path::new(argument).is_file() => Ok(Choice::File(argument.into())),
-        Err(faults) => Err(said(message!("terminal_no_model_file", faults))),
+        Err(faults) => Err(wrong(message!("terminal_no_model_file", faults))),
     }
 }
 
@@ -26,7 +27,7 @@ pub fn choice(argument: &str) -> Result<Choice, String> {
 pub fn terms(argument: &str) -> Result<Terms, String> {
     let names: Vec<&str> = argument.split(',').map(str::trim).filter(|name| !name.is_empty()).collect();
     terms_from_names(&names)
-        .map_err(|faults| faults.0.iter().map(|fault| said(&fault.message)).collect::<Vec<_>>().join("; "))
+        .map_err(|faults| faults.0.into_iter().map(|fault| wrong(fault.message)).collect::<Vec<_>>().join("; "))
 }
 
 /// The model that was chosen; without a choice the plain one: each campaign's own terms.

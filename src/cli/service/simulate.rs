@@ -3,12 +3,12 @@
 use std::io::Write;
 
 use super::{experiment, hypothesis, model};
-use crate::cli::common::{Usage, positive};
+use crate::cli::common::{Usage, positive, wrong};
 use crate::cli::prelude::*;
 use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;
 use crate::core::effects::Effect;
-use crate::core::message::sent;
+use crate::core::message::{self, sent};
 use crate::core::mounting::Slot;
 use crate::simulate::augment::augment;
 use crate::simulate::cause::known;
@@ -113,7 +113,11 @@ impl CampaignFormat {
 fn known_preset(name: &str) -> Result<String, String> {
     let mut known = PRESETS.map(|(name, _)| name).to_vec();
     known.push(PAPER_EXPERIMENT);
-    if known.contains(&name) { Ok(name.to_owned()) } else { Err(format!("presets are {}", known.join(", "))) }
+    if known.contains(&name) {
+        Ok(name.to_owned())
+    } else {
+        Err(wrong(message!("argument_presets", known = message::list(known))))
+    }
 }
 
 fn effects_help() -> String {
@@ -226,7 +230,7 @@ fn made(scenario: &Scenario, put_in: &PutIn) -> anyhow::Result<Simulated> {
 }
 
 fn slot(name: &str) -> Result<Slot, String> {
-    Slot::from_name(name).ok_or_else(|| said(message!("unknown_slot", value = sent(name))))
+    Slot::from_name(name).ok_or_else(|| wrong(message!("unknown_slot", value = sent(name))))
 }
 
 fn list(mut out: impl Write) -> anyhow::Result<()> {

@@ -5,7 +5,7 @@ use clap::Subcommand;
 
 use super::healthcheck;
 use super::settings::ConfigArgs;
-use crate::cli::common::{block_on, instant};
+use crate::cli::common::{block_on, instant, one_of};
 use crate::cli::prelude::*;
 use crate::config::Config;
 use crate::core::access::{Role, Token};
@@ -56,7 +56,7 @@ enum TokenCommand {
 }
 
 fn role(name: &str) -> Result<Role, String> {
-    Role::from_name(name).ok_or_else(|| format!("must be one of {}", Role::ALL.map(Role::name).join(", ")))
+    one_of(Role::from_name(name), Role::ALL.map(Role::name))
 }
 
 impl TokenArgs {

@@ -432,3 +432,11 @@ terminal_blind_fleets = { $fleets } fleets of seed { $seed }, { $seconds } s
 terminal_speed =
     { $gyros } gyros with { $records } records in { $fleet_s } s on { $threads } threads
     one gyro with { $of_one } records and 40 peers: { $one_ms } ms (median), { $slowest_ms } ms (slowest)
+
+## A value of an argument
+
+argument_one_of = must be one of { $known }
+argument_presets = presets are { $known }
+argument_positive = must be a positive number
+argument_count = must be a whole number from 1 on
+argument_seconds = must be a number of seconds from 0 to 3600

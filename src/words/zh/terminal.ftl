@@ -414,3 +414,11 @@ terminal_blind_fleets = 种子{ $seed }的{ $fleets }组陀螺，{ $seconds } s
 terminal_speed =
     { $gyros }只陀螺，各{ $records }个记录：{ $threads }个线程用时{ $fleet_s } s
     一只陀螺，{ $of_one }个记录，40只同组陀螺：{ $one_ms } ms（中位数），{ $slowest_ms } ms（最长）
+
+## 参数的值
+
+argument_one_of = 应为{ $known }之一
+argument_presets = 预设有{ $known }
+argument_positive = 应为正数
+argument_count = 应为从1起的整数
+argument_seconds = 应为0至3600之间的秒数

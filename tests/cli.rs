@@ -201,9 +201,16 @@ fn what_is_refused_is_said_in_both_languages() {
             assert_eq!(code, None, "{refused}");
         }
     }
-    let mut wrong = gyrowatch(&["config"]);
-    let refused = complaint(wrong.env("LC_ALL", "zh_CN.UTF-8").env("GYROWATCH_JUDGING__BUDGET", "-1"), 1);
-    assert!(refused.contains("配置项judging.budget：应为正数，实为-1"), "{refused}");
+    for (key, value, said) in [
+        ("JUDGING__BUDGET", "-1", "配置项judging.budget：应为正数，实为-1"),
+        ("JUDGING__BUDGET", "wide", "配置项judging.budget：应为数，实为字符串\"wide\""),
+        ("JUDGING__BUDGE", "1", "未知的配置项`budge`，可用的有`method`、`budget`"),
+        ("SERVER__LISTEN", "8080", "配置项server.listen：应为IP地址与端口"),
+    ] {
+        let mut wrong = gyrowatch(&["config"]);
+        let refused = complaint(wrong.env("LC_ALL", "zh_CN.UTF-8").env(format!("GYROWATCH_{key}"), value), 1);
+        assert!(refused.contains(said), "{refused}");
+    }
 }
 
 #[test]

@@ -1,9 +1,11 @@
 //! What is wrong with a configuration.
 
-use std::fmt::Display;
+use std::fmt::{self, Display, Formatter};
 
-use crate::core::message::{Message, text};
+use crate::core::message::{Message, Parameter, list, text};
 use crate::message;
+use crate::wire::json::said_of;
+use crate::wire::message::{read, to_part};
 
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
@@ -27,6 +29,29 @@ impl ConfigError {
             Self::Unreadable(why) => message!("config_unreadable", why = why.clone()),
             Self::Key { key, fault } => message!("config_key", key = key.clone(), fault = fault.clone()),
         }
+    }
+}
+
+/// A message on its way through serde, whose errors are texts.
+#[derive(Debug)]
+pub struct Carried(pub Message);
+
+impl Display for Carried {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", to_part(&self.0))
+    }
+}
+
+/// What serde says of a value: a message that was carried, or what it finds itself.
+pub(super) fn of_serde(error: &serde_json::Error) -> Message {
+    let carried = serde_json::from_str(&error.to_string()).ok().and_then(|part| read(&part));
+    let said = carried.unwrap_or_else(|| said_of(error));
+    match (&*said.code, said.parameter("member"), said.parameter("known")) {
+        ("unknown_member", Some(key), Some(Parameter::List(known))) => {
+            let known = list(known.iter().map(|key| format!("`{key}`")));
+            message!("config_unknown_key", key = key.clone(), known)
+        }
+        _ => said,
     }
 }
 

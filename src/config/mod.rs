@@ -21,7 +21,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use crate::alert::target::TargetPolicy;
-use crate::core::message::{Message, sent, text};
+use crate::core::message::{sent, text};
 use crate::core::record::Plausibility;
 use crate::core::time::UtcMicros;
 use crate::message;
@@ -31,6 +31,7 @@ pub use crate::core::separate::JudgedMethod;
 pub use access::AccessConfig;
 pub use alerts::AlertsConfig;
 pub use error::ConfigError;
+use error::of_serde;
 pub use hooks::HooksConfig;
 pub use judging::{Judging, Override};
 pub use requirement::SlotRequirements;
@@ -278,7 +279,7 @@ impl Config {
 
     fn read(merged: Value) -> Result<Self, ConfigError> {
         let config: Self = serde_path_to_error::deserialize(merged)
-            .map_err(|e| ConfigError::of(e.path().to_string(), Message::verbatim(e.inner())))?;
+            .map_err(|e| ConfigError::of(e.path().to_string(), of_serde(e.inner())))?;
         config.check()?;
         Ok(config)
     }

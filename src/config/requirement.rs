@@ -3,8 +3,10 @@
 
 use serde::Deserialize;
 
+use super::error::Carried;
 use crate::core::judge::limits::{Bounds, LimitKey, Requirement};
 use crate::core::mounting::Slot;
+use crate::message;
 
 /// Bounds by slot; those of a slot go before those of `all`. What is left out stays as the layer before has it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
@@ -38,13 +40,13 @@ struct RequirementKeys {
 struct BoundsKey(Option<[f64; 2]>);
 
 impl TryFrom<Vec<f64>> for BoundsKey {
-    type Error = String;
+    type Error = Carried;
 
-    fn try_from(bounds: Vec<f64>) -> Result<Self, String> {
+    fn try_from(bounds: Vec<f64>) -> Result<Self, Carried> {
         match bounds[..] {
             [] => Ok(Self(None)),
             [low, high] if low.is_finite() && high.is_finite() && low < high => Ok(Self(Some([low, high]))),
-            _ => Err(format!("{bounds:?} is neither [low, high] nor [], which requires nothing")),
+            _ => Err(Carried(message!("config_bounds", bounds = format_args!("{bounds:?}")))),
         }
     }
 }

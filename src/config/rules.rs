@@ -7,9 +7,9 @@ use std::sync::LazyLock;
 use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, Visitor};
 
 use super::ConfigError;
-use super::error::between;
+use super::error::{Carried, between};
 use crate::core::judge::{DriftLimits, Limit, LimitKey, Limits, Measured, Rule, ShiftLimits, TrendLimits};
-use crate::core::message::text;
+use crate::core::message::{sent, text};
 use crate::message;
 
 /// Limits in deg/(h g0). What is left out stays as the budget, or the layer before, has it.
@@ -92,14 +92,14 @@ pub struct FixedBaseline {
 pub struct OffRule(Rule);
 
 impl TryFrom<String> for OffRule {
-    type Error = String;
+    type Error = Carried;
 
-    fn try_from(name: String) -> Result<Self, String> {
+    fn try_from(name: String) -> Result<Self, Carried> {
         match Rule::from_name(&name) {
-            Some(Rule::Requirement) => Err("requirement is switched off by judging.requirements = false, or figure by figure in judging.requirement".into()),
-            Some(Rule::Overdue) => Err("overdue is switched off by interval_days = 0".into()),
+            Some(Rule::Requirement) => Err(Carried(message!("config_off_requirement"))),
+            Some(Rule::Overdue) => Err(Carried(message!("config_off_overdue"))),
             Some(rule) => Ok(Self(rule)),
-            None => Err(format!("there is no rule {name:?}")),
+            None => Err(Carried(message!("unknown_rule", rule = sent(&name)))),
         }
     }
 }

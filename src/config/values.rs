@@ -6,7 +6,10 @@ use ipnet::IpNet;
 use serde::{Deserialize, Deserializer, de};
 use serde_json::Value;
 
+use super::error::Carried;
+use crate::core::message::{Message, sent};
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::wire::time;
 
 /// Text, or a number as it is written: an environment variable that holds nothing else (a port, a year) is read as a
@@ -21,8 +24,7 @@ fn as_written<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::E
 /// An IP address and a port. A name is refused: it may lead to several addresses, or elsewhere tomorrow.
 pub(super) fn address<'de, D: Deserializer<'de>>(deserializer: D) -> Result<SocketAddr, D::Error> {
     let text = as_written(deserializer)?;
-    let wanted = "an IP address and a port, such as 127.0.0.1:8080 (this machine alone), [::1]:8080 or 0.0.0.0:8080";
-    found(text.parse().ok(), wanted, &text)
+    found(text.parse().ok(), message!("config_address"), &text)
 }
 
 /// A date, which begins at midnight UTC, or an RFC 3339 time.
@@ -39,25 +41,24 @@ pub(super) fn instants<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec
 pub(super) fn networks<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<IpNet>, D::Error> {
     let network = |item: String| {
         let read = item.parse::<IpNet>().ok().or_else(|| Some(item.parse::<IpAddr>().ok()?.into()));
-        found(read, "networks or addresses, such as 10.0.0.0/8,192.168.1.5,fd12::/16", &item)
+        found(read, message!("config_networks"), &item)
     };
     items(deserializer)?.into_iter().map(network).collect()
 }
 
 /// A list of numbers.
 pub(super) fn numbers<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64>, D::Error> {
-    let number = |item: String| found(item.parse().ok(), "numbers, such as 5,30,120", &item);
+    let number = |item: String| found(item.parse().ok(), message!("config_numbers"), &item);
     items(deserializer)?.into_iter().map(number).collect()
 }
 
 fn parsed<E: de::Error>(text: String) -> Result<UtcMicros, E> {
-    let wanted = r#"a date or an RFC 3339 time, such as "1950-01-01" or "1950-01-01T00:00:00Z""#;
-    found(time::parse_start(&text).ok(), wanted, &text)
+    found(time::parse_start(&text).ok(), message!("config_instant"), &text)
 }
 
 /// What was read of a text, or what is wanted instead.
-fn found<T, E: de::Error>(read: Option<T>, wanted: &str, text: &str) -> Result<T, E> {
-    read.ok_or_else(|| E::custom(format!("must be {wanted}, is {text:?}")))
+fn found<T, E: de::Error>(read: Option<T>, wanted: Message, text: &str) -> Result<T, E> {
+    read.ok_or_else(|| E::custom(Carried(message!("must_be", wanted, value = sent(text)))))
 }
 
 /// A list, or its items in one text with commas between: an environment variable holds no list.

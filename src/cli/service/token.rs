@@ -40,8 +40,8 @@ enum TokenCommand {
         #[arg(long)]
         station: Option<String>,
         /// When it ends, RFC 3339
-        #[arg(long, value_name = "TIME", conflicts_with = "days")]
-        expires_at: Option<String>,
+        #[arg(long, value_name = "TIME", conflicts_with = "days", value_parser = instant)]
+        expires_at: Option<UtcMicros>,
         /// After how many days it ends
         #[arg(long, value_name = "DAYS")]
         days: Option<u32>,
@@ -95,7 +95,8 @@ impl TokenCommand {
     async fn carry_out(self, database: &mut Beside, now: UtcMicros) -> anyhow::Result<()> {
         match self {
             Self::Create { name, role, station, expires_at, days } => {
-                let new = checked(name, role, station, expiry(expires_at.as_deref(), days, now)?, now)?;
+                let after = days.map(|days| UtcMicros(now.0 + i64::from(days) * UtcMicros::DAY));
+                let new = checked(name, role, station, expires_at.or(after), now)?;
                 let secret = create_beside(database, &new, now).await?;
                 let made = message!(
                     "terminal_token_made",
@@ -118,16 +119,6 @@ impl TokenCommand {
             }
         }
     }
-}
-
-fn expiry(at: Option<&str>, days: Option<u32>, now: UtcMicros) -> anyhow::Result<Option<UtcMicros>> {
-    if let Some(at) = at {
-        return match instant(at) {
-            Ok(at) => Ok(Some(at)),
-            Err(why) => bail!("--expires-at {why}"),
-        };
-    }
-    Ok(days.map(|days| UtcMicros(now.0 + i64::from(days) * UtcMicros::DAY)))
 }
 
 fn checked(

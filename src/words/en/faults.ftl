@@ -364,3 +364,11 @@ config_base_path = must be empty or like /gyrowatch, is "{ $value }"
 config_database = must begin with sqlite:// or postgres://, is "{ $value }"; a file is sqlite://gyrowatch.db
 config_secrets_key = must be 32 bytes in hexadecimal (64 digits) or base64, or empty for no key
 config_from_0_below_1 = must be 0 or more and below 1, is { $value }
+config_unknown_key = unknown key `{ $key }`, expected one of { $known }
+config_address = an IP address and a port, such as 127.0.0.1:8080 (this machine alone), [::1]:8080 or 0.0.0.0:8080
+config_networks = networks or addresses, such as 10.0.0.0/8,192.168.1.5,fd12::/16
+config_numbers = numbers, such as 5,30,120
+config_instant = a date or an RFC 3339 time, such as "1950-01-01" or "1950-01-01T00:00:00Z"
+config_bounds = { $bounds } is neither [low, high] nor [], which requires nothing
+config_off_requirement = requirement is switched off by judging.requirements = false, or figure by figure in judging.requirement
+config_off_overdue = overdue is switched off by interval_days = 0

@@ -364,3 +364,11 @@ config_base_path = 应为空或形如/gyrowatch，实为“{ $value }”
 config_database = 应以sqlite://或postgres://开头，实为“{ $value }”；文件形如sqlite://gyrowatch.db
 config_secrets_key = 应为32字节，用十六进制（64位）或base64书写；留空表示不用密钥
 config_from_0_below_1 = 应不小于0且小于1，实为{ $value }
+config_unknown_key = 未知的配置项`{ $key }`，可用的有{ $known }
+config_address = IP地址与端口，如127.0.0.1:8080（仅限本机）、[::1]:8080或0.0.0.0:8080
+config_networks = 网段或地址，如10.0.0.0/8,192.168.1.5,fd12::/16
+config_numbers = 数，如5,30,120
+config_instant = 日期或RFC 3339时间，如“1950-01-01”或“1950-01-01T00:00:00Z”
+config_bounds = { $bounds }既不是[下限, 上限]，也不是表示无要求的[]
+config_off_requirement = 规则requirement由judging.requirements = false关闭，或在judging.requirement中逐项关闭
+config_off_overdue = 规则overdue由interval_days = 0关闭

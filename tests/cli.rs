@@ -204,7 +204,7 @@ fn what_is_refused_is_said_in_both_languages() {
     for (key, value, said) in [
         ("JUDGING__BUDGET", "-1", "配置项judging.budget：应为正数，实为-1"),
         ("JUDGING__BUDGET", "wide", "配置项judging.budget：应为数，实为字符串\"wide\""),
-        ("JUDGING__BUDGE", "1", "未知的配置项`budge`，可用的有`method`、`budget`"),
+        ("JUDGING__BUDGE", "1", "未知的键`budge`，可用的有`method`、`budget`"),
         ("SERVER__LISTEN", "8080", "配置项server.listen：应为IP地址与端口"),
     ] {
         let mut wrong = gyrowatch(&["config"]);

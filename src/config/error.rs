@@ -2,10 +2,10 @@
 
 use std::fmt::{self, Display, Formatter};
 
-use crate::core::message::{Message, Parameter, list, text};
+use crate::core::message::{Message, text};
 use crate::message;
-use crate::wire::json::said_of;
 use crate::wire::message::{read, to_part};
+use crate::wire::text::said_of_keys;
 
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
@@ -45,14 +45,7 @@ impl Display for Carried {
 /// What serde says of a value: a message that was carried, or what it finds itself.
 pub(super) fn of_serde(error: &serde_json::Error) -> Message {
     let carried = serde_json::from_str(&error.to_string()).ok().and_then(|part| read(&part));
-    let said = carried.unwrap_or_else(|| said_of(error));
-    match (&*said.code, said.parameter("member"), said.parameter("known")) {
-        ("unknown_member", Some(key), Some(Parameter::List(known))) => {
-            let known = list(known.iter().map(|key| format!("`{key}`")));
-            message!("config_unknown_key", key = key.clone(), known)
-        }
-        _ => said,
-    }
+    carried.unwrap_or_else(|| said_of_keys(&error.to_string()))
 }
 
 impl From<config::ConfigError> for ConfigError {

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use crate::core::effects::{COMPETITORS, Effect, OwnHypothesis, Range, Written, own};
 use crate::core::message::{sent, text};
 use crate::wire::prelude::*;
+use crate::wire::text::{line_of, said_of_keys};
 
 /// An equation for the drift that the catalogue does not hold.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -60,8 +61,11 @@ pub fn parse_toml(bytes: &[u8]) -> Result<Effect, Faults> {
     if bytes.len() > MOST_BYTES {
         return Err(whole(message!("hypothesis_too_long", most = MOST_BYTES)));
     }
-    let text = std::str::from_utf8(bytes).map_err(|e| whole(Message::verbatim(e)))?;
-    let body: HypothesisBody = toml::from_str(text).map_err(|e| whole(Message::verbatim(e.to_string().trim_end())))?;
+    let text = std::str::from_utf8(bytes).map_err(|e| whole(message!("not_utf8", why = e.to_string())))?;
+    let body: HypothesisBody = toml::from_str(text).map_err(|error| {
+        let (line, fault) = (line_of(&error, text), said_of_keys(error.message()));
+        whole(message!("at_line", line, fault))
+    })?;
     body.to_core()
 }
 
@@ -154,7 +158,7 @@ mod tests {
             ("\"creep\"", "\"My creep\"", "/id", "hypothesis_id"),
             ("creep of the spring", " ", "/words", "hypothesis_words"),
             ("plausible = 10.0", "plausible = -1.0", "/plausible", "hypothesis_sizes"),
-            ("plausible = 10.0", "plausible = 10.0\nsize = 1", "", "verbatim"),
+            ("plausible = 10.0", "plausible = 10.0\nsize = 1", "", "at_line"),
             ("equation = \"k1", "equation = \"k1 * foo", "/equation", "equation_name"),
             ("unit = \"h\"", "unit = \"K\"", "/equation", "equation_pure_number"),
             ("from = 0.1", "from = nan", "/range/tau", "range_empty"),

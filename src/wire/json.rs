@@ -13,6 +13,7 @@ use serde::de::{DeserializeOwned, IgnoredAny};
 pub use lines::{from_line, on_a_line};
 use place::{fault, fault_at};
 pub use place::{pointer_token, said_of};
+pub(super) use words::said;
 
 /// What the service has made or read itself: texts, finite numbers and members with names.
 pub fn written(value: &impl Serialize) -> String {

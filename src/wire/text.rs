@@ -11,16 +11,37 @@ use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
 use super::time;
-use crate::core::message::{list, sent, text};
+use crate::core::message::{Parameter, list, sent, text};
 use crate::core::named::Named;
 use crate::core::record::{MAX_NAME_CHARS, MAX_NOTE_CHARS, Name};
 use crate::core::time::Span;
+use crate::wire::json::said;
 use crate::wire::prelude::*;
 
 /// What is wrong with a map in TOML, at its line.
 pub fn toml_fault(error: &toml::de::Error, text: &str) -> Message {
-    let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-    message!("at_line", line, fault = message!("map_unreadable", why = error.message().to_owned()))
+    message!(
+        "at_line",
+        line = line_of(error, text),
+        fault = message!("map_unreadable", why = said_of_keys(error.message()))
+    )
+}
+
+/// The line of a fault of TOML.
+pub fn line_of(error: &toml::de::Error, text: &str) -> usize {
+    error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count())
+}
+
+/// What serde says of a document whose members are called keys.
+pub fn said_of_keys(text: &str) -> Message {
+    let said = said(text);
+    match (&*said.code, said.parameter("member"), said.parameter("known")) {
+        ("unknown_member", Some(key), Some(Parameter::List(known))) => {
+            let known = list(known.iter().map(|key| format!("`{key}`")));
+            message!("unknown_toml_key", key = key.clone(), known)
+        }
+        _ => said,
+    }
 }
 
 /// A name as one segment of a path, or a value within a query: every byte but RFC 3986's unreserved ones as %XX.

@@ -4,7 +4,7 @@ use crate::core::message::{Message, list};
 use crate::message;
 
 /// What an error of serde says. Its own words get no further than the log, but for those that nobody foresaw.
-pub(super) fn said(text: &str) -> Message {
+pub fn said(text: &str) -> Message {
     let Some((what, place)) = text.rsplit_once(" at line ") else { return of_form(text) };
     let place =
         place.split_once(" column ").and_then(|(line, column)| Some((line.parse().ok()?, column.parse().ok()?)));

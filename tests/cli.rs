@@ -169,7 +169,8 @@ fn what_is_refused_is_said_in_both_languages() {
     let reversed = reversed.path().to_str().unwrap();
     let own = "docs/examples/creep.toml";
     let campaign = "tests/data/practice/campaign-00.json";
-    let cases: [(&[&str], i32, &str, &str); 13] = [
+    let cases: [(&[&str], i32, &str, &str); 14] = [
+        (&["separate", "absent.json"], 1, "No such file", "没有此文件"),
         (&["blindcheck", "--count", "0"], 2, "from 1 on", "从1起的整数"),
         (&["token", "create", "a", "--role", "b"], 2, "must be one of", "之一"),
         (&["export", "x.csv", "--from", "soon"], 2, "must be a day (UTC)", "2026-03-01"),

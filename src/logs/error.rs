@@ -2,6 +2,7 @@
 
 use crate::core::message::{Message, sent};
 use crate::message;
+use crate::wire::cause::by_system;
 
 /// What is wrong, and in which file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -25,5 +26,5 @@ impl LogError {
 
 /// What the operating system, or a library, says of a file.
 pub fn unreadable(place: &str) -> impl Fn(std::io::Error) -> LogError + '_ {
-    move |error| LogError::new(place, Message::verbatim(error))
+    move |error| LogError::new(place, by_system(&error).unwrap_or_else(|| Message::verbatim(error)))
 }

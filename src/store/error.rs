@@ -5,7 +5,7 @@ use std::io::ErrorKind;
 
 use sqlx::postgres::PgDatabaseError;
 
-use crate::core::message::{Message, text};
+use crate::core::message::{Message, sent, text};
 use crate::message;
 
 /// What the store hands back, unless it says otherwise.
@@ -61,8 +61,8 @@ impl StoreError {
     }
 
     /// What is wrong with a file or an address.
-    pub(super) fn at(place: &str, why: impl Into<Message>) -> Self {
-        Self::File(message!("file_fault", file = place.to_owned(), why = why.into()))
+    pub(super) fn at(place: &str, fault: Message) -> Self {
+        Self::File(message!("at_file", file = sent(place), fault))
     }
 
     /// With the table, where it says what is damaged there.

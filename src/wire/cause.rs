@@ -29,9 +29,18 @@ fn said(error: &(dyn Error + 'static)) -> Message {
     known.unwrap_or_else(|| Message::verbatim(error.to_string()))
 }
 
-fn by_system(error: &io::Error) -> Option<Message> {
+/// What the operating system says of a file or a connection.
+pub fn by_system(error: &io::Error) -> Option<Message> {
     let number = text(error.raw_os_error()?);
     Some(match error.kind() {
+        ErrorKind::NotFound => message!("file_not_found", number),
+        ErrorKind::AlreadyExists => message!("file_exists", number),
+        ErrorKind::PermissionDenied => message!("permission_denied", number),
+        ErrorKind::IsADirectory => message!("is_a_directory", number),
+        ErrorKind::NotADirectory => message!("not_a_directory", number),
+        ErrorKind::ReadOnlyFilesystem => message!("read_only_files", number),
+        ErrorKind::StorageFull => message!("no_space_left", number),
+        ErrorKind::AddrInUse => message!("address_in_use", number),
         ErrorKind::ConnectionRefused => message!("connection_refused", number),
         ErrorKind::ConnectionReset => message!("connection_reset", number),
         ErrorKind::HostUnreachable => message!("no_route_to_host", number),

@@ -215,7 +215,7 @@ impl<'a> Importer<'a> {
             }
             *line += 1;
             if text.len() as u64 == MAX_DOCUMENT_BYTES && !text.ends_with(b"\n") {
-                self.refuse(Some(*line), format!("is longer than {MAX_DOCUMENT_BYTES} bytes"));
+                self.refuse(Some(*line), said(message!("terminal_too_large", most = MAX_DOCUMENT_BYTES.to_string())));
                 skip_line(reader)?;
             } else if !text.trim_ascii().is_empty() {
                 batch.push(*line, text);

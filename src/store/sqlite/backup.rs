@@ -307,5 +307,11 @@ fn wrong(file: &Path, why: Message) -> StoreError {
 }
 
 fn failed(file: &Path, error: &io::Error) -> StoreError {
-    wrong(file, Message::verbatim(error))
+    wrong(
+        file,
+        match error.kind() {
+            io::ErrorKind::AlreadyExists => message!("file_there"),
+            _ => Message::verbatim(error),
+        },
+    )
 }

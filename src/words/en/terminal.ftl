@@ -253,8 +253,8 @@ store_other = database
 
 ## Files and servers of the database
 
-file_fault = { $file }: { $why }
 file_absent = there is no such file
+file_there = is there already, and is not overwritten
 file_foreign = no database of gyrowatch
 file_newer = written by a newer version of gyrowatch
 file_older = written by an older version of gyrowatch: start the service on it once

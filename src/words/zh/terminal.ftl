@@ -241,8 +241,8 @@ store_other = 数据库
 
 ## 数据库的文件与服务器
 
-file_fault = { $file }：{ $why }
 file_absent = 没有此文件
+file_there = 已经存在，不会覆盖
 file_foreign = 不是gyrowatch的数据库
 file_newer = 由更新版本的gyrowatch写成
 file_older = 由较旧版本的gyrowatch写成：请先用它启动一次服务

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use comfy_table::{CellAlignment, Table, presets};
 use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 use crate::cli::errors::{said, word};
 use crate::core::message::Message;
@@ -14,6 +15,7 @@ use crate::logs::error::LogError;
 use crate::logs::sheet::readable;
 pub use crate::logs::source::name;
 use crate::message;
+use crate::wire::text::{line_of, said_of_keys};
 
 /// Largest document that is read: far above any campaign, far below memory.
 const MAX_BYTES: u64 = 16 << 20;
@@ -51,6 +53,20 @@ pub fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
         bail!("{}: {}", name(path), said(message!("terminal_too_large", most = MAX_BYTES.to_string())));
     }
     readable(bytes).map_err(|fault| LogError::new(name(path), fault).into())
+}
+
+/// The text of a file.
+pub fn text(path: &Path) -> anyhow::Result<String> {
+    std::fs::read_to_string(path).with_context(|| name(path))
+}
+
+/// What a file in TOML says.
+pub fn toml<T: DeserializeOwned>(path: &Path) -> anyhow::Result<T> {
+    let text = text(path)?;
+    toml::from_str(&text).map_err(|error| {
+        let (line, fault) = (line_of(&error, &text), said_of_keys(error.message()));
+        LogError::new(name(path), message!("at_line", line, fault)).into()
+    })
 }
 
 /// Writes a file as [`put`] does, and says on standard error where it took the place of another.

@@ -12,6 +12,7 @@ use crate::core::message::Message;
 use crate::logs::error::LogError;
 use crate::simulate::augment::NotPossible;
 use crate::wire::cause::by_system;
+use crate::wire::json::said_of;
 use crate::words;
 
 /// A message in the language of the environment.
@@ -44,7 +45,7 @@ fn message_of(cause: &(dyn Error + 'static)) -> Option<Message> {
     let found = message_of!(cause, LogError, Refusal, NoReference, NotIdentified, NoForecast, NotPossible);
     #[cfg(feature = "server")]
     let found = found.or_else(|| of_service(cause));
-    found.or_else(|| cause.downcast_ref().and_then(by_system))
+    found.or_else(|| cause.downcast_ref().and_then(by_system)).or_else(|| cause.downcast_ref().map(said_of))
 }
 
 #[cfg(feature = "server")]

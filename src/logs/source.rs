@@ -14,6 +14,7 @@ use crate::core::message::{Message, list, sent};
 use crate::message;
 use crate::wire::file_kind::{FileKind, HEAD, file_kind};
 use crate::wire::table::nearest;
+use crate::words::asked;
 
 pub enum Source {
     Text(TextLog),
@@ -30,7 +31,7 @@ struct Sheet {
 
 /// The file as messages name it.
 pub fn name(path: &Path) -> String {
-    if path == Path::new("-") { "standard input".to_owned() } else { path.display().to_string() }
+    if path == Path::new("-") { asked().word("standard_input").to_owned() } else { path.display().to_string() }
 }
 
 impl Source {

@@ -290,7 +290,7 @@ fn refusal(problem: &ProblemBody, body: &[u8], of_table: bool) -> String {
         return words;
     }
     let place = |pointer: &str| match pointer {
-        "" => "document".to_owned(),
+        "" => word("whole_document").to_owned(),
         pointer if of_table => counted(pointer),
         pointer => pointer.to_owned(),
     };

@@ -152,10 +152,7 @@ impl Blindcheck {
     fn hypothesis(&self, path: &Path) -> anyhow::Result<()> {
         let own = hypothesis::files(&[path.to_owned()], &AugmentedModel::default())?;
         let scenario = match &self.scenario {
-            Some(path) => {
-                let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-                toml::from_str(&text).with_context(|| path.display().to_string())?
-            }
+            Some(path) => document::toml(path)?,
             None => Scenario::default(),
         };
         let effect = own[0];
@@ -201,14 +198,13 @@ impl Blindcheck {
     }
 
     fn foreign(&self, folder: &Path, key: &Path) -> anyhow::Result<(String, Vec<Score>)> {
-        let text = std::fs::read_to_string(key).with_context(|| key.display().to_string())?;
+        let text = document::text(key)?;
         let seal = seal(&text);
         eprintln!("{}", said(message!("terminal_key_read", file = key.display().to_string(), seal = seal.clone())));
         let entries: Key = serde_json::from_str(&text).with_context(|| key.display().to_string())?;
         let mut campaigns = Vec::new();
         for (name, key) in entries {
-            let path = folder.join(&name);
-            let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+            let text = document::text(&folder.join(&name))?;
             campaigns.push(Foreign { name, text, key });
         }
         let bar = progress(campaigns.len(), "campaigns");

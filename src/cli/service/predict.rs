@@ -37,7 +37,7 @@ impl Predict {
         let model = identified(&self.model)?;
         let file = || document::name(&self.campaign);
         let body = if self.campaign.extension().is_some_and(|e| e == "toml") {
-            let campaign = programme(&self.campaign, &model).with_context(file)?;
+            let campaign = programme(document::toml(&self.campaign)?, &model).with_context(file)?;
             let telling = most_telling(&model, &campaign, SHOWN).with_context(file)?;
             body(&model, &campaign).with_context(file)?.to_measure(&campaign, &telling)
         } else {
@@ -57,11 +57,8 @@ pub(super) fn identified(path: &Path) -> anyhow::Result<std::sync::Arc<Identifie
 }
 
 /// A campaign of the model's IMU as a scenario commands it.
-fn programme(path: &Path, model: &Identified) -> anyhow::Result<Campaign> {
-    let text = String::from_utf8(document::read(path)?)?;
-    let scenario: Scenario = toml::from_str(&text)?;
-    let simulated = simulate(&scenario_of(&scenario, model)?)?;
-    let mut campaign = simulated.campaign;
+fn programme(scenario: Scenario, model: &Identified) -> anyhow::Result<Campaign> {
+    let mut campaign = simulate(&scenario_of(&scenario, model)?)?.campaign;
     // What it would state of its noise is the simulator's; the model has its own.
     campaign.dwells.iter_mut().for_each(|dwell| dwell.output_sem_pulse_s = None);
     Ok(campaign)

@@ -186,12 +186,10 @@ impl Simulate {
         let Some(path) = &self.scenario else {
             return Ok(preset(&self.preset).expect("known_preset lets no other name pass"));
         };
-        let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-        let scenario = match path.extension().is_some_and(|extension| extension == "json") {
-            true => serde_json::from_str(&text).map_err(anyhow::Error::from),
-            false => toml::from_str(&text).map_err(anyhow::Error::from),
-        };
-        scenario.with_context(|| path.display().to_string())
+        match path.extension().is_some_and(|extension| extension == "json") {
+            true => serde_json::from_str(&document::text(path)?).with_context(|| document::name(path)),
+            false => document::toml(path),
+        }
     }
 
     fn one(&self, scenario: &Scenario) -> anyhow::Result<()> {

@@ -1,5 +1,6 @@
 # What is said of a station's own files, by code.
 
+standard_input = standard input
 at_file = { $file }: { $fault }
 at_map_key = `{ $key }`: { $fault }
 

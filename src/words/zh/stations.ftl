@@ -1,5 +1,6 @@
 # 测试站自有文件的说明，按代码。
 
+standard_input = 标准输入
 at_file = { $file }：{ $fault }
 at_map_key = `{ $key }`：{ $fault }
 

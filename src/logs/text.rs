@@ -101,28 +101,21 @@ impl TextLog {
         wanted: &[usize],
         each: &mut dyn FnMut(&[f64]) -> Result<(), Message>,
     ) -> Result<LeftOut, LogError> {
-        let Layout { delimiter, decimal_comma, skipped, most, .. } = self.layout;
-        let (place, lenient) = (self.place.clone(), self.lenient);
-        let fail = unreadable(&place);
+        let Layout { delimiter, decimal_comma, skipped, .. } = self.layout;
+        let fail = unreadable(&self.place);
         let refuse =
-            |line: u64, fault: Message| LogError::new(&place, message!("at_line", line = line as usize, fault));
-        let columns = &self.layout.columns;
-        let at = |line: u64, column: usize, fault: Message| {
-            let name = columns.get(column).map_or(String::new(), |c| c.name.clone());
-            message!("at_cell", line = line as usize, column = column + 1, name, fault)
-        };
+            |line: u64, fault: Message| LogError::new(&self.place, message!("at_line", line = line as usize, fault));
         let marks = wanted.iter().map(|_| Marks::default()).collect();
         let mut cells = Cells { delimiter, decimal_comma, marks, ..Cells::default() };
         let (mut buffer, mut values) = (Vec::new(), vec![f64::NAN; wanted.len()]);
-        let (mut line, mut rows, mut bad) = (0_u64, 0_u64, Vec::new());
-        loop {
+        let (mut line, mut seen) = (0_u64, RowsSeen::default());
+        while !seen.are_hopeless() {
             buffer.clear();
             let read = (&mut self.reader).take(LONGEST_LINE).read_until(b'\n', &mut buffer).map_err(&fail)?;
             if read == 0 {
                 break;
             }
             line += 1;
-            let whole = buffer.last() == Some(&b'\n');
             let text = buffer.trim_ascii();
             if line <= skipped || text.is_empty() || is_comment(text) {
                 continue;
@@ -130,48 +123,52 @@ impl TextLog {
             if text[0] == 0 {
                 return Err(refuse(line, message!("zeros_from_here")));
             }
-            cells.split(text, most);
-            let too_long = cells.is_longer(text, most).then(|| message!("row_too_long", cells = most));
-            let mut fault = too_long.map(|why| message!("at_line", line = line as usize, fault = why));
-            for (k, (value, &column)) in values.iter_mut().zip(wanted).enumerate() {
-                match cells.number(text, column, (k, line)) {
-                    Ok(number) => *value = number,
-                    Err(_) if lenient => *value = f64::NAN,
-                    Err(why) => fault = fault.or_else(|| Some(at(line, column, why))),
-                }
-            }
-            match fault {
-                None => {
-                    rows += 1;
-                    for (column, ids) in &mut self.ids {
-                        ids.see(cells.cell(text, *column).unwrap_or_default());
-                    }
-                    if cells.clocks.len() > self.clocks.len() {
-                        self.clocks.clone_from(&cells.clocks);
-                    }
-                    each(&values).map_err(|fault| refuse(line, fault))?;
-                }
+            if let Some(fault) = self.layout.row(&mut cells, (text, line), (wanted, &mut values), self.lenient) {
                 // The last line of a file that was being written breaks off anywhere.
-                fault => bad.push(fault.filter(|_| whole)),
+                seen.bad.push(Some(fault).filter(|_| buffer.ends_with(b"\n")));
+                continue;
             }
-            if bad.len() as f64 > 20.0 + MOST_BAD * rows as f64 {
-                break;
+            seen.rows += 1;
+            for (column, ids) in &mut self.ids {
+                ids.see(cells.cell(text, *column).unwrap_or_default());
             }
+            if cells.clocks.len() > self.clocks.len() {
+                self.clocks.clone_from(&cells.clocks);
+            }
+            each(&values).map_err(|fault| refuse(line, fault))?;
         }
-        let count = bad.len();
-        let serious: Vec<Message> = bad.into_iter().flatten().collect();
-        if let Some(first) = serious.first()
-            && serious.len() as f64 > MOST_BAD * (rows + serious.len() as u64) as f64
-        {
-            let seen = rows as usize + serious.len();
-            let fault = message!("rows_unreadable", count = serious.len(), rows = seen, fault = first.clone());
-            return Err(LogError::new(&place, fault));
+        let left_out = seen.left_out().map_err(|fault| LogError::new(&self.place, fault))?;
+        match cells.marks.iter().zip(wanted).find(|(marks, _)| marks.are_unclear() && !self.lenient) {
+            Some((marks, column)) => {
+                let fault = message!("cell_thousands", value = sent(&marks.cell), count = marks.grouped);
+                Err(LogError::new(&self.place, self.layout.at(marks.line, *column, fault)))
+            }
+            None => Ok(left_out),
         }
-        if let Some((k, marks)) = cells.marks.iter().enumerate().find(|(_, marks)| marks.are_unclear() && !lenient) {
-            let fault = message!("cell_thousands", value = sent(&marks.cell), count = marks.grouped);
-            return Err(LogError::new(&place, at(marks.line, wanted[k], fault)));
+    }
+}
+
+/// How many rows were read, and what is wrong with the lines that are none; nothing is said of one that breaks off.
+#[derive(Default)]
+struct RowsSeen {
+    rows: usize,
+    bad: Vec<Option<Message>>,
+}
+
+impl RowsSeen {
+    fn are_hopeless(&self) -> bool {
+        self.bad.len() as f64 > 20.0 + MOST_BAD * self.rows as f64
+    }
+
+    fn left_out(self) -> Result<LeftOut, Message> {
+        let (count, serious) = (self.bad.len(), self.bad.iter().flatten().count());
+        let (first, rows) = (self.bad.into_iter().flatten().next(), self.rows + serious);
+        match first {
+            Some(fault) if serious as f64 > MOST_BAD * rows as f64 => {
+                Err(message!("rows_unreadable", count = serious, rows, fault))
+            }
+            first => Ok(LeftOut { count, first }),
         }
-        Ok(LeftOut { count, first: serious.into_iter().next() })
     }
 }
 
@@ -500,6 +497,32 @@ impl Layout {
         let most = usual.max(head.unwrap_or(widths[widths.len().saturating_sub(2)]));
         let columns = columns(above, above_rows, width.min(most), delimiter);
         Ok(Self { delimiter, decimal_comma, skipped: rows[first].0 as u64, most, columns })
+    }
+
+    /// Reads the cells `wanted` of a row; what is wrong with it. `lenient`: a cell that is no number is an empty one.
+    fn row(
+        &self,
+        cells: &mut Cells,
+        (text, line): (&[u8], u64),
+        (wanted, values): (&[usize], &mut [f64]),
+        lenient: bool,
+    ) -> Option<Message> {
+        cells.split(text, self.most);
+        let too_long = cells.is_longer(text, self.most).then(|| message!("row_too_long", cells = self.most));
+        let mut fault = too_long.map(|why| message!("at_line", line = line as usize, fault = why));
+        for (k, (value, &column)) in values.iter_mut().zip(wanted).enumerate() {
+            match cells.number(text, column, (k, line)) {
+                Ok(number) => *value = number,
+                Err(_) if lenient => *value = f64::NAN,
+                Err(why) => fault = fault.or_else(|| Some(self.at(line, column, why))),
+            }
+        }
+        fault
+    }
+
+    fn at(&self, line: u64, column: usize, fault: Message) -> Message {
+        let name = self.columns.get(column).map_or(String::new(), |c| c.name.clone());
+        message!("at_cell", line = line as usize, column = column + 1, name, fault)
     }
 }
 

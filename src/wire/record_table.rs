@@ -213,6 +213,29 @@ impl TableMap {
         told.peek()?;
         Some(if told.any(of_record) { RowKind::Record } else { RowKind::Bench })
     }
+
+    /// Names that are none of ours, columns of theirs that are taken twice, and those that the table has not;
+    /// `places`: those that it has, by our names.
+    fn check(&self, known: &[String], places: &HashMap<String, usize>, faults: &mut Faults) {
+        let told = self.columns.keys().chain(self.values.keys()).chain(self.factors.keys());
+        for name in told.filter(|name| !known.contains(name)) {
+            faults.push("", message!("map_names", fault = unknown(name, known.iter().cloned())));
+        }
+        let shares = |column: &str| -> Vec<&str> {
+            self.columns.iter().filter(|(_, own)| own.trim() == column).map(|(name, _)| name.as_str()).collect()
+        };
+        let columns: BTreeSet<&str> = self.columns.values().map(|column| column.trim()).collect();
+        for (column, names) in columns.into_iter().map(|column| (column, shares(column))).filter(|(_, n)| n.len() > 1) {
+            let names = list(names.into_iter().map(sent));
+            faults.push("", message!("map_column_shared", column = sent(column), names));
+        }
+        for (name, column) in &self.columns {
+            let is_alone = shares(column.trim()).len() == 1;
+            if is_alone && known.contains(name) && !places.contains_key(name) {
+                faults.push("", message!("map_column_missing", name = sent(name), column = sent(column)));
+            }
+        }
+    }
 }
 
 /// What is known of a table before its rows are read.
@@ -251,49 +274,20 @@ impl<'a> RecordTable<'a> {
                 faults.push("", at(message!("second_column", name = sent(theirs)), column));
             }
         }
-        let told = map.columns.keys().chain(map.values.keys()).chain(map.factors.keys());
-        for name in told.filter(|name| !known.contains(name)) {
-            faults.push("", message!("map_names", fault = unknown(name, known.iter().cloned())));
-        }
-        let shares = |column: &str| -> Vec<&str> {
-            map.columns.iter().filter(|(_, own)| own.trim() == column).map(|(name, _)| name.as_str()).collect()
-        };
-        let columns: BTreeSet<&str> = map.columns.values().map(|column| column.trim()).collect();
-        let shared = columns.into_iter().filter(|column| shares(column).len() > 1);
-        shared.for_each(|column| {
-            let names = list(shares(column).into_iter().map(sent));
-            faults.push("", message!("map_column_shared", column = sent(column), names));
-        });
-        let alone = |column: &String| shares(column.trim()).len() == 1;
-        for (name, column) in map
-            .columns
-            .iter()
-            .filter(|(name, column)| alone(column) && known.contains(name) && !places.contains_key(*name))
-        {
-            faults.push("", message!("map_column_missing", name = sent(name), column = sent(column)));
-        }
+        map.check(&known, &places, faults);
         let mut values: BTreeMap<String, String> =
             map.values.iter().map(|(name, value)| (name.clone(), plain(value))).collect();
-        for (number, line) in text.lines().take(first).enumerate() {
-            let Some((key, value)) =
-                comment(line).and_then(|c| c.split_once(':').map(|(k, v)| (k.trim().to_owned(), v.trim().to_owned())))
-            else {
-                continue;
-            };
-            if key.is_empty() || key.contains(char::is_whitespace) {
-                continue;
-            }
-            if known.contains(&key) {
-                values.insert(key, value);
-            } else {
-                let unknown = message!("unknown_key", key = sent(&key), known = list(known.iter().cloned()));
-                faults.push(format!("/{key}"), message!("at_line", line = number + 1, fault = unknown));
-            }
-        }
+        values.extend(said_above(text, first, &known, faults));
         let table = Self { kind, header, places, values, map };
-        let given = |name: &String| table.places.contains_key(name) || table.values.contains_key(name);
+        table.check_complete(&otherwise, line, faults);
+        table
+    }
+
+    /// Fields that must be there, and those of which a part is; `otherwise`: columns that are named so.
+    fn check_complete(&self, otherwise: &[String], line: usize, faults: &mut Faults) {
+        let given = |name: &String| self.places.contains_key(name) || self.values.contains_key(name);
         let is_there = |field: &TableField| field.columns().any(|name| given(&name));
-        for field in kind.fields().iter().filter(|field| field.is_required || is_there(field)) {
+        for field in self.kind.fields().iter().filter(|field| field.is_required || is_there(field)) {
             let is_missing = |name: &String| !given(name) && !otherwise.contains(name);
             let missing: Vec<String> = field.columns().filter(is_missing).collect();
             if !missing.is_empty() {
@@ -301,8 +295,25 @@ impl<'a> RecordTable<'a> {
                 faults.push(format!("/{}", field.name), message!("at_line", line, fault = missing));
             }
         }
-        table
     }
+}
+
+/// What the `# key: value` lines above the header say.
+fn said_above(text: &str, first: usize, known: &[String], faults: &mut Faults) -> Vec<(String, String)> {
+    let mut said = Vec::new();
+    for (number, line) in text.lines().take(first).enumerate() {
+        let comment = comment(line).unwrap_or_default();
+        let Some((key, value)) = comment.split_once(':').map(|(key, value)| (key.trim(), value.trim())) else {
+            continue;
+        };
+        if known.iter().any(|name| name == key) {
+            said.push((key.to_owned(), value.to_owned()));
+        } else if !key.is_empty() && !key.contains(char::is_whitespace) {
+            let unknown = message!("unknown_key", key = sent(key), known = list(known.iter().cloned()));
+            faults.push(format!("/{key}"), message!("at_line", line = number + 1, fault = unknown));
+        }
+    }
+    said
 }
 
 /// A value of a map as a table would have it.

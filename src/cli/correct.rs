@@ -9,6 +9,7 @@ use super::prelude::*;
 use super::{block_on, faults};
 use crate::core::message::{Message, list, sent};
 use crate::wire::campaign_csv::parse_csv_as_sent;
+use crate::wire::json::said_of;
 use crate::wire::problem::ProblemBody;
 
 /// Say that a stored record, campaign or bench result counts no more; it stays, with who said so and why
@@ -215,7 +216,7 @@ fn read(bytes: &[u8]) -> Result<(&'static str, &'static str, Value), String> {
     let document = source::single(bytes.to_vec()).map_err(|unreadable| unreadable.why)?;
     let new = if document.content_type == JSON {
         serde_json::from_slice(&document.body)
-            .map_err(|error| said(message!("value_not_json", why = error.to_string())))?
+            .map_err(|error| said(message!("value_not_json", why = said_of(&error))))?
     } else {
         let (campaign, _) = parse_csv_as_sent(&document.body).map_err(|found| faults::in_words(&found))?;
         json!(campaign)

@@ -2,7 +2,6 @@
 
 use crate::http::prelude::*;
 use crate::wire::history::HistoryDiagnosisBody;
-use crate::words::asked;
 
 /// Why the coefficients of the gyro changed: a station's offset, drift or step, ageing, an event, a re-mounting,
 /// temperature, clocking, or a step that nothing on record explains. What the gyros of other IMUs share at a station
@@ -13,5 +12,5 @@ pub async fn get_gyro_diagnosis(app: App, Path(serial): Path<String>) -> Answer<
     let number = query::gyro(&app, &serial)?;
     let explained = app.pipeline.queries.histories.explain(number, &serial).await?;
     let coefficients = &explained.coefficients;
-    Ok(Json(HistoryDiagnosisBody::new(&serial, explained.peers, explained.as_of, coefficients, asked())))
+    Ok(Json(HistoryDiagnosisBody::new(&serial, explained.peers, explained.as_of, coefficients)))
 }

@@ -53,19 +53,6 @@ pub struct UncertaintyBody {
     pub fixture: Option<f64>,
 }
 
-impl From<UncertaintyBudget> for UncertaintyBody {
-    fn from(budget: UncertaintyBudget) -> Self {
-        let UncertaintyBudget {
-            statistical,
-            station,
-            of_station: [levelling, azimuth, fixture],
-            discrepancy,
-            combined,
-        } = budget;
-        Self { statistical, station, discrepancy, combined, levelling, azimuth, fixture }
-    }
-}
-
 /// Of what a campaign says of one gyro.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct UncertaintiesBody {
@@ -209,7 +196,7 @@ impl SeparationBody {
     pub fn with_uncertainty(mut self, fitted: &GyroCalibration, geometry: &Geometry) -> Self {
         let budgets = fitted.budgets(geometry, self.method == JudgedMethod::Published);
         self.uncertainty = budgets.map(|budgets| {
-            let [d_i, d_s, d_o, scale_factor] = budgets.map(UncertaintyBody::from);
+            let [d_i, d_s, d_o, scale_factor] = budgets.map(|budget| UncertaintyBody::from(&budget));
             UncertaintiesBody { d_i, d_s, d_o, scale_factor }
         });
         self
@@ -224,6 +211,9 @@ impl SeparationBody {
 
 bodies! {
     FigureBody of Measured: value, sd;
+    UncertaintyBody of UncertaintyBudget: statistical, station, discrepancy, combined,
+        levelling: |budget| budget.of_station[0], azimuth: |budget| budget.of_station[1],
+        fixture: |budget| budget.of_station[2];
     PublishedBody of separate::Published: branch: |published| published.branch.name().into(), d_i, d_s,
         d_i_sd: |published| split(published.sd())[0], d_s_sd: |published| split(published.sd())[1], closure_rms;
 }

@@ -394,6 +394,15 @@ pub struct ResidualBody {
 }
 
 bodies! {
+    DiagnosisBody of core::Diagnosis: model: |d| d.into(), verdict: |d| d.verdict.name().to_owned(), noise_floor, gap,
+        located, effects, closure, remaining, candidates, not_identifiable, impact: |d| impact(d, true),
+        impact_within_noise: |d| impact(d, false), next_dwells, residuals, notes: |d| noted(d).to_body(),
+        noise: |d| (!d.noise.is_empty()).then(|| (&d.noise).into()), description, note_codes: |d| noted(d).to_body(),
+        reference: |_| None, effects_against_model: |_| None, forecast: |_| None,
+        hypotheses: |d| d.hypotheses.iter().filter_map(|own| Some((&own.hypothesis()?.written).into())).collect();
+    InUseBody of core::Diagnosis: terms: |d| d.terms.iter().map(|term| term.name().to_owned()).collect(),
+        effects = adopted;
+    InUseEffectBody of Adopted: effect, gyros = slots;
     HeldOutBody of core::HeldOut: before_deg_per_h, after_deg_per_h, closure, interval;
     GyroFloorBody of core::GyroFloor: slot, deg_per_h, repeat_dof;
     NoiseFloorBody of core::NoiseFloor: deg_per_h, source, sem_factor, gyros;
@@ -406,10 +415,10 @@ bodies! {
     ResidualBody of core::Residual: index, slot, before_deg_per_h, after_deg_per_h, sd_deg_per_h;
     DescribedBody of core::Described: by, evidence;
     EstimateBody of Estimate: slot, name, value, sd, unit: |estimate| unit::of_machines(estimate.unit);
-    CandidateBody of core::Candidate: effect, closure, interval, p_value_adjusted, within_noise, gyros,
-        why_not: |_| String::new(), finding = why_not;
-    NotIdentifiableBody of core::NotIdentifiable: effect, visible_fraction, confounded_with, reason: |_| String::new(),
-        needs: |_| String::new(), finding = reason;
+    CandidateBody of core::Candidate: effect, closure, interval, p_value_adjusted, within_noise, gyros, why_not,
+        finding = why_not;
+    NotIdentifiableBody of core::NotIdentifiable: effect, visible_fraction, confounded_with, reason,
+        needs: |one| one.effect.needs().to_body(), finding = reason;
     NextDwellBody of core::NextDwell: phase, specific_force_g0, rate_arcsec_s, table: |next| Some(next.into()),
         separates;
     TableBody of core::NextDwell: up: |next| next.attitude.column(2).into_owned().into(),
@@ -428,47 +437,12 @@ impl ToBody<EffectDriftBody> for (Slot, Vec<f64>) {
     }
 }
 
-impl InUseBody {
-    fn of(d: &core::Diagnosis) -> Self {
-        let effect = |a: &Adopted| InUseEffectBody { effect: a.effect.id().to_owned(), gyros: a.slots.to_body() };
-        Self {
-            terms: d.terms.iter().map(|term| term.name().to_owned()).collect(),
-            effects: d.adopted.iter().map(effect).collect(),
-        }
-    }
+fn noted(d: &core::Diagnosis) -> Vec<Message> {
+    d.of_campaign.iter().map(note::message).chain(d.notes.iter().cloned()).collect()
 }
 
-impl From<&core::Diagnosis> for DiagnosisBody {
-    fn from(d: &core::Diagnosis) -> Self {
-        let notes = d.of_campaign.iter().map(note::message).chain(d.notes.iter().cloned());
-        let unsaid = Self {
-            model: InUseBody::of(d),
-            verdict: d.verdict.name().to_owned(),
-            noise_floor: d.noise_floor.to_body(),
-            gap: d.gap.to_body(),
-            located: d.located.to_body(),
-            effects: d.effects.to_body(),
-            closure: d.closure.to_body(),
-            remaining: d.remaining.to_body(),
-            candidates: d.candidates.to_body(),
-            not_identifiable: d.not_identifiable.to_body(),
-            impact: d.impact.iter().filter(|i| i.is_material()).map(ImpactBody::from).collect(),
-            impact_within_noise: d.impact.iter().filter(|i| !i.is_material()).map(ImpactBody::from).collect(),
-            next_dwells: d.next_dwells.to_body(),
-            residuals: d.residuals.to_body(),
-            notes: Vec::new(),
-            description: d.description.to_body(),
-            noise: (!d.noise.is_empty()).then(|| NoiseFoundBody::from(&d.noise)),
-            note_codes: notes.map(|note| MessageBody::of(&note, asked())).collect(),
-            reference: None,
-            effects_against_model: None,
-            forecast: None,
-            hypotheses: (d.hypotheses.iter().filter_map(|own| own.hypothesis()))
-                .map(|own| HypothesisBody::from(&own.written))
-                .collect(),
-        };
-        unsaid.said_in(asked())
-    }
+fn impact(d: &core::Diagnosis, is_material: bool) -> Vec<ImpactBody> {
+    d.impact.iter().filter(|one| one.is_material() == is_material).map(ImpactBody::from).collect()
 }
 
 impl From<&NoiseFound> for NoiseFoundBody {

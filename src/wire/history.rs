@@ -127,15 +127,15 @@ pub struct DueBody {
 }
 
 impl HistoryDiagnosisBody {
-    /// The diagnoses of a gyro's coefficients as answers write them, words in `language`.
-    pub fn new(serial: &str, peers: usize, as_of: AsOf, answers: &[HistoryDiagnosis], language: Language) -> Self {
-        let coefficients = answers.iter().map(|answer| CoefficientBody::new(answer, as_of, language)).collect();
+    /// The diagnoses of a gyro's coefficients as answers write them.
+    pub fn new(serial: &str, peers: usize, as_of: AsOf, answers: &[HistoryDiagnosis]) -> Self {
+        let coefficients = answers.iter().map(|answer| CoefficientBody::new(answer, as_of)).collect();
         Self { serial: serial.to_owned(), peers, records: as_of.records, coefficients }
     }
 }
 
 impl CoefficientBody {
-    fn new(answer: &HistoryDiagnosis, as_of: AsOf, language: Language) -> Self {
+    fn new(answer: &HistoryDiagnosis, as_of: AsOf) -> Self {
         let due = as_of.newest.zip(answer.due.as_ref());
         Self {
             coefficient: answer.coefficient.name().into(),
@@ -144,39 +144,25 @@ impl CoefficientBody {
             unit: "deg/(h*g0)".into(),
             scatter: answer.scatter,
             spread: answer.spread,
-            causes: answer.causes.iter().map(|cause| CauseBody::new(cause, language)).collect(),
-            candidates: answer.rejected.iter().map(|rejected| RejectedBody::new(rejected, language)).collect(),
+            causes: answer.causes.to_body(),
+            candidates: answer.rejected.to_body(),
             outliers: answer.outliers.to_body(),
             wander: answer.wander.to_body(),
             excess: answer.excess.to_body(),
             remaining_p_value: answer.remaining_p_value,
             due: due.map(|(newest, due)| DueBody::new(due, newest)),
-            said: answer.sentences(as_of).iter().map(|said| language.words(said)).collect(),
+            said: answer.sentences(as_of).to_body(),
         }
-    }
-}
-
-impl CauseBody {
-    fn new(cause: &NamedCause, language: Language) -> Self {
-        Self {
-            cause: cause.cause.name().into(),
-            class: cause.class.iter().map(|one| one.name().into()).collect(),
-            detail: language.words(&cause.tie.message()),
-            estimates: vec![cause.estimate.to_body()],
-            held_out: cause.held_out.to_body(),
-            p_value_adjusted: cause.p_value_adjusted,
-        }
-    }
-}
-
-impl RejectedBody {
-    fn new(rejected: &Rejected, language: Language) -> Self {
-        let [detail, reason] = [rejected.tie.message(), rejected.why.message()].map(|said| language.words(&said));
-        Self { cause: rejected.cause.name().into(), detail, reason }
     }
 }
 
 bodies! {
+    CauseBody of NamedCause: cause: |named| named.cause.name().into(),
+        class: |named| named.class.iter().map(|one| one.name().into()).collect(),
+        detail: |named| named.tie.message().to_body(), estimates: |named| vec![named.estimate.to_body()], held_out,
+        p_value_adjusted;
+    RejectedBody of Rejected: cause: |rejected| rejected.cause.name().into(),
+        detail: |rejected| rejected.tie.message().to_body(), reason: |rejected| rejected.why.message().to_body();
     HistoryEstimateBody of CauseEstimate: name, value, sd, unit;
     LeftOutBody of HistoryHeldOut: before, after, closure, interval;
     OutlierBody of Outlier: calibrated_at = at, deviation, sd;

@@ -417,38 +417,23 @@ fn wanted(effect: Effect) -> Filling {
     }
 }
 
-impl From<&AugmentedModel> for ModelBody {
-    fn from(model: &AugmentedModel) -> Self {
-        Self {
-            version: model.identified.as_ref().map(|_| 2),
-            identified: model.identified.as_deref().map(IdentifiedBody::of),
-            terms: model.terms.iter().flat_map(|terms| terms.iter()).map(|term| term.name().to_owned()).collect(),
-            effects: model.effects.iter().map(KnownEffectBody::from).collect(),
-            provenance: model.found_in.to_body(),
-            plausible_sizes: model.plausible_sizes.0.iter().map(|(of, size)| (of.id().to_owned(), *size)).collect(),
-        }
-    }
+/// The shape's own entries among the estimates are said by `shape`.
+fn estimates(known: &KnownEffect) -> Vec<KnownEstimateBody> {
+    let coefficients = known.adopted.effect.entry().coefficients(known.adopted.shape);
+    let said = known.estimates.iter().filter(|e| coefficients.iter().any(|c| c.name == e.name));
+    said.map(KnownEstimateBody::from).collect()
 }
 
 bodies! {
+    ModelBody of AugmentedModel: version: |model| model.identified.as_ref().map(|_| 2),
+        terms: |model| model.terms.iter().flat_map(|terms| terms.iter()).map(|term| term.name().to_owned()).collect(),
+        effects, provenance = found_in, identified: |model| model.identified.as_deref().map(IdentifiedBody::of),
+        plausible_sizes: |model| model.plausible_sizes.0.iter().map(|(of, size)| (of.id().to_owned(), *size)).collect();
+    KnownEffectBody of KnownEffect: effect = adopted.effect, gyros = adopted.slots,
+        shape: |known| ShapeBody::of(known.adopted.shape), estimates: estimates,
+        hypothesis: |known| known.adopted.effect.hypothesis().map(|own| (&own.written).into());
     ProvenanceBody of Provenance: imu, station, measured_at;
     KnownEstimateBody of Estimate: slot, name, value, sd, unit: |estimate| unit::of_machines(estimate.unit);
-}
-
-impl From<&KnownEffect> for KnownEffectBody {
-    fn from(known: &KnownEffect) -> Self {
-        let Adopted { effect, shape, slots } = &known.adopted;
-        // The shape's own entries among the estimates are said by `shape`.
-        let coefficients = effect.entry().coefficients(*shape);
-        let estimates = known.estimates.iter().filter(|e| coefficients.iter().any(|c| c.name == e.name));
-        Self {
-            effect: effect.id().to_owned(),
-            gyros: slots.to_body(),
-            shape: ShapeBody::of(*shape),
-            hypothesis: effect.hypothesis().map(|own| HypothesisBody::from(&own.written)),
-            estimates: estimates.map(KnownEstimateBody::from).collect(),
-        }
-    }
 }
 
 #[cfg(test)]

@@ -94,6 +94,10 @@ impl RecordBody {
 
 bodies! {
     RecordBody of Record: imu, station, calibrated_at, geometry, gyros, temperature_c, campaign, operator, note;
+    GyroBody of GyroParameters: slot, serial, e_pulse_per_arcsec = e, g_pulse_per_s_g0: |gyro| Some(gyro.g.to_body()),
+        g_deg_per_h_g0: |_| None,
+        p_pulse_per_s_g02: |gyro| (gyro.p != Vector3::zeros()).then(|| gyro.p.to_body()),
+        bias_pulse_per_s: |gyro| (gyro.bias != 0.0).then_some(gyro.bias), e_sd, g_sd;
 }
 
 impl GyroBody {
@@ -131,22 +135,6 @@ impl GyroBody {
                 faults.push(format!("/gyros/{index}/g_deg_per_h_g0"), message!("two_drifts_stated"));
                 (Vector3::zeros(), 1.0)
             }
-        }
-    }
-}
-
-impl ToBody<GyroBody> for GyroParameters {
-    fn to_body(&self) -> GyroBody {
-        GyroBody {
-            slot: self.slot,
-            serial: self.serial.to_body(),
-            e_pulse_per_arcsec: self.e.to_body(),
-            g_pulse_per_s_g0: Some(self.g.to_body()),
-            g_deg_per_h_g0: None,
-            p_pulse_per_s_g02: (self.p != Vector3::zeros()).then(|| self.p.to_body()),
-            bias_pulse_per_s: (self.bias != 0.0).then_some(self.bias),
-            e_sd: self.e_sd.to_body(),
-            g_sd: self.g_sd.to_body(),
         }
     }
 }

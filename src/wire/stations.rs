@@ -18,7 +18,7 @@ pub struct StationsBody {
     pub reproducibility: BothBody<Option<SpreadBody>>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct StationBody {
     pub name: String,
     /// That count, each once for all gyros in it. Stations are compared by the newest hundred of each gyro, and of a fleet
@@ -53,7 +53,7 @@ pub struct SuspectWindowBody {
     pub reason: String,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct BothBody<T> {
     #[serde(rename = "D_I")]
     pub d_i: T,
@@ -62,7 +62,7 @@ pub struct BothBody<T> {
 }
 
 /// One coefficient at a station, deg/(h*g0).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct StationColumnBody {
     /// Standard deviation of one record; null with too few.
     #[schema(required)]
@@ -163,19 +163,7 @@ impl StationBody {
 
     /// Of a station of which no record counts.
     pub fn of_none(name: String) -> Self {
-        let column = || StationColumnBody::from(&StationColumn::default());
-        Self {
-            name,
-            records: 0,
-            gyros: 0,
-            imus: 0,
-            first: None,
-            last: None,
-            against: None,
-            overdue: 0,
-            coefficients: BothBody { d_i: column(), d_s: column() },
-            suspect_windows: None,
-        }
+        Self { name, ..Self::default() }
     }
 }
 

@@ -51,7 +51,7 @@ impl ParameterBody {
         let uncertainty = gyro.uncertainty.as_ref().filter(|_| p.sd.is_some());
         let budget = uncertainty.and_then(|parts| parts.budgets(|covariance| Some([covariance[(i, i)]])));
         Self {
-            uncertainty: budget.map(|[budget]| budget.into()),
+            uncertainty: budget.map(|[budget]| (&budget).into()),
             name: p.name.to_owned(),
             unit: design::unit(p.term).to_owned(),
             value: p.value,

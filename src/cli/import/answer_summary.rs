@@ -47,19 +47,8 @@ impl fmt::Display for AnswerSummary<'_> {
             let (rule, reason) = (text(verdict, "rule"), text(verdict, "reason"));
             writeln!(f, "  {serial} {coefficient} {rule} {}: {reason}", of_status(*status))?;
         }
-        write!(f, "{}", Notes(self.0))
-    }
-}
-
-/// Displays the notes of an answer, or of a line of an import.
-pub struct Notes<'a>(pub &'a Value);
-
-impl fmt::Display for Notes<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for note in members(self.0, "notes").filter_map(|note| note["detail"].as_str()) {
-            writeln!(f, "  {}", self::note(note))?;
-        }
-        Ok(())
+        let mut notes = members(self.0, "notes").filter_map(|note| note["detail"].as_str());
+        notes.try_for_each(|detail| writeln!(f, "  {}", note(detail)))
     }
 }
 

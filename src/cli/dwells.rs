@@ -125,10 +125,10 @@ fn say(made: &Made) {
     for (k, d) in made.dwells.iter().enumerate() {
         table.add_row([
             (k + 1).to_string(),
-            d.phase.name().to_owned(),
+            d.commanded.phase.name().to_owned(),
             rounded(&[d.start_s], 1),
             rounded(&[d.duration_s], 1),
-            rounded(d.force_g0.as_slice(), 4),
+            rounded(d.commanded.force_g0.as_slice(), 4),
             rounded(&d.output, 4),
             rounded(&d.output_sem, 4),
         ]);

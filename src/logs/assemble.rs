@@ -27,12 +27,9 @@ use crate::message;
 /// A dwell with everything that is known of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dwell {
-    pub phase: Phase,
+    pub commanded: Commanded,
     pub start_s: f64,
     pub duration_s: f64,
-    pub attitude: Option<Rotation<Nav, Body>>,
-    pub force_g0: Vector3<f64>,
-    pub rate_arcsec_s: Vector3<f64>,
     pub temperature_c: Option<f64>,
     pub output: Vec<f64>,
     pub output_sem: Vec<f64>,
@@ -49,7 +46,7 @@ const CLIPPED: f64 = 0.02;
 /// Length of the specific force that is gravity in the unit stated.
 const GRAVITY: std::ops::Range<f64> = 0.9..1.1;
 /// Angle between measured and commanded vertical that is another position, radians (8 deg).
-pub const OFF_COMMANDED: f64 = 0.14;
+const OFF_COMMANDED: f64 = 0.14;
 /// Part of a commanded rate by which the log's own may differ from it.
 const OFF_RATE: f64 = 0.2;
 /// Turning of gyros that measure rates themselves, where nothing else says that the table turns: arcsec/s (1 deg/s).
@@ -382,50 +379,53 @@ impl Work<'_> {
     fn command(&mut self, candidates: &mut Vec<Candidate>, programme: Option<&[Position]>) -> Result<(), Message> {
         match programme {
             Some(programme) => self.by_programme(candidates, programme),
-            None => {
-                let mut turning = 0;
-                let level = |c: &Candidate| {
-                    let vertical = c.seen.turn_arcsec_s.unwrap_or(0.0);
-                    c.level_turn >= REST_ARCSEC_S.max(LEVEL_TURN * vertical.abs())
-                };
-                let before = candidates.len();
-                candidates.retain(|c| !level(c));
-                if candidates.len() < before {
-                    self.remarks.push(message!("intervals_tumbling", count = before - candidates.len()));
-                }
-                candidates.retain(|c| {
-                    let keeps = c.seen.turn_arcsec_s.is_some() || !self.turns_by_itself(c.interval);
-                    turning += usize::from(!keeps);
-                    keeps
-                });
-                if turning > 0 {
-                    self.remarks.push(message!("intervals_turning", count = turning));
-                }
-                for candidate in candidates.iter_mut() {
-                    let turn = candidate.seen.turn_arcsec_s.filter(|turn| turn.abs() >= REST_ARCSEC_S);
-                    candidate.position = candidate.attitude.map(|attitude| Position {
-                        attitude,
-                        turn_arcsec_s: turn.unwrap_or(0.0),
-                        start_s: None,
-                        duration_s: None,
-                    });
-                }
-                if candidates.is_empty() {
-                    return Err(message!("all_turning"));
-                }
-                let of_output = |remark: &Message| {
-                    let is_output = |key: &Parameter| matches!(key, Parameter::Text(key) if key == "output");
-                    ["unit_of_map", "unit_of_map_alone"].contains(&&*remark.code)
-                        && remark.parameter("key").is_some_and(is_output)
-                };
-                let by_map = self.remarks.iter().any(of_output);
-                let by_itself = candidates.iter().all(|c| c.attitude.is_none());
-                if by_map && by_itself && self.log.unit.counts == Counts::Angular {
-                    self.remarks.push(message!("scale_unproved"));
-                }
-                Ok(())
-            }
+            None => self.by_itself(candidates),
         }
+    }
+
+    /// What the log itself says that the table did.
+    fn by_itself(&mut self, candidates: &mut Vec<Candidate>) -> Result<(), Message> {
+        let mut turning = 0;
+        let level = |c: &Candidate| {
+            let vertical = c.seen.turn_arcsec_s.unwrap_or(0.0);
+            c.level_turn >= REST_ARCSEC_S.max(LEVEL_TURN * vertical.abs())
+        };
+        let before = candidates.len();
+        candidates.retain(|c| !level(c));
+        if candidates.len() < before {
+            self.remarks.push(message!("intervals_tumbling", count = before - candidates.len()));
+        }
+        candidates.retain(|c| {
+            let keeps = c.seen.turn_arcsec_s.is_some() || !self.turns_by_itself(c.interval);
+            turning += usize::from(!keeps);
+            keeps
+        });
+        if turning > 0 {
+            self.remarks.push(message!("intervals_turning", count = turning));
+        }
+        for candidate in candidates.iter_mut() {
+            let turn = candidate.seen.turn_arcsec_s.filter(|turn| turn.abs() >= REST_ARCSEC_S);
+            candidate.position = candidate.attitude.map(|attitude| Position {
+                attitude,
+                turn_arcsec_s: turn.unwrap_or(0.0),
+                start_s: None,
+                duration_s: None,
+            });
+        }
+        if candidates.is_empty() {
+            return Err(message!("all_turning"));
+        }
+        let of_output = |remark: &Message| {
+            let is_output = |key: &Parameter| matches!(key, Parameter::Text(key) if key == "output");
+            ["unit_of_map", "unit_of_map_alone"].contains(&&*remark.code)
+                && remark.parameter("key").is_some_and(is_output)
+        };
+        let by_map = self.remarks.iter().any(of_output);
+        let by_itself = candidates.iter().all(|c| c.attitude.is_none());
+        if by_map && by_itself && self.log.unit.counts == Counts::Angular {
+            self.remarks.push(message!("scale_unproved"));
+        }
+        Ok(())
     }
 
     /// Whether gyros that measure rates say that the IMU turns.
@@ -520,12 +520,9 @@ impl Work<'_> {
             return Err(message!("programme_rates", count, of = candidates.len(), start));
         }
         let angle = |c: &Candidate| Some(c.seen.up?.dot(&c.position?.up()).clamp(-1.0, 1.0).acos());
-        let off: Vec<(usize, f64)> = candidates.iter().enumerate().filter_map(|(k, c)| Some((k, angle(c)?))).collect();
-        let wrong: Vec<&(usize, f64)> = off.iter().filter(|(_, angle)| *angle > OFF_COMMANDED).collect();
-        let Some(&&(first, angle)) = wrong.first() else { return Ok(()) };
-        let start = self.log.series.start_s(candidates[first].interval.from);
-        let (start, angle) = (figure(start, 1), figure(angle.to_degrees(), 1));
-        Err(message!("programme_contradicted", count = wrong.len(), of = off.len(), start, degrees = angle))
+        let start = |c: &Candidate| self.log.series.start_s(c.interval.from);
+        let off: Vec<(f64, f64)> = candidates.iter().filter_map(|c| Some((start(c), angle(c)?))).collect();
+        agree(&off)
     }
 
     fn one_interval(&self, candidate: &Candidate) -> Message {
@@ -632,7 +629,6 @@ impl Work<'_> {
     fn dwell(&self, candidate: &Candidate, noise: &[Noise]) -> Result<Dwell, Message> {
         let i = candidate.interval;
         let series = &self.log.series;
-        let Commanded { phase, attitude, force_g0, rate_arcsec_s } = self.commanded(candidate)?;
         let is_part = candidate.position.is_some_and(|p| self.is_part_of_turn(candidate, &p));
         let (mut output, mut output_sem) = (Vec::new(), Vec::new());
         for (k, noise) in noise.iter().enumerate() {
@@ -644,12 +640,9 @@ impl Work<'_> {
         }
         let (start, end) = (series.start_s(i.from), series.end_s(i.to));
         Ok(Dwell {
-            phase,
+            commanded: self.commanded(candidate)?,
             start_s: start.max(0.0),
             duration_s: end - start.max(0.0),
-            attitude,
-            force_g0,
-            rate_arcsec_s,
             temperature_c: self.mean(Role::Temperature, i),
             output,
             output_sem,
@@ -711,6 +704,7 @@ impl Work<'_> {
 }
 
 /// What was commanded in a dwell, or stands for it.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Commanded {
     pub phase: Phase,
     pub attitude: Option<Rotation<Nav, Body>>,
@@ -788,6 +782,17 @@ pub fn laid_over(
     laid(seen, &outputs, programme).map_err(undecided)
 }
 
+/// That measured verticals are those that were commanded; `off`: begin of each dwell, s, and the angle between, rad.
+///
+/// # Errors
+/// How many are not, and the first.
+pub fn agree(off: &[(f64, f64)]) -> Result<(), Message> {
+    let wrong: Vec<&(f64, f64)> = off.iter().filter(|(_, angle)| *angle > OFF_COMMANDED).collect();
+    let Some(&&(start, angle)) = wrong.first() else { return Ok(()) };
+    let (start, degrees) = (figure(start, 1), figure(angle.to_degrees(), 1));
+    Err(message!("programme_contradicted", count = wrong.len(), of = off.len(), start, degrees))
+}
+
 /// Rows of a programme that no interval is of.
 pub fn missing(taken: &[usize], programme: &[Position]) -> Option<Message> {
     const SAID: usize = 12;
@@ -802,6 +807,6 @@ pub fn missing(taken: &[usize], programme: &[Position]) -> Option<Message> {
 
 /// Whether all dwells have one vertical.
 pub fn one_orientation(dwells: &[Dwell]) -> bool {
-    let ups: Vec<Vector3<f64>> = dwells.iter().filter_map(|d| d.force_g0.try_normalize(0.0)).collect();
+    let ups: Vec<Vector3<f64>> = dwells.iter().filter_map(|d| d.commanded.force_g0.try_normalize(0.0)).collect();
     ups.iter().all(|up| up.dot(&ups[0]) > SAME_UP)
 }

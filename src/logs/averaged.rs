@@ -4,9 +4,7 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::assemble::{
-    Commanded, Dwell, OFF_COMMANDED, TURNING, by_accelerometers, laid_over, missing, one_clock, table,
-};
+use super::assemble::{Commanded, Dwell, TURNING, agree, by_accelerometers, laid_over, missing, one_clock, table};
 use super::error::LogError;
 use super::gather::{counted, same_layout};
 use super::map::{Columns, Map, Reading, TableColumns};
@@ -92,14 +90,10 @@ pub fn dwells(
             continue;
         }
         let of_row = commanded(row, positions[k], turns[k], inertial, site, counts, direction_only);
-        let Commanded { phase, attitude, force_g0, rate_arcsec_s } = of_row.map_err(of_map)?;
         made.push(Dwell {
-            phase,
+            commanded: of_row.map_err(of_map)?,
             start_s: spans[k].0,
             duration_s: row.duration_s.unwrap_or(1.0),
-            attitude,
-            force_g0,
-            rate_arcsec_s,
             temperature_c: row.temperature_c,
             output: row.output.clone(),
             output_sem: row.sem.clone(),
@@ -401,11 +395,8 @@ fn contradicted(
     let off: Vec<(f64, f64)> = dwells
         .iter()
         .zip(kept)
-        .filter(|(dwell, _)| dwell.attitude.is_some())
-        .filter_map(|(dwell, (row, _))| Some((dwell.start_s, row.force?.angle(&dwell.force_g0))))
+        .filter(|(dwell, _)| dwell.commanded.attitude.is_some())
+        .filter_map(|(dwell, (row, _))| Some((dwell.start_s, row.force?.angle(&dwell.commanded.force_g0))))
         .collect();
-    let wrong: Vec<&(f64, f64)> = off.iter().filter(|(_, angle)| *angle > OFF_COMMANDED).collect();
-    let Some(&&(start, angle)) = wrong.first() else { return Ok(()) };
-    let (start, angle) = (figure(start, 1), figure(angle.to_degrees(), 1));
-    Err(message!("programme_contradicted", count = wrong.len(), of = off.len(), start, degrees = angle))
+    agree(&off)
 }

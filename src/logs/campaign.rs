@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::assemble::{Dwell, assemble, one_orientation};
+use super::assemble::{Commanded, Dwell, assemble, one_orientation};
 use super::error::LogError;
 use super::gather::{Gathered, gather};
 use super::map::Map;
@@ -18,6 +18,7 @@ use crate::core::time::UtcMicros;
 use crate::core::units::radians;
 use crate::message;
 use crate::wire::campaign::{CampaignBody, CampaignGyroBody, DwellBody, commanded};
+use crate::wire::numbers::tidy;
 use crate::wire::time;
 
 /// A campaign with what it was made from.
@@ -44,7 +45,7 @@ impl Made {
     /// known: the fault that their lack makes is not the rates'.
     pub fn campaign(&self) -> Result<Campaign, Faults> {
         let campaign = self.body.to_core()?;
-        let has_headings = self.dwells.iter().any(|dwell| dwell.attitude.is_some());
+        let has_headings = self.dwells.iter().any(|dwell| dwell.commanded.attitude.is_some());
         let of_rates = |faults: &Faults| faults.0.iter().all(|fault| fault.pointer.ends_with("/rate_arcsec_s"));
         match commanded::check(&campaign) {
             Ok(()) => {
@@ -174,7 +175,7 @@ fn hold_e(made: &mut Made, map: &Map) -> Result<(), LogError> {
             return Err(LogError::new("map", fault));
         }
         Some(known) => known.clone(),
-        None if made.unit.counts != Counts::Angular || made.dwells.iter().any(|d| d.phase == Phase::Rate) => {
+        None if made.unit.counts != Counts::Angular || made.dwells.iter().any(|d| d.commanded.phase == Phase::Rate) => {
             return Ok(());
         }
         None => {
@@ -191,14 +192,14 @@ fn hold_e(made: &mut Made, map: &Map) -> Result<(), LogError> {
 
 impl From<&Dwell> for DwellBody {
     fn from(d: &Dwell) -> Self {
-        let tidy = |v: &nalgebra::Vector3<f64>| v.map(|c| (c * 1e12).round() / 1e12);
+        let Commanded { phase, attitude, force_g0, rate_arcsec_s } = &d.commanded;
         Self {
-            phase: d.phase.name().to_owned(),
+            phase: phase.name().to_owned(),
             start_s: d.start_s,
             duration_s: d.duration_s,
-            attitude: d.attitude.map(|c| c.to_attitude().as_slice().into()),
-            specific_force_g0: (&tidy(&d.force_g0)).into(),
-            rate_arcsec_s: (&tidy(&d.rate_arcsec_s)).into(),
+            attitude: attitude.map(|c| c.to_attitude().as_slice().into()),
+            specific_force_g0: (&force_g0.map(tidy)).into(),
+            rate_arcsec_s: (&rate_arcsec_s.map(tidy)).into(),
             temperature_c: d.temperature_c,
             output_pulse_s: d.output.as_slice().into(),
             output_sem_pulse_s: d

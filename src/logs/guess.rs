@@ -442,34 +442,40 @@ impl Looked {
     }
 
     fn output(&self, places: &[usize]) -> Line {
-        let stated = self.stated(places[0], Quantity::Output).map(str::to_owned);
-        let (unit, reason) = match stated {
-            Some(unit) => (unit.clone(), message!("guess_header", unit)),
-            None => (UNKNOWN.to_owned(), message!("guess_output_unit")),
-        };
-        Line { text: format!("output = {{ columns = [{}], unit = \"{unit}\" }}", self.list(places)), reason }
+        let columns = format!("columns = [{}]", self.list(places));
+        let unsaid = || (UNKNOWN, message!("guess_output_unit"));
+        self.in_unit("output", &columns, (places[0], Quantity::Output), unsaid)
     }
 
     fn force(&self, places: &[usize]) -> Line {
-        let stated = self.stated(places[0], Quantity::Force).map(str::to_owned);
-        let (unit, reason) = match (stated, self.gravity(places)) {
-            (Some(unit), _) => (unit.clone(), message!("guess_header", unit)),
-            (None, Some((unit, length))) => {
-                (unit.to_owned(), message!("guess_gravity", length = figure(length, 4), unit))
-            }
-            (None, None) => (UNKNOWN.to_owned(), message!("guess_no_gravity")),
+        let columns = format!("columns = [{}]", self.list(places));
+        let unsaid = || match self.gravity(places) {
+            Some((unit, length)) => (unit, message!("guess_gravity", length = figure(length, 4), unit)),
+            None => (UNKNOWN, message!("guess_no_gravity")),
         };
-        Line { text: format!("force = {{ columns = [{}], unit = \"{unit}\" }}", self.list(places)), reason }
+        self.in_unit("force", &columns, (places[0], Quantity::Force), unsaid)
     }
 
     fn temperature(&self) -> Option<Line> {
         let place = (0..self.columns.len()).find(|&k| self.is_temperature(k))?;
-        let unit = self.stated(place, Quantity::Temperature).map(str::to_owned);
-        let (unit, reason) = match unit {
-            Some(unit) => (unit.clone(), message!("guess_header", unit)),
-            None => ("C".to_owned(), message!("guess_celsius")),
+        let column = format!("column = {}", self.named(place));
+        let unsaid = || ("C", message!("guess_celsius"));
+        Some(self.in_unit("temperature", &column, (place, Quantity::Temperature), unsaid))
+    }
+
+    /// The line of some columns, in the unit that the heading of the one at a place states, or as else.
+    fn in_unit(
+        &self,
+        key: &str,
+        columns: &str,
+        (place, of): (usize, Quantity),
+        or: impl FnOnce() -> (&'static str, Message),
+    ) -> Line {
+        let (unit, reason) = match self.stated(place, of) {
+            Some(unit) => (unit, message!("guess_header", unit = unit.to_owned())),
+            None => or(),
         };
-        Some(Line { text: format!("temperature = {{ column = {}, unit = \"{unit}\" }}", self.named(place)), reason })
+        Line { text: format!("{key} = {{ {columns}, unit = \"{unit}\" }}"), reason }
     }
 }
 

@@ -9,6 +9,7 @@ use crate::core::dwells::programme::{Position, attitude, twenty_four};
 use crate::core::frames::Rotation;
 use crate::core::message::{Message, sent};
 use crate::message;
+use crate::wire::table::{header_line, reader};
 
 /// The name of the built-in programme.
 pub const TWENTY_FOUR: &str = "24";
@@ -48,26 +49,22 @@ pub fn of_text(text: &str) -> Result<Vec<Position>, Message> {
 }
 
 fn parse(text: &str) -> Result<Vec<Position>, Message> {
-    let head = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or_default();
-    let delimiter = [b',', b';', b'\t'].into_iter().max_by_key(|d| head.bytes().filter(|b| b == d).count());
-    let mut reader = csv::ReaderBuilder::new()
-        .delimiter(delimiter.unwrap_or(b','))
-        .comment(Some(b'#'))
-        .flexible(true)
-        .trim(csv::Trim::All)
-        .from_reader(text.as_bytes());
-    let names: Vec<&str> = reader.headers().map_err(Message::verbatim)?.iter().map(named).collect::<Result<_, _>>()?;
+    let first = header_line(text).unwrap_or_default();
+    let mut reader = reader(text, first);
+    let mut records = reader.records();
+    let header = records.next().transpose().map_err(Message::verbatim)?.unwrap_or_default();
+    let names: Vec<&str> = header.iter().map(named).collect::<Result<_, _>>()?;
     let again = |(k, name): (usize, &&str)| !name.is_empty() && names[..k].contains(name);
     if let Some((_, name)) = names.iter().enumerate().find(|column| again(*column)) {
         return Err(message!("second_column", name = sent(name)));
     }
     let mut found = Vec::new();
-    for record in reader.records() {
+    for record in records {
         let record = record.map_err(Message::verbatim)?;
         if record.iter().all(str::is_empty) {
             continue;
         }
-        let line = record.position().map_or(0, |p| p.line() as usize);
+        let line = first + record.position().map_or(0, |p| p.line() as usize);
         let position = position(&names, &record).map_err(|fault| message!("at_line", line, fault))?;
         found.push(position);
     }

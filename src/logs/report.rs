@@ -78,7 +78,7 @@ fn plot(made: &Made, gathered: &Gathered, track: &Track) -> Markup {
         svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) width="100%" role="img" {
             @for dwell in &made.dwells {
                 @let (from, to) = (x(dwell.start_s), x(dwell.start_s + dwell.duration_s));
-                rect class=(dwell.phase.name()) y="0" height=(HEIGHT)
+                rect class=(dwell.commanded.phase.name()) y="0" height=(HEIGHT)
                     x=(format!("{from:.1}")) width=(format!("{:.1}", to - from)) {}
             }
             (PreEscaped(line(series, track, &x, &y)))
@@ -113,9 +113,9 @@ fn table(made: &Made) -> Markup {
                  th { "rate_arcsec_s" } th { "output_pulse_s" } th { "output_sem_pulse_s" } th { "temperature_c" } }
             @for (k, d) in made.dwells.iter().enumerate() {
                 tr {
-                    td { (k + 1) } td { (d.phase.name()) }
+                    td { (k + 1) } td { (d.commanded.phase.name()) }
                     td { (figures(&[d.start_s], 1)) } td { (figures(&[d.duration_s], 1)) }
-                    td { (figures(d.force_g0.as_slice(), 5)) } td { (figures(d.rate_arcsec_s.as_slice(), 3)) }
+                    td { (figures(d.commanded.force_g0.as_slice(), 5)) } td { (figures(d.commanded.rate_arcsec_s.as_slice(), 3)) }
                     td { (figures(&d.output, 5)) } td { (figures(&d.output_sem, 5)) }
                     td { (d.temperature_c.map_or(String::new(), |t| figures(&[t], 2))) }
                 }

@@ -195,15 +195,16 @@ fn measure(seeds: std::ops::Range<u64>, hz: f64) -> (usize, Vec<f64>) {
             // As far as the table keeps its rate; from attitudes, as far as the clock, off by a tenth of a step at both
             // ends, tells it.
             let clock = if told == Told::Attitude { 0.2 / hz / d.duration_s } else { 0.0 };
-            let off = (d.rate_arcsec_s - t.rate).norm();
-            is_inside && d.phase == t.phase && off < (5.2e-4 + clock) * t.rate.norm() + 0.02
+            let off = (d.commanded.rate_arcsec_s - t.rate).norm();
+            is_inside && d.commanded.phase == t.phase && off < (5.2e-4 + clock) * t.rate.norm() + 0.02
         };
         if dwells.len() != DWELLS || !dwells.iter().zip(&truth).all(|(d, t)| is_of(d, t)) {
             let why = made.as_ref().err().map(|e| e.fault.code.to_string());
             println!("seed {seed}, {hz} Hz, {told:?}: {} dwells {why:?}", dwells.len());
             if std::env::var("GYROWATCH_SHOW").is_ok() {
                 for d in dwells {
-                    println!("  {:?} {:.0} {:.0} {:.2}", d.phase, d.start_s, d.duration_s, d.rate_arcsec_s.norm());
+                    let (phase, rate) = (d.commanded.phase, d.commanded.rate_arcsec_s.norm());
+                    println!("  {phase:?} {:.0} {:.0} {rate:.2}", d.start_s, d.duration_s);
                 }
             }
             wrong += 1;

@@ -14,7 +14,7 @@ fn rest_from(text: &str, line: usize) -> &[u8] {
 }
 
 /// Reads the table whose header is a line of the text, counted from 0.
-pub(super) fn reader(text: &str, header: usize) -> csv::Reader<&[u8]> {
+pub fn reader(text: &str, header: usize) -> csv::Reader<&[u8]> {
     csv::ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
@@ -43,7 +43,7 @@ fn delimiter_of(header: &str) -> u8 {
 }
 
 /// The line of a table's header, counted from 0: the first with more than a comment.
-pub(super) fn header_line(text: &str) -> Option<usize> {
+pub fn header_line(text: &str) -> Option<usize> {
     text.lines().position(|line| !line.trim().is_empty() && comment(line).is_none())
 }
 

@@ -21,9 +21,10 @@ pub(crate) trait ToBody<T> {
 }
 
 /// `SpreadBody of Spread: sd, interval;` makes one of the other, member by member; `error_pulse_s = error` takes it from
-/// a member of another name, or of a member, and `shift: |moved| moved.now - moved.then` computes it.
+/// a member of another name, of a member, or of a place (`share = 1`), and `shift: |moved| moved.now - moved.then`
+/// computes it.
 macro_rules! bodies {
-    ($($body:ident of $core:ty: $($member:ident $(= $($of:ident).+)? $(: $make:expr)?),+;)+) => {$(
+    ($($body:ident of $core:ty: $($member:ident $(= $($of:tt).+)? $(: $make:expr)?),+;)+) => {$(
         impl From<&$core> for $body {
             fn from(core: &$core) -> Self {
                 Self { $($member: $crate::wire::body::bodies!(@ core, $core, $member $(= $($of).+)? $(: $make)?)),+ }
@@ -37,7 +38,7 @@ macro_rules! bodies {
         }
     )+};
     (@ $core:ident, $of:ty, $member:ident) => { $crate::wire::body::ToBody::to_body(&$core.$member) };
-    (@ $core:ident, $of:ty, $member:ident = $($from:ident).+) => {
+    (@ $core:ident, $of:ty, $member:ident = $($from:tt).+) => {
         $crate::wire::body::ToBody::to_body(&$core.$($from).+)
     };
     (@ $core:ident, $of:ty, $member:ident: $make:expr) => {{

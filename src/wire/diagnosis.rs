@@ -6,7 +6,7 @@ use super::located::WhereBody;
 use super::note;
 use super::split::SplitBody;
 use crate::core::augmented::Adopted;
-use crate::core::calibrate::noise_found::{LawFound, NoiseFound};
+use crate::core::calibrate::noise_found::{LawFound, MemoryFound, NoiseFound};
 use crate::core::diagnose as core;
 use crate::core::effects::{Effect, Estimate};
 use crate::wire::prelude::*;
@@ -403,6 +403,25 @@ bodies! {
     InUseBody of core::Diagnosis: terms: |d| d.terms.iter().map(|term| term.name().to_owned()).collect(),
         effects = adopted;
     InUseEffectBody of Adopted: effect, gyros = slots;
+    NoiseFoundBody of NoiseFound: between_gyros, flicker = memory,
+        falls_with_duration: |noise| by_law(noise, |law| match law {
+            LawFound::Duration { power } => Some(power),
+            _ => None,
+        }),
+        grows_with_rate: |noise| by_law(noise, |law| match law {
+            LawFound::Rate { times } => Some(times),
+            _ => None,
+        }),
+        grows_in_time: |noise| by_law(noise, |law| match law {
+            LawFound::Time { times } => Some(times),
+            _ => None,
+        });
+    CorrelationBody of (Slot, Slot, f64): gyros: |(a, b, _)| [*a, *b].to_body(), correlation = 2;
+    MemoryBody of MemoryFound: kind, gyros = deg_per_h, probability;
+    GyroMemoryBody of (Slot, f64): slot = 0, deg_per_h = 1;
+    GyroClassBody of (Slot, Vec<Effect>): slot = 0, class = 1;
+    EffectDriftBody of (Slot, Vec<f64>): slot = 0,
+        deg_per_h: |(_, drift)| drift.iter().map(|v| (v * 1e9).round() / 1e9).collect();
     HeldOutBody of core::HeldOut: before_deg_per_h, after_deg_per_h, closure, interval;
     GyroFloorBody of core::GyroFloor: slot, deg_per_h, repeat_dof;
     NoiseFloorBody of core::NoiseFloor: deg_per_h, source, sem_factor, gyros;
@@ -425,16 +444,9 @@ bodies! {
         north: |next| next.attitude.column(1).into_owned().into(), rate_deg_s: |next| next.table_rate_arcsec_s / 3600.0;
 }
 
-impl ToBody<GyroClassBody> for (Slot, Vec<Effect>) {
-    fn to_body(&self) -> GyroClassBody {
-        GyroClassBody { slot: self.0.to_body(), class: self.1.to_body() }
-    }
-}
-
-impl ToBody<EffectDriftBody> for (Slot, Vec<f64>) {
-    fn to_body(&self) -> EffectDriftBody {
-        EffectDriftBody { slot: self.0.to_body(), deg_per_h: self.1.iter().map(|v| (v * 1e9).round() / 1e9).collect() }
-    }
+/// How the noise goes by one law, where that is found.
+fn by_law(noise: &NoiseFound, of: fn(LawFound) -> Option<f64>) -> Option<f64> {
+    noise.laws.iter().rev().find_map(|law| of(*law))
 }
 
 fn noted(d: &core::Diagnosis) -> Vec<Message> {
@@ -443,36 +455,6 @@ fn noted(d: &core::Diagnosis) -> Vec<Message> {
 
 fn impact(d: &core::Diagnosis, is_material: bool) -> Vec<ImpactBody> {
     d.impact.iter().filter(|one| one.is_material() == is_material).map(ImpactBody::from).collect()
-}
-
-impl From<&NoiseFound> for NoiseFoundBody {
-    fn from(noise: &NoiseFound) -> Self {
-        let pair = |(a, b, correlation): &(Slot, Slot, f64)| CorrelationBody {
-            gyros: [a, b].map(|slot| slot.name().to_owned()),
-            correlation: *correlation,
-        };
-        let wander =
-            |(slot, deg_per_h): &(Slot, f64)| GyroMemoryBody { slot: slot.name().to_owned(), deg_per_h: *deg_per_h };
-        let (mut falls_with_duration, mut grows_with_rate, mut grows_in_time) = (None, None, None);
-        for law in &noise.laws {
-            match *law {
-                LawFound::Duration { power } => falls_with_duration = Some(power),
-                LawFound::Rate { times } => grows_with_rate = Some(times),
-                LawFound::Time { times } => grows_in_time = Some(times),
-            }
-        }
-        Self {
-            between_gyros: noise.between_gyros.iter().map(pair).collect(),
-            flicker: noise.memory.as_ref().map(|memory| MemoryBody {
-                kind: memory.kind.to_owned(),
-                gyros: memory.deg_per_h.iter().map(wander).collect(),
-                probability: memory.probability,
-            }),
-            falls_with_duration,
-            grows_with_rate,
-            grows_in_time,
-        }
-    }
 }
 
 /// Residuals of a diagnosis as they were answered; those of unknown slots are left out.

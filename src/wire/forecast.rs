@@ -507,12 +507,7 @@ bodies! {
     ShiftBody of DriftShift: slot, coefficient, shift, sd;
     ChangedEffectBody of ChangedEffect: effect, slot, coefficients, p_value, changed, undecided;
     ChangedBody of Changed: effects, shifts;
-}
-
-impl ToBody<ThenNowBody> for (effects::Coefficient, [f64; 2], [f64; 2]) {
-    fn to_body(&self) -> ThenNowBody {
-        let (coefficient, [model, model_sd], [now, now_sd]) = *self;
-        let (name, unit) = (coefficient.name.to_owned(), unit::of_machines(coefficient.unit));
-        ThenNowBody { name, unit, model, model_sd, now, now_sd }
-    }
+    ThenNowBody of (effects::Coefficient, [f64; 2], [f64; 2]): name = 0.name,
+        unit: |(coefficient, ..)| unit::of_machines(coefficient.unit), model: |(_, model, _)| model[0],
+        model_sd: |(_, model, _)| model[1], now: |(.., now)| now[0], now_sd: |(.., now)| now[1];
 }

@@ -34,16 +34,6 @@ pub struct DwellShareBody {
 bodies! {
     WhereBody of core::Located: gyros, phases, dwells;
     DwellShareBody of core::DwellShare: index, slot, residual_deg_per_h, share;
-}
-
-impl ToBody<GyroShareBody> for (Slot, f64) {
-    fn to_body(&self) -> GyroShareBody {
-        GyroShareBody { slot: self.0.to_body(), share: self.1 }
-    }
-}
-
-impl ToBody<PhaseShareBody> for (Phase, f64) {
-    fn to_body(&self) -> PhaseShareBody {
-        PhaseShareBody { phase: self.0.to_body(), share: self.1 }
-    }
+    GyroShareBody of (Slot, f64): slot = 0, share = 1;
+    PhaseShareBody of (Phase, f64): phase = 0, share = 1;
 }

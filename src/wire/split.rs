@@ -67,11 +67,6 @@ bodies! {
         noise_deg_per_h = noise, p_value;
     MovedBody of Moved: slot, coefficient, reference, now, shift: |moved| moved.now - moved.reference, sd,
         unit: |moved| unit::of_machines(moved.unit);
+    GyroPartsBody of (Slot, Parts): slot = 0, parts = 1;
     SplitBody of Split: imu, station, measured_at, all, gyros, moved, notes, note_codes = notes;
-}
-
-impl ToBody<GyroPartsBody> for (Slot, Parts) {
-    fn to_body(&self) -> GyroPartsBody {
-        GyroPartsBody { slot: self.0.to_body(), parts: self.1.to_body() }
-    }
 }

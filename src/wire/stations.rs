@@ -174,17 +174,7 @@ bodies! {
     SuspectWindowBody of SuspectWindow: from = span.from, to = span.to, by = author, reason;
     SharedBody of Shared: value, sd, gyros, imus;
     CoursePointBody of CoursePoint: at, value, sd, records;
-}
-
-impl ToBody<StationStepBody> for (UtcMicros, Shared) {
-    fn to_body(&self) -> StationStepBody {
-        StationStepBody { at: self.0.to_body(), size: self.1.to_body() }
-    }
-}
-
-impl ToBody<StationWindowBody> for ([UtcMicros; 2], Shared) {
-    fn to_body(&self) -> StationWindowBody {
-        let [from, until] = self.0.to_body();
-        StationWindowBody { from, until, size: self.1.to_body() }
-    }
+    StationStepBody of (UtcMicros, Shared): at = 0, size = 1;
+    StationWindowBody of ([UtcMicros; 2], Shared): from: |(at, _)| at[0].to_body(), until: |(at, _)| at[1].to_body(),
+        size = 1;
 }

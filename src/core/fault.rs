@@ -45,6 +45,13 @@ impl From<Fault> for Faults {
     }
 }
 
+/// What is wrong with the document as a whole.
+impl From<Message> for Faults {
+    fn from(message: Message) -> Self {
+        Fault { pointer: String::new(), message }.into()
+    }
+}
+
 fn summary(faults: &[Fault]) -> String {
     let place = |f: &Fault| if f.pointer.is_empty() { "document".to_owned() } else { f.pointer.clone() };
     faults.iter().map(|f| format!("{}: {}", place(f), f.message)).collect::<Vec<_>>().join("; ")

@@ -5,7 +5,6 @@ use axum::http::HeaderName;
 use axum::http::header::{CONTENT_ENCODING, CONTENT_TYPE};
 use bytes::Bytes;
 
-use crate::core::fault::Fault;
 use crate::core::message::Message;
 use crate::http::prelude::*;
 use crate::pipeline::Accepted;
@@ -44,7 +43,7 @@ impl Document {
             Some(DocumentKind::Campaign) => message!("belongs_to_campaigns"),
             Some(DocumentKind::Bench) => message!("belongs_to_bench_results"),
         };
-        Self::problem(bytes, Fault { pointer: String::new(), message: belongs }.into())
+        Self::problem(bytes, belongs.into())
     }
 
     /// The answer to a document with faults: 400 where it is no JSON at all, 422 where it says what cannot be.

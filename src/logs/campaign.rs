@@ -12,7 +12,7 @@ use super::{averaged, programme};
 use crate::core::campaign::{Campaign, Phase, Site};
 use crate::core::dwells::explained::{Contradiction, contradiction, input_axis};
 use crate::core::dwells::programme::Position;
-use crate::core::fault::{Fault, Faults};
+use crate::core::fault::Faults;
 use crate::core::message::{Message, figure, list, sent, text};
 use crate::core::time::UtcMicros;
 use crate::core::units::radians;
@@ -50,11 +50,9 @@ impl Made {
         match commanded::check(&campaign) {
             Ok(()) => {
                 let faults = self.other_scale(&campaign).or_else(|| contradicted(&campaign));
-                faults.map_or(Ok(campaign), |message| Err(Fault { pointer: String::new(), message }.into()))
+                faults.map_or(Ok(campaign), |message| Err(message.into()))
             }
-            Err(faults) if !has_headings && of_rates(&faults) => {
-                Err(Fault { pointer: String::new(), message: message!("commanded_heading_seen") }.into())
-            }
+            Err(faults) if !has_headings && of_rates(&faults) => Err(message!("commanded_heading_seen").into()),
             Err(faults) => Err(faults),
         }
     }

@@ -26,7 +26,7 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<GyroRow>, Faults> {
     let text = text_of(bytes)?;
     let mut faults = Faults::default();
     let first = header_line(text).unwrap_or(0);
-    check_quotes(text, first).map_err(|message| Faults::from(Fault { pointer: String::new(), message }))?;
+    check_quotes(text, first)?;
     let mut reader = reader(text, first);
     let mut records = reader.records();
     let Some(Ok(header)) = records.next() else {

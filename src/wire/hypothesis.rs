@@ -57,14 +57,13 @@ const MOST_BYTES: usize = 65_536;
 /// # Errors
 /// What is no such file, with its line; otherwise every fault by pointer.
 pub fn parse_toml(bytes: &[u8]) -> Result<Effect, Faults> {
-    let whole = |message: Message| Faults::from(Fault { pointer: String::new(), message });
     if bytes.len() > MOST_BYTES {
-        return Err(whole(message!("hypothesis_too_long", most = MOST_BYTES)));
+        return Err(message!("hypothesis_too_long", most = MOST_BYTES).into());
     }
-    let text = std::str::from_utf8(bytes).map_err(|e| whole(message!("not_utf8", why = e.to_string())))?;
+    let text = std::str::from_utf8(bytes).map_err(|e| message!("not_utf8", why = e.to_string()))?;
     let body: HypothesisBody = toml::from_str(text).map_err(|error| {
         let (line, fault) = (line_of(&error, text), said_of_keys(error.message()));
-        whole(message!("at_line", line, fault))
+        message!("at_line", line, fault)
     })?;
     body.to_core()
 }

@@ -427,7 +427,7 @@ fn estimates(known: &KnownEffect) -> Vec<KnownEstimateBody> {
 bodies! {
     ModelBody of AugmentedModel: version: |model| model.identified.as_ref().map(|_| 2),
         terms: |model| model.terms.iter().flat_map(|terms| terms.iter()).map(|term| term.name().to_owned()).collect(),
-        effects, provenance = found_in, identified: |model| model.identified.as_deref().map(IdentifiedBody::of),
+        effects, provenance = found_in, identified: |model| model.identified.as_deref().map(IdentifiedBody::from),
         plausible_sizes: |model| model.plausible_sizes.0.iter().map(|(of, size)| (of.id().to_owned(), *size)).collect();
     KnownEffectBody of KnownEffect: effect = adopted.effect, gyros = adopted.slots,
         shape: |known| ShapeBody::of(known.adopted.shape), estimates: estimates,

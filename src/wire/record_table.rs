@@ -154,7 +154,7 @@ pub fn documents(text: &str, map: &TableMap) -> Option<Result<Vec<(usize, Value)
     let text = text.trim_start_matches('\u{feff}');
     let (first, kind) = found(text, map)?;
     if let Err(fault) = check_quotes(text, first) {
-        return Some(Err(Faults::from(Fault { pointer: String::new(), message: fault })));
+        return Some(Err(fault.into()));
     }
     let mut reader = reader(text, first);
     let mut records = reader.records();

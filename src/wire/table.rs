@@ -122,23 +122,22 @@ fn without_unit(name: &str) -> &str {
 /// # Errors
 /// What the file is, where it is no text; line and cell of what is no UTF-8.
 pub(super) fn text_of(bytes: &[u8]) -> Result<&str, Faults> {
-    let fault = |message: Message| Faults::from(Fault { pointer: String::new(), message });
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
-        return Err(fault(message!("utf16")));
+        return Err(message!("utf16").into());
     }
     let bytes = json::without_mark(bytes);
     match file_kind(&bytes[..bytes.len().min(HEAD)]) {
         Ok(FileKind::Text) => {}
-        Ok(FileKind::Utf16 { .. }) => return Err(fault(message!("utf16"))),
-        Ok(kind) => return Err(fault(message!("file_is_no_text", name = kind.name()))),
+        Ok(FileKind::Utf16 { .. }) => return Err(message!("utf16").into()),
+        Ok(kind) => return Err(message!("file_is_no_text", name = kind.name()).into()),
         // What is text is said by line and column.
         Err(what) if what.code == "file_is_json" || std::str::from_utf8(bytes).is_ok() => {}
-        Err(what) => return Err(fault(what)),
+        Err(what) => return Err(what.into()),
     }
     let written = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
     if written < bytes.len() {
         let line = 1 + memchr::memchr_iter(b'\n', &bytes[..written]).count();
-        return Err(fault(message!("at_line", line, fault = message!("zeros_from_here"))));
+        return Err(message!("at_line", line, fault = message!("zeros_from_here")).into());
     }
     std::str::from_utf8(bytes).map_err(|e| {
         let before = String::from_utf8_lossy(&bytes[..e.valid_up_to()]);
@@ -147,8 +146,8 @@ pub(super) fn text_of(bytes: &[u8]) -> Result<&str, Faults> {
         let delimiter = delimiter_of(before.lines().find(|line| comment(line).is_none()).unwrap_or_default());
         let column = 1 + cells.bytes().filter(|&b| b == delimiter).count();
         match comment(cells) {
-            Some(_) => fault(message!("at_line", line, fault = message!("not_utf8_text"))),
-            None => fault(message!("at_column", line, column, fault = message!("not_utf8_text"))),
+            Some(_) => message!("at_line", line, fault = message!("not_utf8_text")).into(),
+            None => message!("at_column", line, column, fault = message!("not_utf8_text")).into(),
         }
     })
 }

@@ -59,13 +59,8 @@ pub fn encoded(text: &str) -> String {
 
 /// A name that something is to match: in its one spelling, without characters that nobody sees.
 pub fn matched(pointer: &str, text: &str, faults: &mut Faults) -> Option<String> {
-    match Name::parse(text).and_then(|name| name.check_seen().map(|()| name)) {
-        Ok(name) => Some(name.as_str().to_owned()),
-        Err(why) => {
-            faults.push(pointer, why);
-            None
-        }
-    }
+    let seen = Name::parse(text).and_then(|name| name.check_seen().map(|()| name.as_str().to_owned()));
+    seen.map_err(|why| faults.push(pointer, why)).ok()
 }
 
 /// Largest standard deviation and temperature that is taken for a measured one.

@@ -2,7 +2,7 @@
 
 use crate::core::bench::BenchResult;
 use crate::core::effects::Effect;
-use crate::core::fault::{Fault, Faults};
+use crate::core::fault::Faults;
 use crate::core::gyro_attributes::GyroAttributesPatch;
 use crate::core::gyro_event::GyroEvent;
 use crate::core::message::text;
@@ -226,9 +226,7 @@ pub(crate) fn check_names<'a>(named: &[(&str, &Name)], serials: impl Iterator<It
 /// The body as it is kept, without a byte-order mark, and its hash.
 pub(crate) fn kept(bytes: &[u8]) -> Result<(Arc<str>, [u8; 32]), Faults> {
     let bytes = without_mark(bytes);
-    let text = std::str::from_utf8(bytes).map_err(|error| {
-        Faults::from(Fault { pointer: String::new(), message: message!("not_utf8", why = text(error)) })
-    })?;
+    let text = std::str::from_utf8(bytes).map_err(|error| Faults::from(message!("not_utf8", why = text(error))))?;
     Ok((text.into(), sha256(bytes)))
 }
 

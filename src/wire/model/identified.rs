@@ -126,6 +126,8 @@ const TERM_NAMES: [(Term, &[&str]); 4] = [
 ];
 
 bodies! {
+    IdentifiedBody of Identified: imu, geometry, reference_temperature_c = reference_c, measured_at, gyros,
+        coefficients: coefficients, covariance: triangle, campaigns, validity;
     ModelGyroBody of ModelGyro: slot, serial, e_held, e_pulse_per_arcsec = e, g_pulse_per_s_g0 = g, noise;
     NoiseLawBody of NoiseLaw: sem_factor, random_walk_deg_per_sqrt_h = random_walk, rate_noise_ppm = rate_ppm,
         dof: |noise| Some(noise.dof).filter(|dof| dof.is_finite());
@@ -133,42 +135,34 @@ bodies! {
     ValidityBody of Validity: temperature_c, rate_arcsec_s, directions;
 }
 
-impl IdentifiedBody {
-    pub(super) fn of(model: &Identified) -> Self {
-        let coefficient = |(place, c): (usize, &ModelCoefficient)| {
-            let (effect, name, unit) = match c.of {
-                Of::Term(term, part) => (None, TERM_NAMES[term as usize].1[part], design::unit(term)),
-                Of::Effect(effect, number) => {
-                    let entry = model.effects[effect].effect.entry();
-                    let one = entry.coefficients(model.effects[effect].shape)[number];
-                    (Some(entry.id.to_owned()), one.name, one.unit)
-                }
-            };
-            ModelCoefficientBody {
-                slot: c.slot.to_body(),
-                effect,
-                name: name.to_owned(),
-                value: c.value,
-                sd: model.sd(place),
-                between_campaigns_sd: c.between,
-                unit: unit::of_machines(unit),
+fn coefficients(model: &Identified) -> Vec<ModelCoefficientBody> {
+    let coefficient = |(place, c): (usize, &ModelCoefficient)| {
+        let (effect, name, unit) = match c.of {
+            Of::Term(term, part) => (None, TERM_NAMES[term as usize].1[part], design::unit(term)),
+            Of::Effect(effect, number) => {
+                let entry = model.effects[effect].effect.entry();
+                let one = entry.coefficients(model.effects[effect].shape)[number];
+                (Some(entry.id.to_owned()), one.name, one.unit)
             }
         };
-        Self {
-            imu: model.imu.to_body(),
-            geometry: model.geometry.to_body(),
-            reference_temperature_c: model.reference_c,
-            measured_at: model.measured_at.to_body(),
-            gyros: model.gyros.to_body(),
-            coefficients: model.coefficients.iter().enumerate().map(coefficient).collect(),
-            covariance: (0..model.coefficients.len())
-                .map(|i| (0..=i).map(|k| model.covariance[(i, k)]).collect())
-                .collect(),
-            campaigns: model.campaigns.to_body(),
-            validity: model.validity.to_body(),
+        ModelCoefficientBody {
+            slot: c.slot.to_body(),
+            effect,
+            name: name.to_owned(),
+            value: c.value,
+            sd: model.sd(place),
+            between_campaigns_sd: c.between,
+            unit: unit::of_machines(unit),
         }
-    }
+    };
+    model.coefficients.iter().enumerate().map(coefficient).collect()
+}
 
+fn triangle(model: &Identified) -> Vec<Vec<f64>> {
+    (0..model.coefficients.len()).map(|i| (0..=i).map(|k| model.covariance[(i, k)]).collect()).collect()
+}
+
+impl IdentifiedBody {
     /// The model; `effects` are those of the file.
     pub(super) fn to_core(&self, effects: &[Adopted], faults: &mut Faults) -> Option<Identified> {
         let before = faults.0.len();

@@ -14,6 +14,9 @@ use std::time::{Duration, SystemTime};
 use rustix::fs::{self, AtFlags, CWD, FileType, Mode, OFlags, RenameFlags, Stat};
 use rustix::io::Errno;
 
+use crate::cli::errors::said;
+use crate::message;
+
 /// Size and time of change: while they stand still, so does the file.
 pub type FileStamp = (u64, Option<SystemTime>);
 
@@ -38,7 +41,7 @@ impl Dir {
         match fs::openat(&self.0, name, flags, Mode::empty()) {
             Ok(dir) => Ok(Self(dir)),
             Err(Errno::LOOP | Errno::NOTDIR) => {
-                Err(io::Error::other(format!("{name} must be a directory, not a symbolic link or a file")))
+                Err(io::Error::other(said(message!("terminal_no_folder", folder = name.to_owned()))))
             }
             Err(error) => Err(error.into()),
         }

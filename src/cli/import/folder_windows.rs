@@ -10,6 +10,9 @@ use std::os::windows::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use crate::cli::errors::said;
+use crate::message;
+
 /// Size and time of change: while they stand still, so does the file.
 pub type FileStamp = (u64, Option<SystemTime>);
 
@@ -41,8 +44,8 @@ impl Dir {
         if held.metadata()?.is_dir() {
             return Ok(Self { path, _held: held });
         }
-        let name = path.file_name().unwrap_or_default().display();
-        Err(io::Error::other(format!("{name} must be a directory, not a symbolic link or a file")))
+        let folder = path.file_name().unwrap_or_default().display().to_string();
+        Err(io::Error::other(said(message!("terminal_no_folder", folder))))
     }
 
     /// The directory `name` in it, made where there is none.

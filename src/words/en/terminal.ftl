@@ -363,6 +363,7 @@ terminal_foreign_answer = the answer does not come from gyrowatch
 terminal_batch_refused = the whole batch was refused: { $why }
 terminal_answers_missing = { $sent } lines were sent, { $answered } answered
 terminal_is_folder = { $folder } is a directory; name its files, or watch it with --watch
+terminal_no_folder = { $folder } must be a directory, not a symbolic link or a file
 terminal_cannot_move = cannot move it to { $file }
 terminal_nothing_to_void = no record, campaign or bench result has the identifier "{ $id }"
 

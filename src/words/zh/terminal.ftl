@@ -345,6 +345,7 @@ terminal_foreign_answer = 应答不是来自gyrowatch
 terminal_batch_refused = 整批被拒收：{ $why }
 terminal_answers_missing = 发送了{ $sent }行，只有{ $answered }行得到应答
 terminal_is_folder = { $folder }是文件夹；请列出其中的文件，或用--watch监视
+terminal_no_folder = { $folder }应为文件夹，不能是符号链接或文件
 terminal_cannot_move = 无法将其移到{ $file }
 terminal_nothing_to_void = 没有标识为“{ $id }”的记录、标定试验或单表测试结果
 

@@ -3,6 +3,7 @@
 //! The members of a campaign's diagnosis, as far as a record has them. Nothing was held out: there are no dwells.
 
 use crate::core::diagnose::{BUDGET_DEG_PER_H_G0, CLOSURE_CLASS, ClosureDiagnosis, GyroClosure};
+use crate::core::effects::Effect;
 use crate::core::message::{figure, list};
 use crate::wire::prelude::*;
 
@@ -137,32 +138,23 @@ impl ClosureShareBody {
 
 impl ClosureEffectBody {
     fn of(out: &[&GyroClosure]) -> Self {
-        let [d_o, clocking] = CLOSURE_CLASS.map(|effect| effect.id());
-        let estimate = |effect: &str, slot: Slot, name: &str, value, sd, unit: &str| ClosureEstimateBody {
-            effect: effect.to_owned(),
-            slot: slot.name().to_owned(),
-            name: name.to_owned(),
-            value,
-            sd,
-            unit: unit.to_owned(),
-        };
+        let [d_o, clocking] = CLOSURE_CLASS;
         let both = |g: &&GyroClosure| {
             let clocking_sd = g.sd.map(|sd| sd * g.d_s.abs() / (g.d_s * g.d_s + g.d_o * g.d_o));
-            [
-                estimate(d_o, g.slot, "D_O", g.d_o, g.sd, D_O_UNIT),
-                estimate(clocking, g.slot, "phi", g.clocking, clocking_sd, "rad"),
-            ]
+            [(d_o, g.slot, "D_O", g.d_o, g.sd, D_O_UNIT), (clocking, g.slot, "phi", g.clocking, clocking_sd, "rad")]
         };
         Self {
-            effect: d_o.to_owned(),
+            effect: d_o.to_body(),
             class: class(),
             gyros: out.iter().map(|g| g.slot.name().to_owned()).collect(),
-            estimates: out.iter().flat_map(both).collect(),
+            estimates: out.iter().flat_map(both).collect::<Vec<_>>().to_body(),
         }
     }
 }
 
 bodies! {
+    ClosureEstimateBody of (Effect, Slot, &'static str, f64, Option<f64>, &'static str): effect = 0, slot = 1, name = 2,
+        value = 3, sd = 4, unit = 5;
     ClosureImpactBody of GyroClosure: slot, coefficient: |_| "D_S".to_owned(), under: |_| CLOSURE_CLASS[1].to_body(),
         plain = d_s, augmented: |gyro| gyro.d_s + gyro.d_s_shift, shift = d_s_shift,
         of_budget: |gyro| gyro.d_s_shift.abs() / BUDGET_DEG_PER_H_G0;

@@ -3,6 +3,7 @@
 use std::ops::RangeInclusive;
 
 use super::commanded::findings;
+use super::contradicting::contradicting;
 use super::temperatures::Temperatures;
 use super::{Campaign, CampaignNote, Dwell, DwellColumn, Phase};
 use crate::core::note::Note;
@@ -13,6 +14,7 @@ pub fn notes(campaign: &Campaign) -> Vec<Note> {
     if notes.is_empty() {
         notes.extend(rate_not_of_attitude(campaign));
     }
+    notes.extend(contradicting(campaign));
     let mut notes: Vec<Note> = notes.into_iter().map(Note::Campaign).collect();
     let (none, some) = lacks(campaign, DwellColumn::Attitude, |d| d.attitude.is_some());
     notes.extend(none.then_some(Note::NoAttitudes).or(some));

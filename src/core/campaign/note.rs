@@ -20,6 +20,8 @@ pub enum CampaignNote {
     Commanded(CommandFinding),
     /// Static dwells whose rate is not the Earth's at their attitude: how many of how many, and the worst of them.
     RateNotOfAttitude { off: usize, of: usize, dwell: usize, most_arcsec_s: f64 },
+    /// Single dwells whose outputs are far from the model that all others agree on, and the worst of them.
+    OutputsContradict { dwells: Vec<usize>, most_arcsec_s: f64 },
     /// Outputs come without standard errors: scatter alone shows their noise.
     NoStandardErrors,
     /// No orientation was measured twice.
@@ -92,6 +94,7 @@ impl CampaignNote {
             Self::TemperatureUnit { .. } => "temperature_unit",
             Self::Commanded(finding) => finding.symptom.name(),
             Self::RateNotOfAttitude { .. } => "rate_not_of_attitude",
+            Self::OutputsContradict { .. } => "dwells_contradict",
             Self::NoStandardErrors => "no_standard_errors",
             Self::NoRepeats => "no_repeats",
             Self::NoiseGrows { .. } => "noise_grows_with_rate",

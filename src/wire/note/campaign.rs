@@ -26,6 +26,12 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             most = figure(*most_arcsec_s, 2),
             dwell = text(dwell),
         ),
+        CampaignNote::OutputsContradict { dwells, most_arcsec_s } => message!(
+            "dwells_contradict",
+            count = dwells.len(),
+            dwells = places(dwells),
+            most = significant(*most_arcsec_s, 3),
+        ),
         CampaignNote::NoStandardErrors => message!("no_standard_errors"),
         CampaignNote::NoRepeats => message!("no_repeats"),
         CampaignNote::NoiseGrows { times } => message!("noise_grows_with_rate", times = figure(*times, 1)),
@@ -114,6 +120,9 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
         CampaignNote::RateNotOfAttitude { off, of, dwell, most_arcsec_s } => json!({
             "pointer": format!("/dwells/{dwell}/rate_arcsec_s"), "dwells": off, "of": of, "arcsec_s": most_arcsec_s
         }),
+        CampaignNote::OutputsContradict { dwells, most_arcsec_s } => {
+            json!({"pointers": pointers(dwells, "output_pulse_s"), "arcsec_s": most_arcsec_s})
+        }
         CampaignNote::NoiseGrows { times } => json!({"times": times}),
         CampaignNote::NoiseShared { correlation } => json!({"correlation": correlation}),
         CampaignNote::NoiseRemembers { probability, deg_per_h } => {

@@ -16,6 +16,7 @@ and_more = { $named } and { $more } more
 temperature_outlier = the temperature of /dwells/{ $dwell } is { $celsius } deg C; the campaign's median is { $median } deg C. Taken for a fault value of the sensor and left out of temperature effects
 temperature_unit = the median temperature is { $median } deg C: is it in kelvin or in degrees Fahrenheit?
 rate_not_of_attitude = rate_arcsec_s of { $off } of { $of } static dwells is not the Earth's at their attitude and the site's latitude: by { $most } arcsec/s in /dwells/{ $dwell }
+dwells_contradict = outputs of { $count } single dwells ({ $dwells }) are up to { $most } arcsec/s from the model that all others agree on: a wrong sign, a fault value, a row in another's place? Correct them, or leave these dwells out, and send the campaign again
 no_standard_errors = no standard errors: all dwells have equal weight and the residuals give the noise
 no_repeats = no repeated dwells: nothing but the fit itself tells noise from what the model leaves out
 product_aliased = { $product } is not fitted, and these positions do not tell it from { $coefficient }: 0.01 deg/(h g0²) of it would move { $coefficient } by { $moves } deg/(h g0)

@@ -14,6 +14,7 @@ and_more = { $named }，另有{ $more }个
 temperature_outlier = /dwells/{ $dwell }的温度为{ $celsius } °C，而本次试验的中位数为{ $median } °C：视为传感器的故障值，不计入温度效应
 temperature_unit = 温度的中位数为{ $median } °C：是否以K或°F为单位？
 rate_not_of_attitude = { $of }个静态测点中有{ $off }个的rate_arcsec_s不等于该姿态与测试站纬度下的地球自转角速度：/dwells/{ $dwell }处相差{ $most } arcsec/s
+dwells_contradict = { $count }个单独测点（{ $dwells }）的输出与其余各点一致的模型相差达{ $most }角秒/秒：符号有误、故障值，或行的位置有误？请更正或去掉这些测点后重新发送
 no_standard_errors = 没有标准误差：各测点等权，噪声由残差给出
 no_repeats = 没有重复测点：只能凭拟合本身区分噪声与模型未含的部分
 product_aliased = 未拟合{ $product }，且这些位置无法将其与{ $coefficient }区分：0.01 (°)/(h·g0²)的该项会使{ $coefficient }变化{ $moves } (°)/(h·g0)

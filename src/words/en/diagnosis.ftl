@@ -131,6 +131,7 @@ not_with_noise_growth_open = it did not hold with the growth of the noise with r
 not_in_joint_fit = it did not hold with everything fitted together
 not_in_joint_fit_beside = beside { $effect } it did not hold with everything fitted together
 too_many_causes = { $count } causes are in the model already: what needs more has not been understood
+too_small_beside = beside { $effect } it is so small that it may be a part of that which the fit leaves: mend that first, then diagnose again
 explains_less_than = it explains the same dwells as { $effect } less well, and nothing more
 explained_outside_catalogue = outside the catalogue, { $effect } explains the same dwells better
 

@@ -131,6 +131,7 @@ not_with_noise_growth_open = 若不限定噪声随角速度的增长，它便不
 not_in_joint_fit = 全部一起拟合后它不成立
 not_in_joint_fit_beside = 在“{ $effect }”之外，全部一起拟合后它不成立
 too_many_causes = 模型中已有{ $count }个原因：需要更多原因的差异尚未弄清
+too_small_beside = 与“{ $effect }”相比它很小，可能只是后者拟合后的残余：请先消除后者，再重新诊断
 explains_less_than = 它与“{ $effect }”解释的是同样的测点，但解释得较差，此外没有其他贡献
 explained_outside_catalogue = 目录之外的“{ $effect }”能更好地解释同样的测点
 

@@ -54,6 +54,9 @@ impl WhyNot<'_> {
                 false => message!("not_in_joint_fit_beside", effect = first.word()),
             };
         }
+        if self.search.evidence(found, effect) > self.search.threshold.beside {
+            return message!("too_small_beside", effect = first.word());
+        }
         match first.is_nameable() {
             true => message!("explains_less_than", effect = first.word()),
             false => message!("explained_outside_catalogue", effect = first.word()),

@@ -329,16 +329,18 @@ impl Search<'_> {
     }
 
     /// What adoption beside `others` asks for. Time, temperature and attitude are known to some thousandths: what a
-    /// strong effect leaves of that size is no effect of its own.
+    /// strong effect leaves of that size is no effect of its own. One dwell that is set aside leaves nothing.
     pub fn needed(&self, others: &[Choice]) -> f64 {
         if others.is_empty() {
             return self.threshold.alone;
         }
         let power = |r: &[f64]| dot(r, r);
-        let left = each_by_itself(self.frame, self.extras(others));
-        let gyros = self.frame.gyros.iter().zip(&left);
-        let taken: f64 =
-            gyros.map(|(g, left)| (power(&g.residual) - power(&left.residual)) / left.scatter.variance()).sum();
+        let set_aside: Vec<Choice> = others.iter().filter(|other| other.kind.entry().is_one_dwell()).cloned().collect();
+        let [before, left] = [&set_aside[..], others].map(|choices| each_by_itself(self.frame, self.extras(choices)));
+        let gyros = before.iter().zip(&left);
+        let taken: f64 = gyros
+            .map(|(before, left)| (power(&before.residual) - power(&left.residual)) / left.scatter.variance())
+            .sum();
         self.threshold.beside + 0.5 * MISSED * MISSED * taken
     }
 

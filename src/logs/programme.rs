@@ -9,7 +9,7 @@ use crate::core::dwells::programme::{Position, attitude, twenty_four};
 use crate::core::frames::Rotation;
 use crate::core::message::{Message, sent};
 use crate::message;
-use crate::wire::table::{header_line, reader};
+use crate::wire::table::{RecordLines, header_line, reader};
 
 /// The name of the built-in programme.
 pub const TWENTY_FOUR: &str = "24";
@@ -58,13 +58,13 @@ fn parse(text: &str) -> Result<Vec<Position>, Message> {
     if let Some((_, name)) = names.iter().enumerate().find(|column| again(*column)) {
         return Err(message!("second_column", name = sent(name)));
     }
-    let mut found = Vec::new();
+    let (mut found, mut lines) = (Vec::new(), RecordLines::new(text, first));
     for record in records {
         let record = record.map_err(Message::verbatim)?;
         if record.iter().all(str::is_empty) {
             continue;
         }
-        let line = first + record.position().map_or(0, |p| p.line() as usize);
+        let line = lines.of(&record);
         let position = position(&names, &record).map_err(|fault| message!("at_line", line, fault))?;
         found.push(position);
     }

@@ -52,7 +52,7 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<GyroRow>, Faults> {
         return Err(faults);
     }
     let (mut gyros, mut lines) = (Vec::new(), HashMap::new());
-    for (line, record) in rows(records, first, "", &mut faults) {
+    for (line, record) in rows(records, (text, first), "", &mut faults) {
         if record.iter().skip(header.len()).any(|cell| !cell.is_empty()) {
             faults.push("", too_many_cells(line, record.len(), header.len()));
             continue;

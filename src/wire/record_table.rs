@@ -165,7 +165,7 @@ pub fn documents(text: &str, map: &TableMap) -> Option<Result<Vec<(usize, Value)
     if !faults.is_empty() {
         return Some(Err(faults));
     }
-    for (line, cells) in rows(records, first, "", &mut faults) {
+    for (line, cells) in rows(records, (text, first), "", &mut faults) {
         documents.add(&TableRow { line, cells: &cells, table: &table }, &mut faults);
     }
     if faults.is_empty() && documents.0.is_empty() {

@@ -47,18 +47,48 @@ pub fn header_line(text: &str) -> Option<usize> {
     text.lines().position(|line| !line.trim().is_empty() && comment(line).is_none())
 }
 
-/// The rows that are not empty, each with its line counted from 1; `header`: the line of the header.
+/// Lines in which records begin, counted from 1, asked for in the order of the records. Where the reader begins with
+/// a record, remarks and empty lines may still stand above it.
+pub struct RecordLines<'a> {
+    rest: &'a [u8],
+    at: usize,
+    line: usize,
+}
+
+impl<'a> RecordLines<'a> {
+    /// Of the table whose header is a line of the text, counted from 0.
+    pub fn new(text: &'a str, header: usize) -> Self {
+        Self { rest: rest_from(text, header), at: 0, line: header + 1 }
+    }
+
+    pub fn of(&mut self, record: &csv::StringRecord) -> usize {
+        let start = record.position().map_or(self.at, |place| place.byte() as usize);
+        let mut begin = start.clamp(self.at, self.rest.len());
+        while let Some(first) = self.rest.get(begin) {
+            begin += match first {
+                b'\r' | b'\n' => 1,
+                b'#' => memchr::memchr(b'\n', &self.rest[begin..]).unwrap_or(self.rest.len() - begin),
+                _ => break,
+            };
+        }
+        self.line += memchr::memchr_iter(b'\n', &self.rest[self.at..begin]).count();
+        self.at = begin;
+        self.line
+    }
+}
+
+/// The rows that are not empty, each with its line counted from 1, of the table whose header is a line of the text.
 pub(super) fn rows(
     records: csv::StringRecordsIter<'_, &[u8]>,
-    header: usize,
+    (text, header): (&str, usize),
     pointer: &str,
     faults: &mut Faults,
 ) -> Vec<(usize, csv::StringRecord)> {
-    let mut rows = Vec::new();
+    let (mut rows, mut lines) = (Vec::new(), RecordLines::new(text, header));
     for record in records {
         match record {
             Ok(record) if record.iter().all(str::is_empty) => {}
-            Ok(record) => rows.push((header + record.position().map_or(0, |place| place.line() as usize), record)),
+            Ok(record) => rows.push((lines.of(&record), record)),
             Err(error) => faults.push(pointer, message!("table_unreadable", why = format_args!("{error}"))),
         }
     }

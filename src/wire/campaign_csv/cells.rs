@@ -55,7 +55,7 @@ pub(super) fn read(text: &str, first_line: usize, faults: &mut Faults) -> Option
         return None;
     }
     let columns = DwellTableColumns::read(&header, first_line + 1, faults);
-    let records = rows(records, first_line, "/dwells", faults);
+    let records = rows(records, (text, first_line), "/dwells", faults);
     let ranges = ranges(records.iter().map(|(_, record)| record).filter(|record| record.len() == columns.names.len()));
     let row = |(dwell, (line, record)): (usize, &(usize, csv::StringRecord))| {
         columns.row(record, &ranges, dwell, *line, faults)

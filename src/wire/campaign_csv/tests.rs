@@ -119,6 +119,17 @@ fn bad_cells_are_named_by_line_and_column() {
 }
 
 #[test]
+fn lines_are_those_of_the_file_below_remarks_and_empty_lines() {
+    let remarked = TABLE.replacen("static,240", "# a pause\n\n# of, two\nstatic,240", 1).replacen("45.1", "warm", 1);
+    let remarked = remarked.replacen("rate,480,180", "\n# turning\nrate,480,long", 1);
+    for text in [remarked.clone(), remarked.replace('\n', "\r\n")] {
+        let found = faults(&text);
+        assert!(found[0].starts_with("line 14, column 14 (temperature_c)"), "{found:?}");
+        assert!(found[1].starts_with("line 17, column 3 (duration_s)") && found.len() == 2, "{found:?}");
+    }
+}
+
+#[test]
 fn a_decimal_comma_is_named_by_line_and_column() {
     let unquoted = fault_after("45.1", "45,1");
     assert!(unquoted.starts_with("line 11, column 14 (temperature_c): 19 cells under 18 columns"), "{unquoted}");

@@ -46,9 +46,6 @@ pub fn parse_csv_as_sent(bytes: &[u8]) -> Result<(CampaignBody, Campaign), Fault
     let mut faults = Faults::default();
     let (head, table_line) = Head::read(text, &mut faults);
     let Some((columns, rows)) = cells::read(text, table_line, &mut faults) else { return Err(faults) };
-    if rows.is_empty() {
-        faults.push("", message!("table_without_rows"));
-    }
     if let Some((told, line)) = head.told.filter(|(told, _)| faults.is_empty() && *told != rows.len()) {
         let broken = message!("dwells_told", told, have = rows.len());
         faults.push("/dwells", message!("at_line", line, fault = broken));

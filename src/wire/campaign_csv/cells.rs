@@ -56,6 +56,9 @@ pub(super) fn read(text: &str, first_line: usize, faults: &mut Faults) -> Option
     }
     let columns = DwellTableColumns::read(&header, first_line + 1, faults);
     let records = rows(records, (text, first_line), "/dwells", faults);
+    if records.is_empty() {
+        faults.push("", message!("table_without_rows"));
+    }
     let ranges = ranges(records.iter().map(|(_, record)| record).filter(|record| record.len() == columns.names.len()));
     let row = |(dwell, (line, record)): (usize, &(usize, csv::StringRecord))| {
         columns.row(record, &ranges, dwell, *line, faults)

@@ -130,6 +130,14 @@ fn lines_are_those_of_the_file_below_remarks_and_empty_lines() {
 }
 
 #[test]
+fn a_table_whose_rows_are_all_wrong_is_not_without_rows() {
+    let (head, _) = TABLE.split_once("static,").expect("rows");
+    assert_eq!(faults(head), ["the table has a header and no rows"]);
+    let found = faults(&format!("{head}{}", TABLE.lines().last().expect("a row").replacen("480", "late", 1)));
+    assert_eq!(found, ["line 10, column 2 (start_s): \"late\" is not a number"]);
+}
+
+#[test]
 fn a_decimal_comma_is_named_by_line_and_column() {
     let unquoted = fault_after("45.1", "45,1");
     assert!(unquoted.starts_with("line 11, column 14 (temperature_c): 19 cells under 18 columns"), "{unquoted}");

@@ -45,7 +45,7 @@ pub fn parse_csv_as_sent(bytes: &[u8]) -> Result<(CampaignBody, Campaign), Fault
     let text = text_of(bytes)?;
     let mut faults = Faults::default();
     let (head, table_line) = Head::read(text, &mut faults);
-    let Some((columns, rows)) = cells::read(text, table_line, &mut faults) else { return Err(faults) };
+    let Some((columns, rows)) = cells::read(text, table_line, &head, &mut faults) else { return Err(faults) };
     if let Some((told, line)) = head.told.filter(|(told, _)| faults.is_empty() && *told != rows.len()) {
         let broken = message!("dwells_told", told, have = rows.len());
         faults.push("/dwells", message!("at_line", line, fault = broken));

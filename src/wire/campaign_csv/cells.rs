@@ -1,6 +1,6 @@
 //! The table: a header that names columns, and rows whose cells are read by it.
 
-use super::head::is_key;
+use super::head::{Head, is_key};
 use crate::core::message::{Parameter, list, sent};
 use crate::wire::campaign::DwellBody;
 use crate::wire::numbers::Numbers;
@@ -37,8 +37,14 @@ pub(super) struct DwellRow {
     numbers: Vec<Option<f64>>,
 }
 
-/// Reads header and rows from `first_line` (counted from 0) on; none without a usable header.
-pub(super) fn read(text: &str, first_line: usize, faults: &mut Faults) -> Option<(DwellTableColumns, Vec<DwellRow>)> {
+/// Reads header and rows from `first_line` (counted from 0) on; none without a usable header, or where another
+/// campaign begins below it.
+pub(super) fn read(
+    text: &str,
+    first_line: usize,
+    head: &Head,
+    faults: &mut Faults,
+) -> Option<(DwellTableColumns, Vec<DwellRow>)> {
     if text.lines().nth(first_line).is_none() {
         faults.push("/dwells", message!("no_table"));
         return None;
@@ -52,6 +58,9 @@ pub(super) fn read(text: &str, first_line: usize, faults: &mut Faults) -> Option
     let header = records.next()?.ok()?;
     if let Some(foreign) = of_head(&header).or_else(|| of_records(text)).or_else(|| foreign(&header)) {
         faults.push("", message!("at_line", line = first_line + 1, fault = foreign));
+        return None;
+    }
+    if head.refuse_below(text, first_line, faults) {
         return None;
     }
     let columns = DwellTableColumns::read(&header, first_line + 1, faults);

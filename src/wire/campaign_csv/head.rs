@@ -75,13 +75,25 @@ impl Head {
         self.lines.iter().filter(|(given, _)| holds(given)).max_by_key(|(given, _)| given.len()).map(|&(_, line)| line)
     }
 
+    /// Refuses keys below the header, of another campaign most often, that say what the head does not say; whether
+    /// there were any. `header`: its line, counted from 0.
+    pub fn refuse_below(&self, text: &str, header: usize, faults: &mut Faults) -> bool {
+        let before = faults.0.len();
+        for (i, line) in text.lines().enumerate().skip(header + 1) {
+            let Some(comment) = comment(line) else { continue };
+            let Some((key, value)) = key_and_value(&comment) else { continue };
+            let Some((pointer, kind)) = meaning(key) else { continue };
+            if read_value(value, kind).ok().as_ref() != self.document.pointer(&pointer) {
+                let fault = message!("key_below_header", key = key.to_owned());
+                faults.push(pointer, message!("at_line", line = i + 1, fault));
+            }
+        }
+        faults.0.len() > before
+    }
+
     /// One comment. Without a colon, or with a blank inside what stands before it, it is a remark and no key.
     fn line(&mut self, number: usize, comment: &str, faults: &mut Faults) {
-        let Some((key, value)) = comment.split_once(':') else { return };
-        let (key, value) = (key.trim(), value.trim());
-        if key.is_empty() || key.contains(char::is_whitespace) {
-            return;
-        }
+        let Some((key, value)) = key_and_value(comment) else { return };
         if let (DWELLS, Ok(count)) = (key, value.parse()) {
             self.told = Some((count, number));
             return;
@@ -108,6 +120,13 @@ impl Head {
         }
         self.lines.push((pointer, number));
     }
+}
+
+/// What stands before the colon of a comment, and what behind it; none of a remark.
+fn key_and_value(comment: &str) -> Option<(&str, &str)> {
+    let (key, value) = comment.split_once(':')?;
+    let (key, value) = (key.trim(), value.trim());
+    (!key.is_empty() && !key.contains(char::is_whitespace)).then_some((key, value))
 }
 
 /// Pointer and kind of a key. `site.latitude_deg`, `site_latitude_deg` and `latitude_deg` are the same; a gyro's

@@ -168,6 +168,27 @@ fn the_head_is_checked_by_line() {
 }
 
 #[test]
+fn a_key_below_the_header_is_refused_where_it_says_something_else() {
+    let below = |line: &str| faults(&TABLE.replacen("static,240", &format!("{line}\nstatic,240"), 1));
+    for same in ["# imu: IMU-07", "# latitude_deg: 0", "# pause: 2", "# begun at 08:02", "# serial_2: B"] {
+        assert_eq!(below(same), [""; 0], "{same}");
+    }
+    for (other, key) in [
+        ("# imu: IMU-08", "imu"),
+        ("# operator: Li Wei", "operator"),
+        ("\"# gyros: G1 A, G3 C\",,", "gyros"),
+        ("# gravity_g0: much", "gravity_g0"),
+    ] {
+        let found = below(other);
+        assert!(found[0].starts_with(&format!("line 11: {key} stands below the header row")), "{other}: {found:?}");
+        assert_eq!(found.len(), 1, "{other}: {found:?}");
+    }
+    let second = TABLE.replacen("IMU-07", "IMU-08", 1).replacen("03-01", "03-02", 1);
+    let found = faults(&format!("{TABLE}{second}"));
+    assert!(found.len() == 2 && found[0].starts_with("line 13: imu") && found[1].starts_with("line 15:"), "{found:?}");
+}
+
+#[test]
 fn what_is_not_utf_8_says_so() {
     assert!(parse(b"\xff\xfe#\0").unwrap_err().0[0].message.code == "utf16");
     assert!(

@@ -192,6 +192,7 @@ differs_from_line = differs from line { $first }, which is of the same record
 serial_twice = { $serial } is in line { $first } already: one row per gyro
 unknown_key = unknown key "{ $key }"; the keys are { $known }
 key_twice = { $key } is given twice
+key_below_header = { $key } stands below the header row: keys stand above it, and a file holds one campaign. Put another campaign into a file of its own
 
 ## Parts of other messages
 

@@ -192,6 +192,7 @@ differs_from_line = 与同一记录的第{ $first }行不一致
 serial_twice = { $serial }已在第{ $first }行：每个陀螺一行
 unknown_key = 未知的键“{ $key }”；可用的键为{ $known }
 key_twice = { $key }重复给出
+key_below_header = { $key }位于列名行之下：键须写在列名行之上，且一个文件只含一次标定试验。另一次标定试验请单独成文件
 
 ## Parts of other messages
 

@@ -1,6 +1,6 @@
 //! The table: a header that names columns, and rows whose cells are read by it.
 
-use super::head::{Head, is_key};
+use super::head::{Head, is_key, key_and_value};
 use crate::core::message::{Parameter, list, sent};
 use crate::wire::campaign::DwellBody;
 use crate::wire::numbers::Numbers;
@@ -79,8 +79,8 @@ pub(super) fn read(
 /// Head matter whose `#` is missing.
 fn of_head(header: &csv::StringRecord) -> Option<Message> {
     let line = header.get(0)?;
-    let is_key = is_key(line.split_once(':')?.0.trim());
-    is_key.then(|| message!("head_without_mark", text = sent(line)))
+    let (key, _) = key_and_value(line)?;
+    is_key(key).then(|| message!("head_without_mark", text = sent(line)))
 }
 
 /// A table of records or bench results in our own words.

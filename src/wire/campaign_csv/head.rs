@@ -122,10 +122,12 @@ impl Head {
     }
 }
 
-/// What stands before the colon of a comment, and what behind it; none of a remark.
-fn key_and_value(comment: &str) -> Option<(&str, &str)> {
-    let (key, value) = comment.split_once(':')?;
-    let (key, value) = (key.trim(), value.trim());
+/// What stands before the colon of a comment, and what behind it; none of a remark. Behind a known key a full-width
+/// colon and an equals sign are colons too.
+pub(super) fn key_and_value(comment: &str) -> Option<(&str, &str)> {
+    let parted = |marks: &[char]| comment.split_once(marks).map(|(key, value)| (key.trim(), value.trim()));
+    let known = parted(&[':', '：', '=', '＝']).filter(|(key, _)| *key == DWELLS || is_key(key));
+    let (key, value) = known.or_else(|| parted(&[':']))?;
     (!key.is_empty() && !key.contains(char::is_whitespace)).then_some((key, value))
 }
 

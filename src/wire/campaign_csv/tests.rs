@@ -168,6 +168,22 @@ fn the_head_is_checked_by_line() {
 }
 
 #[test]
+fn full_width_colons_and_equals_signs_part_known_keys_from_values() {
+    let plain = parse(TABLE.as_bytes());
+    let note = |mark: &str| parse(TABLE.replacen("# geo", &format!("# note{mark}a = b: c\n# geo"), 1).as_bytes());
+    for mark in ["：", " = ", "=", "＝"] {
+        assert_eq!(parse(TABLE.replace("# imu: ", &format!("# imu{mark}")).as_bytes()), plain, "{mark}");
+        assert_eq!(parse(TABLE.replace("# started", &format!("# fan{mark}on, by")).as_bytes()), plain, "{mark}");
+        assert_eq!(note(mark).expect("a note").note.as_deref(), Some("a = b: c"), "{mark}");
+        let found = faults(&TABLE.replacen("rate,480", &format!("# imu{mark}IMU-08\nrate,480"), 1));
+        assert!(found.len() == 1 && found[0].starts_with("line 12: imu"), "{mark}: {found:?}");
+        assert!(fault_after("# imu: ", &format!("# station{mark}ST-2\n# imu: ")).contains("given twice"), "{mark}");
+        let bare = faults(&TABLE.replacen("# imu: ", &format!("imu{mark}"), 1));
+        assert!(bare.iter().any(|fault| fault.contains("belongs to the head")), "{mark}: {bare:?}");
+    }
+}
+
+#[test]
 fn a_key_below_the_header_is_refused_where_it_says_something_else() {
     let below = |line: &str| faults(&TABLE.replacen("static,240", &format!("{line}\nstatic,240"), 1));
     for same in ["# imu: IMU-07", "# latitude_deg: 0", "# pause: 2", "# begun at 08:02", "# serial_2: B"] {

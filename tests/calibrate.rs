@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use crate::command::{answer, complaint, printed};
+use crate::command::{answer, complaint, printed, run};
 use crate::prelude::*;
 
 const CAMPAIGN: &str = "tests/data/practice/campaign-00.json";
@@ -74,6 +74,19 @@ fn a_campaign_yields_drift_with_sigmas_and_the_fit_with_its_evidence() {
         let sd = separation["d_i"]["sd"].as_f64().unwrap();
         assert!((1e-4..4e-4).contains(&sd), "{sd}");
         assert!(separation["published"]["branch"].is_string());
+    }
+}
+
+#[test]
+fn a_table_without_a_last_line_end_is_noted() {
+    let whole = as_csv(CAMPAIGN);
+    let open = |answer: &Value| answer["notes"].as_array().unwrap().iter().any(|note| note["code"] == "no_line_end");
+    for (text, noted) in [(whole.as_str(), false), (whole.trim_end(), true)] {
+        let csv = file(".csv", text);
+        let path = csv.path().to_str().unwrap();
+        assert_eq!(open(&answer(&["calibrate", path])), noted);
+        let (status, _, complaints) = run(&["diagnose", path]);
+        assert_eq!((status, complaints.contains("does not end with a line break")), (0, noted), "{complaints}");
     }
 }
 

@@ -86,6 +86,7 @@ impl Revise {
     pub fn run(self) -> anyhow::Result<()> {
         let name = document::name(&self.file);
         let bytes = document::read(&self.file)?;
+        document::note_open_end(&self.file, &bytes);
         block_on(async {
             let service = self.connection.service()?;
             match replace(&service, &bytes, self.of.as_deref(), &self.remark).await? {

@@ -15,6 +15,8 @@ use crate::logs::error::LogError;
 use crate::logs::sheet::readable;
 pub use crate::logs::source::name;
 use crate::message;
+use crate::wire::document::open_table;
+use crate::wire::note;
 use crate::wire::text::{line_of, said_of_keys};
 
 /// Largest document that is read: far above any campaign, far below memory.
@@ -141,6 +143,13 @@ pub fn print_json(result: &impl Serialize) -> anyhow::Result<()> {
 pub fn print(text: &str) -> anyhow::Result<()> {
     writeln!(std::io::stdout(), "{text}")?;
     Ok(())
+}
+
+/// Says on standard error where a table may have been cut.
+pub fn note_open_end(path: &Path, bytes: &[u8]) {
+    if let Some(open) = open_table(bytes) {
+        eprintln!("{}: {}", name(path), said(note::message(&open)));
+    }
 }
 
 /// A note below a result.

@@ -5,8 +5,10 @@ use serde::de::IgnoredAny;
 use super::campaign::parse_json_as_sent;
 use super::campaign_csv::parse_csv;
 use super::json::without_mark;
+use super::table::open_end;
 use crate::core::campaign::Campaign;
 use crate::core::kind::Kind;
+use crate::core::note::Note;
 use crate::wire::prelude::*;
 
 /// What a document is read as.
@@ -127,9 +129,22 @@ pub fn is_csv(bytes: &[u8]) -> bool {
     !matches!(text.iter().find(|b| !b.is_ascii_whitespace()), Some(b'{' | b'[') | None)
 }
 
+/// As [`open_end`], of a document that may be no table.
+pub fn open_table(bytes: &[u8]) -> Option<Note> {
+    open_end(bytes).filter(|_| is_csv(bytes))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_tables_are_noted_where_the_last_line_has_no_end() {
+        let open = |line, value: &str| Some(Note::NoLineEnd { line, value: value.to_owned() });
+        assert_eq!(open_table(b"# imu: A\nstart_s,temperature_c\n0,45.1"), open(3, "45.1"));
+        assert_eq!(open_table(b"start_s;temperature_c\r\n0;45.1\r\n"), None);
+        assert_eq!(open_table(b"{\"dwells\":\n[1,2]}"), None);
+    }
 
     #[test]
     fn records_and_campaigns_are_known_before_they_are_read() {

@@ -10,7 +10,8 @@ use crate::core::calibrate::repeats_between::repeated;
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::imu_model::of_one_imu;
 use crate::wire::calibration::{CampaignAnswer, CampaignsAnswer, GyroFitBody, RepeatedBody};
-use crate::wire::document::{DocumentKind, parse};
+use crate::wire::document::{DocumentKind, open_table, parse};
+use crate::wire::note::NoteBody;
 use crate::wire::unit;
 
 /// Dwells with the largest standardised residuals that the table shows.
@@ -96,7 +97,8 @@ impl Calibrate {
         let limits = config.plausibility.limits();
         campaign.check_known_scales(&limits).with_context(file)?;
         let outcome = evaluate_with(&campaign, &options, &limits).with_context(file)?;
-        let answer = CampaignAnswer::of(&campaign, &outcome, self.method.into());
+        let mut answer = CampaignAnswer::of(&campaign, &outcome, self.method.into());
+        answer.notes.extend(open_table(&bytes).as_ref().map(NoteBody::of));
         Ok(FittedFile { file: file(), campaign, outcome, answer })
     }
 }

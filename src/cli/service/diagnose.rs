@@ -120,6 +120,7 @@ fn reference(path: &Path, campaign: &Campaign) -> anyhow::Result<Reference> {
     if is_record(&bytes) {
         return parse_record(&bytes, &settings::plausibility()?).map(Reference::Record).with_context(file);
     }
+    document::note_open_end(path, &bytes);
     parse(&bytes).map(Reference::Campaign).or_else(|faults| {
         if let Ok(other) = parse_json(&bytes).map(Reference::Campaign) {
             may_be_split(campaign, &other).with_context(file)?;

@@ -41,5 +41,6 @@ pub fn campaign(path: &Path, bytes: &[u8]) -> anyhow::Result<Campaign> {
     let file = || document::name(path);
     let campaign = parse(bytes).with_context(file)?;
     campaign.check_known_scales(&plausibility()?).with_context(file)?;
+    document::note_open_end(path, bytes);
     Ok(campaign)
 }

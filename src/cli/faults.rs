@@ -3,14 +3,11 @@
 use serde_json::json;
 
 use crate::core::fault::{Fault, Faults};
-use crate::core::message::{Message, Parameter};
-use crate::message;
+use crate::core::message::Message;
+use crate::wire::alike::together;
 use crate::wire::message::read;
 use crate::wire::problem::{ProblemBody, summary};
 use crate::words::asked;
-
-/// Cells of one kind of fault from which on they are said together.
-const ALIKE: usize = 4;
 
 /// What is wrong, for the eye: of a table one fault a line, without pointers into a document that nobody wrote; of JSON
 /// with its pointers, in one line.
@@ -18,7 +15,7 @@ pub(super) fn in_words(Faults(faults): &Faults) -> String {
     if faults.is_empty() || !faults.iter().all(|fault| is_placed(&fault.message)) {
         return summary(faults, asked());
     }
-    let lines: Vec<String> = together(faults).iter().map(|message| asked().words(message)).collect();
+    let lines: Vec<String> = together(faults, |_| true).iter().map(|fault| asked().words(&fault.message)).collect();
     lines.join("\n  ")
 }
 
@@ -41,53 +38,14 @@ fn is_placed(message: &Message) -> bool {
             | "at_cell"
             | "at_column"
             | "at_head_line"
+            | "cells_alike"
+            | "cells_alike_of_line"
             | "no_table"
             | "utf16"
             | "map_names"
             | "map_column_missing"
             | "table_without_rows"
     )
-}
-
-fn count(message: &Message, name: &str) -> u64 {
-    match message.parameter(name) {
-        Some(Parameter::Count(count)) => *count,
-        _ => 0,
-    }
-}
-
-/// Cells with the same kind of fault as one message each, in the place of the first.
-fn together(faults: &[Fault]) -> Vec<Message> {
-    let kind = |message: &Message| match message.parameter("fault") {
-        Some(Parameter::Message(inner)) if message.code == "at_cell" => Some(inner.code.clone()),
-        _ => None,
-    };
-    let mut said = Vec::new();
-    let mut done = Vec::new();
-    for fault in faults {
-        let Some(code) = kind(&fault.message) else {
-            said.push(fault.message.clone());
-            continue;
-        };
-        if done.contains(&code) {
-            continue;
-        }
-        let alike: Vec<&Message> =
-            faults.iter().map(|f| &f.message).filter(|m| kind(m).as_ref() == Some(&code)).collect();
-        if alike.len() < ALIKE {
-            said.push(fault.message.clone());
-            continue;
-        }
-        done.push(code);
-        let lines = || alike.iter().map(|message| count(message, "line"));
-        let (from, to) = (lines().min().unwrap_or(0), lines().max().unwrap_or(0));
-        let (count, first) = (alike.len(), fault.message.clone());
-        said.push(match from == to {
-            true => message!("cells_alike_of_line", count, line = from, fault = first),
-            false => message!("cells_alike", count, from, to, fault = first),
-        });
-    }
-    said
 }
 
 #[cfg(test)]

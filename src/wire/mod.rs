@@ -6,6 +6,7 @@
 
 pub mod alert;
 pub mod alert_csv;
+pub mod alike;
 pub mod answer;
 pub mod bench;
 pub(crate) mod body;

@@ -2,6 +2,7 @@
 
 use super::head::{Head, is_key, key_and_value};
 use crate::core::message::{Parameter, list, sent};
+use crate::wire::alike::together;
 use crate::wire::campaign::DwellBody;
 use crate::wire::numbers::Numbers;
 use crate::wire::prelude::*;
@@ -73,6 +74,8 @@ pub(super) fn read(
         columns.row(record, &ranges, dwell, *line, faults)
     };
     let rows = records.iter().enumerate().filter_map(row).collect();
+    // A program that writes one decimal comma writes all with one.
+    faults.0 = together(&faults.0, |code| matches!(code, "decimal_comma" | "cells_decimal_comma"));
     Some((columns, rows))
 }
 

@@ -1,12 +1,10 @@
 //! A scenario whose IMU is one that a model file describes: its gyros, its effects, its noise.
 
 use nalgebra::{Matrix3, Vector3};
-use rand::RngExt;
-use rand_distr::StandardNormal;
 
 use super::scenario::{AxesChoice, GeometryChoice, GyroChoice, Scenario, StatedE};
 use super::station::Earth;
-use super::{Stream, random};
+use super::{Stream, gaussian, random};
 use crate::core::augmented::{AugmentedModel, KnownEffect};
 use crate::core::effects::Estimate;
 use crate::core::fault::Faults;
@@ -24,7 +22,7 @@ const ARCMIN_PER_RADIAN: f64 = 180.0 * 60.0 / std::f64::consts::PI;
 pub fn drawn_from(base: &Scenario, model: &AugmentedModel) -> Result<(Scenario, AugmentedModel), Faults> {
     let Some(identified) = &model.identified else { return Ok((base.clone(), model.clone())) };
     let mut rng = random(base.seed, Stream::Model);
-    let z: Vec<f64> = (0..2 * identified.coefficients.len()).map(|_| rng.sample(StandardNormal)).collect();
+    let z: Vec<f64> = (0..2 * identified.coefficients.len()).map(|_| gaussian(&mut rng)).collect();
     let one = drawn(identified, &z);
     let scenario = scenario_of(base, &one)?;
     let estimates = |known: &KnownEffect| -> Vec<Estimate> {

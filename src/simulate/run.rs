@@ -3,8 +3,6 @@
 use std::collections::BTreeMap;
 
 use nalgebra::Matrix3;
-use rand::RngExt;
-use rand_distr::StandardNormal;
 
 use crate::core::campaign::{Campaign, CampaignGyro, Dwell, StationUncertainty};
 use crate::core::fault::Faults;
@@ -22,7 +20,7 @@ use super::noise::{bias_wander, white};
 use super::scenario::{OptionalColumns, Scenario, StandardErrors};
 use super::truth::{GyroKey, KeyEntry, OUTSIDE};
 use super::world::{World, clocked};
-use super::{Stream, random};
+use super::{Stream, gaussian, random};
 
 /// Relative standard deviation of noisy standard errors.
 const NOISY: f64 = 0.12;
@@ -103,10 +101,7 @@ impl World {
                 attitude: scenario.columns.attitude.then(|| Rotation::stated_as(dwell.attitude)),
                 specific_force_g0: self.commanded[k].0,
                 rate_arcsec_s: self.commanded[k].1,
-                temperature_c: scenario
-                    .columns
-                    .temperature
-                    .then(|| self.temperature_c[k] + read * rng.sample::<f64, _>(StandardNormal)),
+                temperature_c: scenario.columns.temperature.then(|| self.temperature_c[k] + read * gaussian(&mut rng)),
                 output_pulse_s: outputs.iter().map(|gyro| gyro[k]).collect(),
                 output_sem_pulse_s: stated.as_ref().map(|gyros| gyros.iter().map(|gyro| gyro[k]).collect()),
             })
@@ -148,7 +143,7 @@ impl World {
         let last_h = mid_h.last().copied().unwrap_or(1.0);
         // Drawn only where gyros share something, so that a seed without it gives what it always gave.
         let mut of_all = random(scenario.seed, Stream::SharedNoise);
-        let shared: Vec<f64> = (0..n).map(|_| of_all.sample(StandardNormal)).collect();
+        let shared: Vec<f64> = (0..n).map(|_| gaussian(&mut of_all)).collect();
         let wander = noise.shared_wander.then(|| bias_wander(noise, &self.plan, &mut of_all));
         let noisy = |(gyro, ideal): (&TrueGyro, Vec<f64>)| -> Vec<f64> {
             let bias = wander.clone().unwrap_or_else(|| bias_wander(noise, &self.plan, &mut rng));
@@ -168,7 +163,7 @@ impl World {
 
     fn stated_standard_errors(&self, columns: &OptionalColumns, seed: u64) -> Option<Vec<Vec<f64>>> {
         let mut rng = random(seed, Stream::StandardErrors);
-        let mut wrong = || (1.0 + NOISY * rng.sample::<f64, _>(StandardNormal)).max(0.3);
+        let mut wrong = || (1.0 + NOISY * gaussian(&mut rng)).max(0.3);
         match columns.standard_errors {
             StandardErrors::Absent => None,
             StandardErrors::Exact => Some(self.sd.clone()),

@@ -186,8 +186,7 @@ impl Search<'_> {
     /// The strongest kind given `choices`; among contract entries only where `contract` says so.
     fn best_given(&self, choices: &[Choice], contract: bool) -> Option<Choice> {
         let scores = self.scores(choices);
-        let eligible = scores.iter().filter(|score| !contract || score.kind.is_nameable());
-        Some(self.choice(eligible.max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))?))
+        strongest(scores.iter().filter(|score| !contract || score.kind.is_nameable())).map(|best| self.choice(best))
     }
 
     /// The adopted choices, in order of adoption.
@@ -241,26 +240,12 @@ impl Search<'_> {
         for _ in 0..4 {
             let mut changed = false;
             for i in (0..choices.len()).filter(|&i| !contract || !choices[i].is_competitor()).collect::<Vec<_>>() {
-                let mut others = choices.to_vec();
-                others.remove(i);
-                let known = self.scores(&others);
-                let eligible = |score: &&Score| !contract || score.kind.is_nameable();
-                let scores: Vec<&Score> = known.iter().filter(eligible).collect();
-                let held = scores
-                    .iter()
-                    .find(|score| score.kind == choices[i].kind)
-                    .map_or(f64::NEG_INFINITY, |s| s.log_evidence);
-                let Some(best) = scores.iter().max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence)) else {
-                    continue;
-                };
-                let replacement = if best.log_evidence > held + CLEARLY {
-                    self.choice(best)
-                } else {
-                    match scores.iter().find(|score| score.kind == choices[i].kind) {
-                        Some(same) => self.choice(same),
-                        None => continue,
-                    }
-                };
+                let scores = self.scores(&without(choices, i));
+                let eligible = || scores.iter().filter(|score| !contract || score.kind.is_nameable());
+                let same = eligible().find(|score| score.kind == choices[i].kind);
+                let held = same.map_or(f64::NEG_INFINITY, |same| same.log_evidence);
+                let clearly_better = strongest(eligible()).filter(|best| best.log_evidence > held + CLEARLY);
+                let Some(replacement) = clearly_better.or(same).map(|score| self.choice(score)) else { continue };
                 changed |= replacement.hypothesis != choices[i].hypothesis || replacement.members != choices[i].members;
                 choices[i] = replacement;
             }
@@ -317,12 +302,11 @@ impl Search<'_> {
             if !choices[i].is_competitor() {
                 continue;
             }
-            let mut others = choices.clone();
-            let competitor = others.remove(i);
+            let others = without(&choices, i);
             let Some(best) = self.best_given(&others, true) else { continue };
             let earned = self.earned(&others, best.kind) > self.needed(&others);
-            if earned && best.evidence > competitor.evidence - CONTRACT_FIRST {
-                choices[i] = Choice { rival: Some(competitor.kind), ..best };
+            if earned && best.evidence > choices[i].evidence - CONTRACT_FIRST {
+                choices[i] = Choice { rival: Some(choices[i].kind), ..best };
             }
         }
         choices
@@ -387,10 +371,14 @@ impl Search<'_> {
 
     /// By how much (ln) choice `i` explains more than the best wandering course in its place would.
     pub fn lead_of_one(&self, choices: &[Choice], i: usize) -> f64 {
-        let known = self.scores(&without(choices, i));
+        self.given_others(choices, i) - self.of_wandering(&without(choices, i))
+    }
+
+    /// Evidence of the best wandering course, given `choices`.
+    fn of_wandering(&self, choices: &[Choice]) -> f64 {
+        let known = self.scores(choices);
         let wandering = known.iter().filter(|score| score.kind.entry().wanders);
-        let best = wandering.map(|score| score.log_evidence).fold(f64::NEG_INFINITY, f64::max);
-        self.given_others(choices, i) - best
+        wandering.map(|score| score.log_evidence).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// By how much (ln) choices `i` and `j` together explain more than the best single course in time in their place
@@ -398,13 +386,10 @@ impl Search<'_> {
     pub fn lead_over_wandering(&self, choices: &[Choice], i: usize, j: usize) -> f64 {
         let others: Vec<Choice> =
             (0..choices.len()).filter(|k| ![i, j].contains(k)).map(|k| choices[k].clone()).collect();
-        let known = self.scores(&others);
-        let wandering = known.iter().filter(|score| score.kind.entry().wanders);
-        let best = wandering.map(|score| score.log_evidence).fold(f64::NEG_INFINITY, f64::max);
         let with = |more: &[usize]| others.iter().cloned().chain(more.iter().map(|&k| choices[k].clone())).collect();
         let (one, both): (Vec<Choice>, Vec<Choice>) = (with(&[i]), with(&[i, j]));
         let pair = self.given_others(&one, others.len()) + self.given_others(&both, others.len() + 1);
-        pair - PER_CAUSE - best
+        pair - PER_CAUSE - self.of_wandering(&others)
     }
 
     /// Drops, weakest first, what the others make superfluous.
@@ -532,6 +517,10 @@ pub(crate) fn without(choices: &[Choice], i: usize) -> Vec<Choice> {
     let mut others = choices.to_vec();
     others.remove(i);
     others
+}
+
+fn strongest<'a>(scores: impl Iterator<Item = &'a Score>) -> Option<&'a Score> {
+    scores.max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
 }
 
 fn evidence_of(scores: &[Score], kind: Effect) -> f64 {

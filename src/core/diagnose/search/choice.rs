@@ -27,14 +27,14 @@ impl Choice {
 /// More columns than these make a competitor smooth.
 const MOST_COLUMNS: usize = 4;
 
-/// Raw columns of the model and of all choices but `without`. Smooth competitors stay out: they are not a few columns.
-pub(crate) fn designs(frame: &Frame, bank: &Bank, found: &[Choice], without: Option<usize>) -> Vec<Vec<Vec<f64>>> {
+/// Raw columns of the model and of all choices. Smooth competitors stay out: they are not a few columns.
+pub(crate) fn designs(frame: &Frame, bank: &Bank, found: &[Choice]) -> Vec<Vec<Vec<f64>>> {
     (0..frame.gyros.len())
         .map(|j| {
             let mut design = frame.designs[j].clone();
-            for (i, choice) in found.iter().enumerate() {
+            for choice in found {
                 let hypothesis = &bank.hypotheses[choice.hypothesis];
-                if Some(i) != without && choice.members[j] && hypothesis.blocks[j].len <= MOST_COLUMNS {
+                if choice.members[j] && hypothesis.blocks[j].len <= MOST_COLUMNS {
                     let block = &hypothesis.blocks[j];
                     for c in block.start..block.start + block.len {
                         let column = bank.column(j, c);

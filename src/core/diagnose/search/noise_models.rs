@@ -113,7 +113,7 @@ pub(crate) fn likelier_law(frame: &Frame, bank: &Bank, found: &[Choice]) -> Opti
     }
     let laws = Law::all(&course(&frame.setting));
     let odds = (1.0 - AS_STATED) / AS_STATED / laws.len().max(1) as f64;
-    let columns = designs(frame, bank, found, None);
+    let columns = designs(frame, bank, found);
     let pooled = is_pooled(frame, &columns);
     let as_stated = log_likelihood(frame, &columns, pooled);
     let tried = laws.into_iter().filter_map(|law| {
@@ -129,7 +129,7 @@ impl NoiseModels {
     /// shapes of the bank beyond the grid.
     pub fn of(frame: &Frame, bank: &Bank, found: &[Choice], more: &[(Effect, Shape)]) -> Self {
         let s = &frame.setting;
-        let with = designs(frame, bank, found, None);
+        let with = designs(frame, bank, found);
         let designs = [&with, &frame.designs];
         let plain: Vec<(bool, f64)> = designs
             .iter()

@@ -66,41 +66,25 @@ impl Settled {
     pub fn of(mut frame: Frame) -> Result<Self, Refusal> {
         let mut first = None;
         for round in 1.. {
-            let mut bank = Bank::of(&frame, &[]);
+            let bank = Bank::of(&frame, &[]);
             let null = Null::of(&frame, &bank);
             let threshold =
                 Threshold { alone: null.threshold(FALSE_ALARM), beside: null.threshold(FALSE_ALARM_BESIDE) };
-            let mut known = Known::default();
-            let noise = NoiseModels::default();
-            let search = Search { frame: &frame, bank: &bank, null: &null, threshold, known: &known, noise: &noise };
-            let mut found = search.run();
+            let mut settled = Self::before_search(frame, bank, null, threshold);
+            let mut found = settled.search().run();
             // A handful of shapes more: what noise alone scores is as good as the same.
-            let sharper = sharpened(&search, &found);
+            let sharper = sharpened(&settled.search(), &found);
             if !sharper.is_empty() {
-                (bank, known) = (Bank::of(&frame, &sharper), Known::default());
-                found =
-                    Search { frame: &frame, bank: &bank, null: &null, threshold, known: &known, noise: &noise }.run();
+                settled.bank = Bank::of(&settled.frame, &sharper);
+                (settled.more, settled.known) = (sharper, Known::default());
+                found = settled.search().run();
             }
-            let search = Search { frame: &frame, bank: &bank, null: &null, threshold, known: &known, noise: &noise };
-            let next = frame.noise.law.and_then(|law| {
-                found = confirmed(&search, law, std::mem::take(&mut found));
-                next_growth(&frame, &bank, &found, law)
+            let next = settled.frame.noise.law.and_then(|law| {
+                found = confirmed(&settled.search(), law, std::mem::take(&mut found));
+                next_growth(&settled.frame, &settled.bank, &found, law)
             });
             let empty = found.is_empty();
-            let settled = Self {
-                frame,
-                bank,
-                null,
-                threshold,
-                known,
-                found,
-                more: sharper,
-                noise,
-                noise_found: Found::default(),
-                laws: Vec::new(),
-                another_form: false,
-                components: Rc::default(),
-            };
+            settled.found = found;
             match next.filter(|_| round < ROUNDS) {
                 Some(growth) => frame = settled.frame.with_growth(growth)?,
                 None if empty => return Ok(first.unwrap_or(settled)),
@@ -112,6 +96,24 @@ impl Settled {
             }
         }
         unreachable!("the last round returns")
+    }
+
+    /// With nothing found yet, and no noise but that of `frame`.
+    fn before_search(frame: Frame, bank: Bank, null: Null, threshold: Threshold) -> Self {
+        Self {
+            frame,
+            bank,
+            null,
+            threshold,
+            known: Known::default(),
+            found: Vec::new(),
+            more: Vec::new(),
+            noise: NoiseModels::default(),
+            noise_found: Found::default(),
+            laws: Vec::new(),
+            another_form: false,
+            components: Rc::default(),
+        }
     }
 
     /// `plain`, the campaign as it is, about the strong effects: those among what was found, or one that is
@@ -166,18 +168,11 @@ impl Settled {
         let plain = rebased.as_ref().unwrap_or(self);
         let bank = Bank::closer(&plain.frame, &plain.more);
         let mut closer = Self {
-            frame: plain.frame.clone(),
             noise: NoiseModels::of(&plain.frame, &plain.bank, &plain.found, &plain.more),
-            bank,
-            null: plain.null.clone(),
-            threshold: plain.threshold,
-            known: Known::default(),
-            found: Vec::new(),
             more: plain.more.clone(),
-            noise_found: Found::default(),
             laws,
-            another_form: false,
             components: Rc::clone(&self.components),
+            ..Self::before_search(plain.frame.clone(), bank, plain.null.clone(), plain.threshold)
         };
         if !plain.found.is_empty() {
             let search = closer.search();
@@ -187,20 +182,20 @@ impl Settled {
             }
             closer.found = found;
         }
-        closer.noise_found = closer.noise_beside(&closer.found);
+        closer.noise_found = closer.noise_beside();
         let slow = |entry: &Entry| entry.follows_time || entry.of_temperature;
         while closer.noise_found.memory.is_some()
-            && let Some(weakest) = closer.weakest(&closer.found, UNDER_OTHER_NOISE, slow)
+            && let Some(weakest) = closer.weakest(slow)
         {
             closer.found.remove(weakest);
-            closer.noise_found = closer.noise_beside(&closer.found);
+            closer.noise_found = closer.noise_beside();
         }
         while !closer.laws.is_empty()
-            && let Some(weakest) = closer.weakest(&closer.found, UNDER_OTHER_NOISE, |_| true)
+            && let Some(weakest) = closer.weakest(|_| true)
         {
             closer.found.remove(weakest);
         }
-        while let Some(of_another_form) = closer.of_another_form(&closer.found) {
+        while let Some(of_another_form) = closer.of_another_form() {
             closer.found.remove(of_another_form);
             closer.another_form = true;
         }
@@ -226,9 +221,9 @@ impl Settled {
         self.components.get_or_init(|| components(&self.frame.setting))
     }
 
-    fn noise_beside(&self, found: &[Choice]) -> Found {
-        let columns = designs(&self.frame, &self.bank, found, None);
-        let state = || each_by_itself(&self.frame, self.search().extras(found));
+    fn noise_beside(&self) -> Found {
+        let columns = designs(&self.frame, &self.bank, &self.found);
+        let state = || each_by_itself(&self.frame, self.search().extras(&self.found));
         self.noise.found(&self.frame, &columns, state)
     }
 }
@@ -254,7 +249,8 @@ const UNDER_OTHER_NOISE: f64 = 4.0;
 
 impl Settled {
     /// The name that a component leads by most, where one leads clearly: the cause has another form.
-    fn of_another_form(&self, found: &[Choice]) -> Option<usize> {
+    fn of_another_form(&self) -> Option<usize> {
+        let found = &self.found;
         let lead = |i: usize| {
             let others = without(found, i);
             let state = each_by_itself(&self.frame, self.search().extras(&others));
@@ -300,11 +296,11 @@ impl Settled {
         best
     }
 
-    /// The least of the names asked about that do not pass by `more` evidence than elsewhere, which noise beyond what is
-    /// stated asks for.
-    fn weakest(&self, found: &[Choice], more: f64, asked: impl Fn(&Entry) -> bool) -> Option<usize> {
-        let search = self.search();
-        let lead = |i: usize| search.earned_beside_others(found, i) - search.needed(&without(found, i)) - more;
+    /// The least of the names asked about that do not pass by as much evidence as noise beyond what is stated asks for.
+    fn weakest(&self, asked: impl Fn(&Entry) -> bool) -> Option<usize> {
+        let (search, found) = (self.search(), &self.found);
+        let lead =
+            |i: usize| search.earned_beside_others(found, i) - search.needed(&without(found, i)) - UNDER_OTHER_NOISE;
         let named = (0..found.len()).filter(|&i| found[i].kind.is_nameable() && asked(found[i].kind.entry()));
         let weak = named.map(|i| (i, lead(i))).filter(|(_, lead)| *lead < 0.0);
         weak.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
@@ -321,10 +317,10 @@ fn confirmed(search: &Search, law: NoiseGrowth, mut found: Vec<Choice>) -> Vec<C
         LogSum::of(&profile).log_mean(profile.len()) - profile[at]
     };
     loop {
-        let with_all = excess(&designs(frame, search.bank, &found, None));
+        let with_all = excess(&designs(frame, search.bank, &found));
         let mut weakest: Option<(usize, f64)> = None;
         for i in 0..found.len() {
-            let without_it = excess(&designs(frame, search.bank, &found, Some(i)));
+            let without_it = excess(&designs(frame, search.bank, &without(&found, i)));
             found[i].evidence = search.earned_beside_others(&found, i) + with_all - without_it;
             // What stands beside a name keeps it in doubt.
             let asked = found[i].kind.is_nameable() || !found.iter().any(|choice| choice.kind.is_nameable());
@@ -346,7 +342,7 @@ fn next_growth(frame: &Frame, bank: &Bank, found: &[Choice], law: NoiseGrowth) -
     if found.is_empty() {
         return (at > 0).then(|| GROWTHS[at.saturating_sub(LOWER)]);
     }
-    let profile = profile(&frame.setting, &frame.outputs, &designs(frame, bank, found, None), law.fall);
+    let profile = profile(&frame.setting, &frame.outputs, &designs(frame, bank, found), law.fall);
     let best = (0..GROWTHS.len()).max_by(|&a, &b| profile[a].total_cmp(&profile[b]))?;
     (profile[best] > profile[at] + 0.5).then_some(GROWTHS[best])
 }

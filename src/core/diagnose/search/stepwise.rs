@@ -153,7 +153,7 @@ impl Search<'_> {
     }
 
     fn under(&self, choices: &[Choice]) -> Vec<Weighed<'_>> {
-        let columns = || designs(self.frame, self.bank, choices, None);
+        let columns = || designs(self.frame, self.bank, choices);
         let state = |frame: &Frame, bank: &Bank| each_by_itself(frame, extras(bank, choices));
         self.noise.under(self.frame, self.bank, columns, state)
     }

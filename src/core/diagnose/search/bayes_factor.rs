@@ -34,7 +34,7 @@ pub(crate) struct Score {
 
 /// Scores every kind of the bank.
 pub(crate) fn scores(bank: &Bank, state: &State) -> Vec<Score> {
-    scores_of(bank, &Products::of(bank, state).seen(state))
+    scores_of(bank, &Products::of(bank, state).seen())
 }
 
 /// The same of products with all columns of the bank.

@@ -92,6 +92,8 @@ pub(crate) struct Products {
     /// Adopted x columns, so that what belongs to one column lies together.
     with_extra: Vec<DMatrix<f64>>,
     with_residual: Vec<DVector<f64>>,
+    /// Of the gyros as their state has it.
+    scatter: Vec<Scatter>,
 }
 
 impl Products {
@@ -104,7 +106,7 @@ impl Products {
             (with_extra, with_residual)
         };
         let (with_extra, with_residual) = state.iter().enumerate().map(of_gyro).unzip();
-        Self { with_extra, with_residual }
+        Self { with_extra, with_residual, scatter: state.iter().map(|gyro| gyro.scatter).collect() }
     }
 
     /// Gyros x columns of each gyro's bank: with every gyro's residual, what was adopted in the column's gyro taken out
@@ -131,12 +133,12 @@ impl Products {
     }
 
     /// By gyro, the products with the noise that goes with them.
-    pub fn seen<'a>(&'a self, state: &State) -> Vec<Seen<'a>> {
-        self.seen_in(&state.iter().map(|gyro| gyro.scatter).collect::<Vec<_>>())
+    pub fn seen(&self) -> Vec<Seen<'_>> {
+        self.seen_in(&self.scatter)
     }
 
     /// By gyro, with the noise that each is held to have.
-    pub fn seen_in<'a>(&'a self, scatter: &[Scatter]) -> Vec<Seen<'a>> {
+    pub fn seen_in(&self, scatter: &[Scatter]) -> Vec<Seen<'_>> {
         let of_gyro = |(j, scatter): (usize, &Scatter)| Seen {
             with_residual: self.with_residual[j].as_slice(),
             with_extra: self.with_extra[j].as_slice(),
@@ -231,7 +233,7 @@ mod tests {
         assert!(state.iter().all(|gyro| gyro.extra.basis.rank() == 3));
         let products = Products::of(&bank, &state);
         let across = products.across(&bank, &state);
-        let (seen, n) = (products.seen(&state), frame.dwells());
+        let (seen, n) = (products.seen(), frame.dwells());
         for (j, gyro) in state.iter().enumerate() {
             let columns = &bank.columns[j];
             let with_extra = gyro.extra.basis.matrix(n).tr_mul(columns);

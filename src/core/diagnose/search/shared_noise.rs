@@ -132,7 +132,7 @@ impl Shared {
     fn side_by_side<'a>(&self, bank: &Bank, state: &'a State, products: &'a Products) -> SideBySide<'a> {
         let mut across = products.across(bank, state);
         across.iter_mut().for_each(|across| across.unscale_mut(self.unit));
-        SideBySide { state, seen: products.seen(state), across }
+        SideBySide { state, seen: products.seen(), across }
     }
 
     fn score(&self, bank: &Bank, kind: Effect, range: Range<usize>, all: &SideBySide) -> Score {

@@ -451,7 +451,7 @@ impl Search<'_> {
         for Weighed { log_weight, bank, state, shared, .. } in self.under(before) {
             let hypotheses = &bank.hypotheses[range.clone()];
             let products = Products::of(bank, &state);
-            let seen = products.seen(&state);
+            let seen = products.seen();
             let mut independent = LogSum::default();
             hypotheses.iter().for_each(|hypothesis| independent.add(log_bayes_in(hypothesis, &choice.members, &seen)));
             weights.add(log_weight);
@@ -473,7 +473,7 @@ const STRONG: f64 = 25.0;
 /// leaves in the others counts as noise to each, and its evidence falls short of the likelihoods that it is weighed
 /// with: there each gyro has its own.
 fn independent(model: &Weighed, products: &Products) -> Vec<Score> {
-    let own = || scores_of(model.bank, &products.seen(&model.state));
+    let own = || scores_of(model.bank, &products.seen());
     let Some(known) = from_one_another(model.frame, &model.state) else { return own() };
     let pooled = scores_of(model.bank, &products.seen_in(&known));
     if pooled.iter().all(|score| score.log_evidence < STRONG) {

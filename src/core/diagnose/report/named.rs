@@ -59,11 +59,7 @@ pub(crate) fn named(search: &Search, found: &[Choice]) -> (Vec<Named>, Vec<Sign>
         }
         let members = indistinguishable::members(search, found, i);
         if effect.entry().is_one_dwell() && !alone {
-            crowded.push(Sign {
-                kind: "several_bad_dwells",
-                slots: slots(search.frame, &members),
-                p_value: search.p_value(choice.evidence),
-            });
+            crowded.push(sign(search, "several_bad_dwells", &members, choice.evidence));
             continue;
         }
         let shape = search.bank.hypotheses[choice.hypothesis].shape;
@@ -71,11 +67,7 @@ pub(crate) fn named(search: &Search, found: &[Choice]) -> (Vec<Named>, Vec<Sign>
         if named.iter().any(again) {
             // Two steps, or two periods: the cause is neither.
             named.retain(|n| !(again(n) && effect.entry().course_in_time));
-            crowded.push(Sign {
-                kind: "one_shape_is_not_enough",
-                slots: slots(search.frame, &members),
-                p_value: search.p_value(choice.evidence),
-            });
+            crowded.push(sign(search, "one_shape_is_not_enough", &members, choice.evidence));
             continue;
         }
         let class = indistinguishable::class(search, found, i);
@@ -106,20 +98,23 @@ fn wandering(search: &Search, found: &[Choice]) -> Vec<Sign> {
         let all = choice.members.iter().all(|member| *member);
         let lead = if all { LEAD_OF_ALL } else { LEAD_OF_SOME };
         if search.lead_of_one(found, i) < lead || search.lead_over_memory(found, i, ODDS_OF_MEMORY) < 0.0 {
-            let p_value = search.p_value(choice.evidence);
-            signs.push(Sign { kind: "wandering_in_time", slots: slots(search.frame, &choice.members), p_value });
+            signs.push(sign(search, "wandering_in_time", &choice.members, choice.evidence));
         }
     }
     for (i, first) in found.iter().enumerate().filter(|(_, choice)| course(choice)) {
         for (j, second) in found.iter().enumerate().skip(i + 1).filter(|(_, choice)| course(choice)) {
             let both: Vec<bool> = first.members.iter().zip(&second.members).map(|(a, b)| *a && *b).collect();
             if both.contains(&true) && search.lead_over_wandering(found, i, j) < LEAD_OVER_WANDERING {
-                let p_value = search.p_value(first.evidence.min(second.evidence));
-                signs.push(Sign { kind: "wandering_in_time", slots: slots(search.frame, &both), p_value });
+                signs.push(sign(search, "wandering_in_time", &both, first.evidence.min(second.evidence)));
             }
         }
     }
     signs
+}
+
+/// What evidence like this says of the gyros `members`.
+fn sign(search: &Search, kind: &'static str, members: &[bool], evidence: f64) -> Sign {
+    Sign { kind, slots: slots(search.frame, members), p_value: search.p_value(evidence) }
 }
 
 fn shared(a: &[bool], b: &[bool]) -> bool {

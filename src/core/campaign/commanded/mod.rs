@@ -137,6 +137,11 @@ pub struct CommandFinding {
 }
 
 impl CommandFinding {
+    /// Of these very dwells together, where nothing says what it should be.
+    fn of_all(symptom: Symptom, causes: Vec<MistakeKind>, dwells: Vec<(usize, f64)>, matters: bool) -> Self {
+        Self { symptom, causes, of: dwells.len(), dwells, single: false, expected: None, matters }
+    }
+
     /// Median over the dwells of what they measure.
     pub fn measured(&self) -> f64 {
         median_of(self.dwells.iter().map(|(_, value)| *value)).unwrap_or(0.0)

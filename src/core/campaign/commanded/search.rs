@@ -190,16 +190,9 @@ fn common_offset(campaign: &Campaign, measures: &Measures) -> Option<CommandFind
     } else {
         (Symptom::VerticalRate, other_latitude(vertical, rate), expected)
     };
-    let dwells = still(campaign, measures, symptom);
-    Some(CommandFinding {
-        symptom,
-        causes: vec![cause],
-        of: dwells.len(),
-        dwells,
-        single: false,
-        expected: Some(expected),
-        matters: Worth::new(campaign).moved_by_rate(shift),
-    })
+    let (dwells, matters) = (still(campaign, measures, symptom), Worth::new(campaign).moved_by_rate(shift));
+    let found = CommandFinding::of_all(symptom, vec![cause], dwells, matters);
+    Some(CommandFinding { expected: Some(expected), ..found })
 }
 
 /// Rates that are the Earth's, but not at the attitude: only the outputs tell which of the two is wrong, and the fit
@@ -216,15 +209,8 @@ fn headings(campaign: &Campaign, measures: &Measures) -> Option<CommandFinding> 
     let causes = explained(campaign, measures, families, |_| true, &mut worth);
     let matters = worth.fits_better_undone() && worth.earth_is_above_noise();
     let dwells = dwells.into_iter().map(|k| (k, measures.dwells[k].value(Symptom::Heading))).collect();
-    (matters && !causes.is_empty()).then_some(CommandFinding {
-        symptom: Symptom::Heading,
-        causes,
-        dwells,
-        of,
-        single: false,
-        expected: None,
-        matters,
-    })
+    (matters && !causes.is_empty())
+        .then(|| CommandFinding { of, ..CommandFinding::of_all(Symptom::Heading, causes, dwells, matters) })
 }
 
 /// A mirrored body leaves specific force and rate at peace with the Earth and with one another. Where E is fitted its
@@ -241,16 +227,8 @@ fn outputs(campaign: &Campaign, measures: &Measures) -> Option<CommandFinding> {
     let right = undone.filter(|(_, c)| Measures::of(c).good() == n).map(|(cause, c)| (cause, Tried::of(&c)));
     let mut causes = worth.best(right.collect(), CLEARLY);
     causes.truncate(MOST_CAUSES);
-    let of = campaign.dwells.len();
-    (!causes.is_empty()).then(|| CommandFinding {
-        symptom: Symptom::Output,
-        causes,
-        dwells: (0..of).map(|k| (k, left)).collect(),
-        of,
-        single: false,
-        expected: None,
-        matters: worth.earth_is_above_noise(),
-    })
+    let dwells = (0..campaign.dwells.len()).map(|k| (k, left)).collect();
+    (!causes.is_empty()).then(|| CommandFinding::of_all(Symptom::Output, causes, dwells, worth.earth_is_above_noise()))
 }
 
 /// Whether specific force has the length that gravity has.
@@ -261,9 +239,8 @@ fn gravity(campaign: &Campaign, measures: &Measures) -> Option<CommandFinding> {
     let ratios = || measures.still().map(|m| m.force / gravity);
     let ratio = median_of(ratios())?;
     let finding = |cause, matters| {
-        let of = dwells.len();
-        let (symptom, causes, dwells) = (Symptom::Gravity, Vec::from_iter(cause), dwells.clone());
-        Some(CommandFinding { symptom, causes, dwells, of, single: false, expected: Some(gravity), matters })
+        let found = CommandFinding::of_all(Symptom::Gravity, Vec::from_iter(cause), dwells.clone(), matters);
+        Some(CommandFinding { expected: Some(gravity), ..found })
     };
     if (ratio - 1.0).abs() > FORCE_ROOM {
         let units = [("m/s^2", 9.806_65), ("mg", 1e3), ("cm/s^2", 980.665), ("ft/s^2", 32.174)];

@@ -151,9 +151,7 @@ pub(super) fn senses(campaign: &Campaign) -> Option<CommandFinding> {
     let turning = campaign.dwells.iter().enumerate().filter(|(_, d)| d.phase == Phase::Rate);
     let angle = |(e, turning): (&Vector3<f64>, &Vector3<f64>)| e.angle(turning).to_degrees();
     let apart = senses.still.iter().zip(&senses.turning).map(angle).fold(0.0, f64::max);
-    let dwells: Vec<(usize, f64)> = turning.map(|(k, _)| (k, apart)).collect();
-    let of = dwells.len();
-    Some(CommandFinding { symptom: Symptom::Senses, causes, dwells, of, single: false, expected: None, matters: true })
+    Some(CommandFinding::of_all(Symptom::Senses, causes, turning.map(|(k, _)| (k, apart)).collect(), true))
 }
 
 #[cfg(test)]

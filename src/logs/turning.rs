@@ -6,7 +6,7 @@ use nalgebra::{Rotation3, Vector3};
 use super::gather::{Gathered, Role};
 use super::units::Quantity;
 use crate::core::dwells::intervals::{Interval, Search, find};
-use crate::core::dwells::programme::{Position, REST_ARCSEC_S};
+use crate::core::dwells::programme::Position;
 use crate::core::dwells::turns;
 use crate::core::frames::{Body, Nav, Rotation};
 use crate::core::message::Message;
@@ -51,7 +51,7 @@ pub fn take_out(log: &mut Gathered, min_s: Option<f64>, programme: Option<&[Posi
         (0..log.roles.len()).filter(|&k| is_output(&log.roles[k]) || matches!(log.roles[k], Role::Force(_))).collect();
     let (turns, known): (Vec<(Interval, Vec<f64>)>, bool) = match rates(log) {
         Some(rates) => {
-            let found = turns::steady_turns(&log.series, &rates, REST_ARCSEC_S);
+            let found = turns::steady_turns(&log.series, &rates);
             (found.into_iter().map(|turn| (turn, turns::angles(&log.series, &rates, turn))).collect(), true)
         }
         None => (by_outputs(log, &outputs, min_s, programme), false),
@@ -142,7 +142,7 @@ fn mean(rates: &[Vector3<f64>], of: Interval) -> Vector3<f64> {
 /// turns are faster, or slower, by one factor.
 pub fn of_other_unit(log: &Gathered, programme: Option<&[Position]>) -> Option<Message> {
     let rates = by_blocks(log, Role::Rate)?;
-    let turns = turns::steady_turns(&log.series, &rates, REST_ARCSEC_S);
+    let turns = turns::steady_turns(&log.series, &rates);
     let seen: Vec<f64> = turns.iter().map(|turn| rates[(turn.from + turn.to) / 2].norm()).collect();
     let of_log = || {
         let rates = by_blocks(log, Role::Turn).or_else(|| by_blocks(log, Role::Spin)).unwrap_or_default();

@@ -16,6 +16,7 @@ use nalgebra::{DVector, Vector3};
 
 use super::blocks::{Series, Track};
 use super::intervals::{Interval, quantile};
+use super::programme::REST_ARCSEC_S;
 use crate::core::numerics::normal::SD_OF_MEDIAN;
 use crate::core::numerics::normal_equations::NormalEquations;
 use crate::core::units::EARTH_RATE_DEG_H;
@@ -45,18 +46,17 @@ const UNEXPLAINED: f64 = 5.0;
 const PLAIN: f64 = 100.0;
 const SCALE: f64 = 0.03;
 
-/// Intervals in which the table turns faster than `least` at a rate that does not change: `rates` by block, arcsec/s,
-/// in any three axes.
-pub fn steady_turns(series: &Series, rates: &[Vector3<f64>], least: f64) -> Vec<Interval> {
+/// Intervals in which the table turns, faster than one at rest may seem to, at a rate that does not change: `rates` by block, arcsec/s, in any three axes.
+pub fn steady_turns(series: &Series, rates: &[Vector3<f64>]) -> Vec<Interval> {
     let width = (CELL_S / series.block_s).ceil().max(1.0) as usize;
     let cells: Vec<Vector3<f64>> = rates.chunks(width).map(mean).collect();
-    let turning = |c: &Vector3<f64>| c.norm() >= least;
+    let turning = |c: &Vector3<f64>| c.norm() >= REST_ARCSEC_S;
     let both = cells.windows(2).filter(|p| turning(&p[0]) && turning(&p[1]));
     // Relative: stamps that jitter make a rate of differences as uncertain as it is fast.
     let noise = quantile(both.map(|p| (p[1] - p[0]).norm() / p[0].norm()).collect(), 0.5);
     let mut found: Vec<(usize, usize)> = Vec::new();
     for (k, cell) in cells.iter().enumerate().filter(|(_, cell)| turning(cell)) {
-        let room = least.max(OTHER_RATE.max(CHANGE * noise) * cell.norm());
+        let room = REST_ARCSEC_S.max(OTHER_RATE.max(CHANGE * noise) * cell.norm());
         let near = |j: usize| {
             let gap = series.number[k * width] - series.number[j * width];
             (cell - cells[j]).norm() <= room && gap <= width as i64 + GAP

@@ -231,14 +231,11 @@ impl OwnHypothesis {
         let parameter = parameter.map_or(f64::NAN, |value| value * self.parameter);
         let mut columns = vec![Vec::with_capacity(setting.dwells()); self.coefficients.len()];
         for k in 0..setting.dwells() {
-            let mut values = self.values(parameter, |of| of.value(setting, j, k));
-            let then = self.by_coefficient(&mut values);
-            let at_reference = if self.at_reference == AtReference::OfModel6 {
-                let mut values =
-                    self.values(parameter, |of| if of.is_thermal() { 0.0 } else { of.value(setting, j, k) });
-                self.by_coefficient(&mut values)
-            } else {
-                vec![0.0; columns.len()]
+            let then = self.by_coefficient(parameter, |of| of.value(setting, j, k));
+            let there = |of: Signal| if of.is_thermal() { 0.0 } else { of.value(setting, j, k) };
+            let at_reference = match self.at_reference {
+                AtReference::OfModel6 => self.by_coefficient(parameter, there),
+                AtReference::Nothing | AtReference::Other => vec![0.0; columns.len()],
             };
             for ((column, then), at_reference) in columns.iter_mut().zip(then).zip(at_reference) {
                 column.push((then - at_reference) * self.coefficient);
@@ -247,24 +244,21 @@ impl OwnHypothesis {
         columns
     }
 
-    fn values(&self, parameter: f64, of: impl Fn(Signal) -> f64) -> Vec<f64> {
+    /// The equation with one coefficient 1 and the others 0, for each of them.
+    fn by_coefficient(&self, parameter: f64, of: impl Fn(Signal) -> f64) -> Vec<f64> {
         let value = |name: &Input| match name {
             Input::Coefficient(_) => 0.0,
             Input::Parameter => parameter,
             Input::Signal(quantity) => of(*quantity),
         };
-        self.names.iter().map(value).collect()
-    }
-
-    /// The equation with one coefficient 1 and the others 0, for each of them.
-    fn by_coefficient(&self, values: &mut [f64]) -> Vec<f64> {
+        let mut values: Vec<f64> = self.names.iter().map(value).collect();
         let of_one = |c: usize| {
             for (value, name) in values.iter_mut().zip(&self.names) {
                 if let Input::Coefficient(place) = name {
                     *value = f64::from(u8::from(*place == c));
                 }
             }
-            self.equation.value(values)
+            self.equation.value(&values)
         };
         (0..self.coefficients.len()).map(of_one).collect()
     }
@@ -292,7 +286,7 @@ impl OwnHypothesis {
                     Signal::HalfTurn => std::f64::consts::PI,
                     _ => drawn(of, others),
                 };
-                self.by_coefficient(&mut self.values(parameter * self.parameter, of))
+                self.by_coefficient(parameter * self.parameter, of)
             };
             let (one, other) = (3 * point, 3 * point + 1);
             let [first, second, halfway] = [

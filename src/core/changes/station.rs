@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::answer::{GyroHistory, StationForm, YEAR_DAYS};
 use super::series::{RecordScatter, RecordSeries, scatter_of};
 use crate::core::numerics::basis::{Basis, dot};
-use crate::core::numerics::median::median_of;
+use crate::core::numerics::median::{median_of, upper_median_of};
 use crate::core::numerics::normal::SD_OF_MEDIAN;
 use crate::core::numerics::normal_equations::{NormalEquations, gram};
 use crate::core::time::UtcMicros;
@@ -721,9 +721,8 @@ fn combined(each: &[(usize, f64, f64)]) -> Option<Shared> {
             break;
         }
     }
-    let mut pulls: Vec<f64> = each.iter().map(|(_, b, info)| (b - value).abs() * info.sqrt()).collect();
-    pulls.sort_by(f64::total_cmp);
-    let excess = if each.len() < 3 { 1.0 } else { (SD_OF_MEDIAN * pulls[pulls.len() / 2]).max(1.0) };
+    let pull = upper_median_of(each.iter().map(|(_, b, info)| (b - value).abs() * info.sqrt()))?;
+    let excess = if each.len() < 3 { 1.0 } else { (SD_OF_MEDIAN * pull).max(1.0) };
     let count = each.len() as f64;
     let least = excess / (1.645 * OF_SCALE / count.sqrt()).exp();
     let weigh = |value: f64, b: f64, info: f64| {

@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, Vector3};
 
 use super::programme::{Position, Seen, align, disagreement, lay};
 use crate::core::campaign::{Campaign, Site};
+use crate::core::numerics::median::upper_median_of;
 
 /// What the gyros said in each interval, and what is known of them.
 #[derive(Debug, Clone, PartialEq)]
@@ -222,9 +223,8 @@ impl Laid {
 /// Which period of a regular clock each interval is in, where periods without interval say that some are missing:
 /// without such, a row may have been left out by the station.
 fn slots(spans: &[(f64, f64)]) -> Option<Vec<i64>> {
-    let mut steps: Vec<f64> = spans.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
-    steps.sort_by(f64::total_cmp);
-    let period = *steps.get(steps.len() / 2)?;
+    let steps: Vec<f64> = spans.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
+    let period = upper_median_of(steps.iter().copied())?;
     let off = |step: f64| step / period - (step / period).round();
     let regular = steps.iter().filter(|step| **step > 0.5 * period && off(**step).abs() < REGULAR).count();
     let is_regular = regular as f64 >= MOST_REGULAR * steps.len() as f64;
@@ -336,9 +336,8 @@ fn misfit(rows: &[Option<usize>], outputs: &Outputs, programme: &[Position]) -> 
         let squares = outputs.means[k].iter().zip(&told[j]).map(|(y, told)| (y - told).powi(2)).sum::<f64>();
         weight(&programme[j]).powi(2) * squares
     };
-    let mut own: Vec<f64> = rows.iter().enumerate().filter_map(|(k, row)| Some(off(k, (*row)?))).collect();
-    own.sort_by(f64::total_cmp);
-    let Some(middle) = own.get(own.len() / 2).copied().filter(|middle| *middle > 0.0) else { return none };
+    let own = rows.iter().enumerate().filter_map(|(k, row)| Some(off(k, (*row)?)));
+    let Some(middle) = upper_median_of(own).filter(|middle| *middle > 0.0) else { return none };
     let pairs = (0..rows.len()).flat_map(|k| (0..programme.len()).map(move |j| (k, j)));
     pairs.map(|(k, j)| CONTRADICTS * (off(k, j) / (FAR * middle)).min(1.0)).collect()
 }

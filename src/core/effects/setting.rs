@@ -3,8 +3,8 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::core::campaign::{Campaign, Phase, Temperatures};
-use crate::core::frames::{Nav, Vector};
 use crate::core::mounting::Slot;
+use crate::core::numerics::median::upper_median_of;
 
 /// Axes and first-order parameters of one gyro as the campaign shows them.
 #[derive(Debug, Clone, PartialEq)]
@@ -140,19 +140,13 @@ impl Setting {
 
     /// Median interval between the middles of neighbouring dwells, s.
     pub fn interval(&self) -> f64 {
-        let mut steps: Vec<f64> = self.time.windows(2).map(|w| w[1] - w[0]).collect();
-        steps.sort_by(f64::total_cmp);
-        steps.get(steps.len() / 2).copied().unwrap_or(1.0)
+        upper_median_of(self.time.windows(2).map(|w| w[1] - w[0])).unwrap_or(1.0)
     }
 }
 
 fn mean_static_rate_nav(c: &[Matrix3<f64>], rate: &[Vector3<f64>], phase: &[Phase]) -> Vector3<f64> {
     let nav: Vec<_> = (0..c.len()).filter(|&k| phase[k] == Phase::Static).map(|k| c[k].transpose() * rate[k]).collect();
-    if nav.is_empty() {
-        Vector::<Nav>::from_array([0.0; 3]).0
-    } else {
-        nav.iter().sum::<Vector3<f64>>() / nav.len() as f64
-    }
+    nav.iter().sum::<Vector3<f64>>() / nav.len().max(1) as f64
 }
 
 fn mean_norm(vectors: &[Vector3<f64>]) -> f64 {

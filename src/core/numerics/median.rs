@@ -19,6 +19,13 @@ pub(crate) fn median_of(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     median(&mut values.into_iter().collect::<Vec<f64>>())
 }
 
+/// The middle one of the values, the upper of two: always one of them. None of nothing.
+pub(crate) fn upper_median_of(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.into_iter().collect();
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -30,5 +37,6 @@ mod tests {
         assert_eq!(median(&mut [3.0, 1.0]), Some(2.0));
         assert_eq!(median(&mut [5.0, 1.0, 9.0, 3.0]), Some(4.0));
         assert_eq!(median_of([5.0, 1.0, 9.0]), Some(5.0));
+        assert_eq!([upper_median_of([]), upper_median_of([5.0, 1.0, 9.0, 3.0])], [None, Some(5.0)]);
     }
 }

@@ -9,6 +9,7 @@
 //! which a stack takes them, and computing runs no code but the functions of [`Function`].
 
 use crate::core::message::{Message, sent};
+use crate::core::named::named;
 use crate::message;
 
 /// Longest text, and most brackets, functions, signs and powers within one another.
@@ -55,38 +56,24 @@ pub(super) enum Operator {
     Power,
 }
 
+named! {
+/// A function of one number, by its name in equations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Function {
-    Exp,
-    Ln,
-    Sqrt,
-    Abs,
-    Sign,
-    Step,
-    Sin,
-    Cos,
-    Tan,
-    Tanh,
+pub enum Function {
+    Exp = "exp",
+    Ln = "ln",
+    Sqrt = "sqrt",
+    Abs = "abs",
+    Sign = "sign",
+    Step = "step",
+    Sin = "sin",
+    Cos = "cos",
+    Tan = "tan",
+    Tanh = "tanh",
+}
 }
 
 impl Function {
-    const ALL: [(&'static str, Self); 10] = [
-        ("exp", Self::Exp),
-        ("ln", Self::Ln),
-        ("sqrt", Self::Sqrt),
-        ("abs", Self::Abs),
-        ("sign", Self::Sign),
-        ("step", Self::Step),
-        ("sin", Self::Sin),
-        ("cos", Self::Cos),
-        ("tan", Self::Tan),
-        ("tanh", Self::Tanh),
-    ];
-
-    fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|(known, _)| *known == name).map(|(_, function)| function)
-    }
-
     fn of(self, x: f64) -> f64 {
         match self {
             Self::Exp => x.exp(),
@@ -245,8 +232,8 @@ impl EquationParser {
             c if c.is_alphabetic() => {
                 let name = self.name();
                 if self.take(&['(']).is_some() {
-                    let known = || Function::ALL.map(|(name, _)| name).join(", ");
-                    let function = Function::named(&name).ok_or_else(|| {
+                    let known = || Function::ALL.map(Function::name).join(", ");
+                    let function = Function::from_name(&name).ok_or_else(|| {
                         message!("equation_function", place = at, name = sent(&name), known = known())
                     })?;
                     self.closed()?;

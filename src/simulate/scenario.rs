@@ -351,9 +351,8 @@ impl Scenario {
     /// # Errors
     /// A name that is none of `imu`, `torque_feedback` and `turntable_servo`.
     pub fn test_kind(&self) -> Result<TestKind, Faults> {
-        let all = [TestKind::Imu, TestKind::TorqueFeedback, TestKind::TurntableServo];
-        let known = all.into_iter().find(|kind| kind.name() == self.test);
-        known.ok_or_else(|| fault("/test", message!("scenario_test", value = sent(&self.test))))
+        TestKind::from_name(&self.test)
+            .ok_or_else(|| fault("/test", message!("scenario_test", value = sent(&self.test))))
     }
 }
 

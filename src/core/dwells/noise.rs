@@ -182,20 +182,23 @@ impl Noise {
 
     /// The same channel with flicker and walk of others; none where its octaves are plainly not of such.
     fn with_slow(&self, [h, k]: [f64; 2], octaves: &[Octave], pulse: f64) -> Option<Self> {
-        let used = used(octaves);
-        let [q, n, ..] = self.parts;
-        let start = [q.max(f64::MIN_POSITIVE), n.max(f64::MIN_POSITIVE), h, k];
-        let fit = climbed(&used, start, [true, true, false, false]).rounded(pulse);
+        let (used, [q, n, ..]) = (used(octaves), self.parts);
+        let fit = Self { parts: [q, n, h, k] }.beside_slow(&used, pulse);
         (!used.is_empty() && fit.misfit(&used) - self.misfit(&used) <= OTHER_NOISE).then_some(fit)
     }
 
     /// The same with rounding and white noise of one dwell alone, where they plainly are others.
     pub fn with_own(&self, octaves: &[Octave], pulse: f64) -> Self {
         let used = used(octaves);
+        let own = self.beside_slow(&used, pulse);
+        if self.misfit(&used) - own.misfit(&used) > OWN_NOISE { own } else { *self }
+    }
+
+    /// Rounding and white noise at the likelihood's top from these, flicker and walk held.
+    fn beside_slow(&self, octaves: &[&Octave], pulse: f64) -> Self {
         let [q, n, h, k] = self.parts;
         let start = [q.max(f64::MIN_POSITIVE), n.max(f64::MIN_POSITIVE), h, k];
-        let own = climbed(&used, start, [true, true, false, false]).rounded(pulse);
-        if self.misfit(&used) - own.misfit(&used) > OWN_NOISE { own } else { *self }
+        climbed(octaves, start, [true, true, false, false]).rounded(pulse)
     }
 
     /// Minus twice the logarithm of the likelihood.

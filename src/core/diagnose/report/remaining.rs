@@ -242,15 +242,13 @@ fn strangers(s: &Setting) -> Vec<(&'static str, Weights)> {
         Weights::new(DMatrix::from_fn(n, n, |a, b| if a == b { 0.0 } else { like(a.min(b), a.max(b)) }))
     };
     let rested = |k: usize| s.phase[k] == Phase::Static;
+    let alike = |yes: bool| f64::from(u8::from(yes));
     let mut kinds = vec![
-        ("neighbours_in_time", pairs(&|a, b| if b - a == 1 { 1.0 } else { 0.0 })),
+        ("neighbours_in_time", pairs(&|a, b| alike(b - a == 1))),
         ("runs_in_time", pairs(&|a, b| (-((b - a) as f64 / 5.0)).exp())),
         (
             "same_specific_force",
-            pairs(&|a, b| {
-                let same = rested(a) && rested(b) && (s.force[a] - s.force[b]).norm() < 1e-3;
-                f64::from(u8::from(same))
-            }),
+            pairs(&|a, b| alike(rested(a) && rested(b) && (s.force[a] - s.force[b]).norm() < 1e-3)),
         ),
         (
             "neighbouring_orientations",
@@ -263,17 +261,10 @@ fn strangers(s: &Setting) -> Vec<(&'static str, Weights)> {
             "similar_rates",
             pairs(&|a, b| {
                 let (p, q) = (s.rate[a].norm(), s.rate[b].norm());
-                let alike = !rested(a) && !rested(b) && (s.rate[a] - s.rate[b]).norm() < 0.3 * p.max(q);
-                f64::from(u8::from(alike))
+                alike(!rested(a) && !rested(b) && (s.rate[a] - s.rate[b]).norm() < 0.3 * p.max(q))
             }),
         ),
-        (
-            "same_orientation_before",
-            pairs(&|a, b| {
-                let same = a > 0 && (s.force[a - 1] - s.force[b - 1]).norm() < 1e-3;
-                f64::from(u8::from(same))
-            }),
-        ),
+        ("same_orientation_before", pairs(&|a, b| alike(a > 0 && (s.force[a - 1] - s.force[b - 1]).norm() < 1e-3))),
     ];
     if let Some(t) = s.temperature.as_ref().filter(|t| t.iter().any(|x| *x != 0.0)) {
         let width = 0.15 * (dot(t, t) / n as f64).sqrt();

@@ -9,7 +9,7 @@
 use nalgebra::{DVector, Vector3};
 
 /// Rates up to this are the Earth's and the table's creep, arcsec/s.
-const SLOW_ARCSEC_S: f64 = 20.0;
+pub(super) const SLOW_ARCSEC_S: f64 = 20.0;
 
 /// Share by which durations must differ to say anything of p.
 const OTHER_DURATION: f64 = 0.2;

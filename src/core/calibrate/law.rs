@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::growth::SLOW_ARCSEC_S;
 use super::noise_found::LawFound;
 use crate::core::numerics::median::median_of;
 
@@ -10,9 +11,6 @@ pub const AS_STATED: f64 = 0.8;
 
 /// Share by which durations must differ to say anything of how noise goes with them, as a logarithm.
 const OTHER_DURATION: f64 = 0.2;
-
-/// Rates up to this are the Earth's and the table's creep, arcsec/s.
-const SLOW_ARCSEC_S: f64 = 20.0;
 
 /// What the laws take of the dwells.
 #[derive(Debug, Clone, Copy)]

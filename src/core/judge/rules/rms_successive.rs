@@ -82,12 +82,12 @@ impl NoiseShare {
 
 impl SuccessiveDifferences {
     fn of(case: &Case<'_>, window: &[Sample], left_out: usize) -> Self {
-        let value = |i: usize| case.value(&window[if i < left_out { i } else { i + 1 }]);
+        let kept = |i: usize| &window[if i < left_out { i } else { i + 1 }];
+        let value = |i: usize| case.value(kept(i));
         let d = std::array::from_fn(|i| value(i + 1).value - value(i).value);
         let known = (0..KEPT).all(|i| value(i).sd.is_some());
         let variance = known.then(|| std::array::from_fn(|i| value(i).sd.map_or(0.0, |sd| sd * sd)));
-        let station = |i: usize| window[if i < left_out { i } else { i + 1 }].station;
-        let of_two = (1..KEPT).filter(|i| station(*i) != station(i - 1)).count();
+        let of_two = (1..KEPT).filter(|i| kept(*i).station != kept(i - 1).station).count();
         Self { d, variance, of_two_stations: of_two as f64 / (KEPT - 1) as f64 }
     }
 

@@ -18,6 +18,17 @@ fn samples(sd: Option<f64>, points: &[(f64, f64)]) -> Vec<Sample> {
     points.iter().map(|&(at, d_i)| Sample { at: day(at), seat: Seat::default(), station: 0, d: d(d_i) }).collect()
 }
 
+/// The records as they were measured at these stations, by their places.
+fn at_stations(mut samples: Vec<Sample>, station: impl Fn(usize) -> u32) -> Vec<Sample> {
+    samples.iter_mut().enumerate().for_each(|(k, sample)| sample.station = station(k));
+    samples
+}
+
+/// Without memory and walk in the noise.
+fn white() -> Limits {
+    Limits { noise: NoiseParameters { phi: 0.0, walk: 0.0, of_fleet: true }, ..Limits::default() }
+}
+
 fn ten_days_apart(values: &[f64]) -> Vec<(f64, f64)> {
     values.iter().enumerate().map(|(i, value)| (10.0 * i as f64, *value)).collect()
 }
@@ -31,6 +42,11 @@ fn all_verdicts(samples: &[Sample], marks: &[Mark], k: usize, limits: &Limits) -
 fn verdict(samples: &[Sample], marks: &[Mark], k: usize, rule: Rule, limits: &Limits) -> Verdict {
     let verdicts = all_verdicts(samples, marks, k, limits);
     *verdicts.iter().find(|v| v.rule == rule && v.coefficient == Coefficient::DI).expect("the rule has a limit")
+}
+
+fn closure(samples: &[Sample], k: usize) -> Verdict {
+    let verdicts = all_verdicts(samples, &[], k, &Limits::default());
+    *verdicts.iter().find(|v| v.rule == Rule::Closure).expect("the closure has a limit")
 }
 
 fn latest(points: &[(f64, f64)], rule: Rule) -> Verdict {
@@ -57,8 +73,7 @@ fn a_step_beyond_the_budget_is_exceeded_and_names_the_limit_and_its_key() {
 fn a_still_gyro_between_two_stations_is_neither_restless_nor_out_of_tolerance() {
     let points: Vec<(f64, f64)> = (0..12).map(|k| (7.0 * k as f64, 3.0 + 0.014 * f64::from(k % 2))).collect();
     for sd in [Some(2e-4), None] {
-        let mut samples = samples(sd, &points);
-        samples.iter_mut().enumerate().for_each(|(k, sample)| sample.station = k as u32 % 2);
+        let samples = at_stations(samples(sd, &points), |k| k as u32 % 2);
         let exceeded = |limits: &Limits| -> Vec<Rule> {
             let all = all_verdicts(&samples, &[], 11, limits);
             all.iter().filter(|v| v.state == State::Exceeded && v.confirmed).map(|v| v.rule).collect()
@@ -76,11 +91,7 @@ fn what_stations_differ_by_counts_where_records_of_different_stations_are_compar
     const BETWEEN: f64 = 1.5e-3;
     let limits = Limits { between_stations: [BETWEEN, 0.0], ..Limits::default() };
     let points = [(0.0, 3.0), (30.0, 3.0), (60.0, 3.0), (90.0, 3.0115)];
-    let at_stations = |stations: [u32; 4]| {
-        let mut samples = samples(Some(2e-4), &points);
-        samples.iter_mut().zip(stations).for_each(|(sample, station)| sample.station = station);
-        samples
-    };
+    let at_stations = |stations: [u32; 4]| at_stations(samples(Some(2e-4), &points), |k| stations[k]);
     for rule in [Rule::Step, Rule::Baseline] {
         let of = |stations, limits: &Limits| verdict(&at_stations(stations), &[], 3, rule, limits);
         let alone = of([1; 4], &Limits::default());
@@ -417,10 +428,7 @@ fn a_move_begins_a_new_level_of_the_closure_by_itself() {
         sample.seat = Seat { imu: 7, ..Seat::default() };
         sample.d[2].value = if k < 11 { 0.05 } else { 0.075 };
     }
-    let closure = |k: usize| {
-        let all = all_verdicts(&points, &[], k, &Limits::default());
-        *all.iter().find(|v| v.rule == Rule::Closure).expect("the closure has a limit")
-    };
+    let closure = |k: usize| closure(&points, k);
     assert_eq!(closure(3).state, State::Within);
     for k in 4..7 {
         let v = closure(k);
@@ -460,7 +468,7 @@ fn series(n: usize, value: impl Fn(usize) -> f64) -> Vec<(f64, f64)> {
 fn a_ramp_is_told_with_its_slope_and_the_dates_at_which_the_budget_is_reached() {
     // 0.0002 a fortnight: 0.0052178 a year. Record 40 lies 0.0078 from the baseline (median of records 0 to 2, that
     // is record 1); the remaining 0.0022 take 11 fortnights, 154 days, from day 560.
-    let limits = Limits { noise: NoiseParameters { phi: 0.0, walk: 0.0, of_fleet: true }, ..Limits::default() };
+    let limits = white();
     let ramp = |n: usize| {
         let points = samples(None, &series(n, |i| 3.0 + 2e-4 * i as f64 + 1e-8 * scatter(i)));
         verdict(&points, &[], n - 1, Rule::Trend, &limits)
@@ -495,7 +503,7 @@ fn a_ramp_is_told_with_its_slope_and_the_dates_at_which_the_budget_is_reached() 
 fn the_standard_deviation_of_a_line_counts_level_slope_scatter_and_walk() {
     // Independent scatter, no walk, and a stated level: var(x0 + b t) = s^2 (1/n + (t - mean t)^2/Sxx), and s^2 is
     // the budget's tenth drawn to the residuals, here (5 s0^2 + 0)/(5 + 22).
-    let mut limits = Limits { noise: NoiseParameters { phi: 0.0, walk: 0.0, of_fleet: true }, ..Limits::default() };
+    let mut limits = white();
     limits.d_i.fixed_baseline = Some(Measured { value: 3.0, sd: Some(3e-4) });
     let points = samples(None, &series(30, |i| 3.0 + 2e-4 * i as f64));
     let expected = |walk: f64, v: &Verdict| {
@@ -523,7 +531,7 @@ fn the_standard_deviation_of_a_line_counts_level_slope_scatter_and_walk() {
 
 #[test]
 fn a_step_is_no_trend_and_scatter_is_none_either() {
-    let limits = Limits { noise: NoiseParameters { phi: 0.0, walk: 0.0, of_fleet: true }, ..Limits::default() };
+    let limits = white();
     let trend = |n: usize, value: &dyn Fn(usize) -> f64| {
         let points = samples(None, &series(n, value));
         verdict(&points, &[], n - 1, Rule::Trend, &limits)
@@ -621,19 +629,15 @@ fn a_gyro_that_goes_on_to_another_station_has_not_shifted() {
     let one = of(&records, &known);
     assert!((one.between.unwrap() / (between / 3.0) - 1.0).abs() < 1e-12, "{one}");
     // Weeks of both stations are alike, whatever the stations do.
-    let mut both = samples(None, &(0..120).map(|i| (3.5 * f64::from(i), 3.0)).collect::<Vec<_>>());
-    both.iter_mut().enumerate().for_each(|(k, record)| record.station = k as u32 % 2);
+    let both = samples(None, &(0..120).map(|i| (3.5 * f64::from(i), 3.0)).collect::<Vec<_>>());
+    let both = at_stations(both, |k| k as u32 % 2);
     assert_eq!(verdict(&both, &[], 119, Rule::Shift, &known).between, None);
 }
 
 #[test]
 fn what_stations_differ_by_counts_in_a_trend_over_several() {
     let points = series(24, |i| 3.0 + 1e-4 * scatter(i) + 2e-4 * i as f64);
-    let at = |station: fn(usize) -> u32| {
-        let mut records = samples(None, &points);
-        records.iter_mut().enumerate().for_each(|(k, record)| record.station = station(k));
-        records
-    };
+    let at = |station: fn(usize) -> u32| at_stations(samples(None, &points), station);
     let known = Limits { between_stations: [4e-4, 0.0], ..Limits::default() };
     let of = |records: &[Sample], limits: &Limits| verdict(records, &[], 23, Rule::Trend, limits);
     let alone = of(&at(|_| 1), &known);
@@ -800,12 +804,11 @@ fn a_closure_within_its_limit_is_given_no_cause_and_no_turn_that_rounds_to_nothi
     for (moved, turn) in [(0.002, Some("+1.4")), (1e-5, None)] {
         let mut points = samples(Some(1e-3), &series(5, |_| 3.0));
         points[4].d[2].value = moved;
-        let verdicts = all_verdicts(&points, &[], 4, &Limits::default());
-        let v = verdicts.iter().find(|v| v.rule == Rule::Closure).expect("the closure has a limit");
+        let v = closure(&points, 4);
         assert_eq!(v.state, State::Within);
         assert_eq!(v.to_string(), "in_tolerance");
         // Of one that is not certain to be within it.
-        let undecided = Verdict { state: State::Indeterminate, ..*v };
+        let undecided = Verdict { state: State::Indeterminate, ..v };
         let turn = turn.map_or(String::new(), |turn| format!("; closure_turn (turn: {turn})"));
         assert!(undecided.to_string().contains(&format!("since: 2026-01-01)){turn}; limit_is (")), "{undecided}");
     }

@@ -16,7 +16,7 @@ pub const G_LINEAR: Entry = Entry {
     plausible: 5e3,
     confused_with: &[Effect::TimeRamp, Effect::Warmup, Effect::GSquared],
     names: &|_| vec!["G_x", "G_y", "G_z"],
-    columns: &|s, _, _| (0..3).map(|i| s.column(|k| s.force[k][i])).collect(),
+    columns: &|s, _, _| s.by_axis(|k, i| s.force[k][i]),
     ..PLAIN
 };
 
@@ -30,7 +30,7 @@ pub const G_SQUARED: Entry = Entry {
     plausible: 1e3,
     confused_with: &[Effect::GLinear, Effect::CubicG],
     names: &|_| vec!["P_x", "P_y", "P_z"],
-    columns: &|s, _, _| (0..3).map(|i| s.column(|k| s.force[k][i].powi(2))).collect(),
+    columns: &|s, _, _| s.by_axis(|k, i| s.force[k][i].powi(2)),
     ..PLAIN
 };
 
@@ -45,7 +45,7 @@ pub const SCALE: Entry = Entry {
     confused_with: &[Effect::Magnetic, Effect::TemperatureScale],
     names: &|_| vec!["E_x", "E_y", "E_z"],
     missing: &no_rates,
-    columns: &|s, _, _| (0..3).map(|i| s.column(|k| s.rate[k][i])).collect(),
+    columns: &|s, _, _| s.by_axis(|k, i| s.rate[k][i]),
     ..PLAIN
 };
 

@@ -351,7 +351,6 @@ impl Signal {
     /// lacks is asked before.
     fn value(self, s: &Setting, j: usize, k: usize) -> f64 {
         let axis = |axis: Axis| axis.of(&s.gyros[j]);
-        let temperature = |k: usize| s.temperature.as_ref().map_or(0.0, |t| t[k]);
         match self {
             Self::Force(of) => s.force[k].dot(axis(of)),
             Self::Rate(of) => s.rate[k].dot(axis(of)),
@@ -360,11 +359,11 @@ impl Signal {
             Self::Attitude(of, along) => {
                 s.nav_to_body.as_ref().map_or(0.0, |c| axis(of).dot(&c[k].column(along).into_owned()))
             }
-            Self::Temperature => temperature(k),
+            Self::Temperature => s.kelvin(k),
             // The first dwell has the slope of the second, per hour.
             Self::TemperatureSlope if s.dwells() > 1 => {
                 let k = k.max(1);
-                3600.0 * (temperature(k) - temperature(k - 1)) / (s.time[k] - s.time[k - 1])
+                3600.0 * (s.kelvin(k) - s.kelvin(k - 1)) / (s.time[k] - s.time[k - 1])
             }
             Self::TemperatureSlope => 0.0,
             Self::Time => s.elapsed(k) / 3600.0,

@@ -115,6 +115,16 @@ impl Setting {
         (0..self.dwells()).map(value).collect()
     }
 
+    /// A column for each body axis, of numbers by dwell and axis.
+    pub(super) fn by_axis(&self, value: impl Fn(usize, usize) -> f64) -> Vec<Vec<f64>> {
+        (0..3).map(|i| self.column(|k| value(k, i))).collect()
+    }
+
+    /// Temperature of dwell `k`, K; zero where there is none.
+    pub(super) fn kelvin(&self, k: usize) -> f64 {
+        self.temperature.as_ref().map_or(0.0, |t| t[k])
+    }
+
     /// Drift of gyro `j` in dwell `k` that model (6) knows of, deg/h: a scale factor that changes is that of all the gyro
     /// senses.
     pub(super) fn drift(&self, j: usize, k: usize) -> f64 {

@@ -77,7 +77,7 @@ pub const ORIENTATION_BEFORE: Entry = Entry {
     unit: "deg/(h g0)",
     typical: [0.0001, 0.05], // settling after a change of position
     confused_with: &[Effect::Hysteresis],
-    columns: &|s, _, _| (0..3).map(|i| s.column(|k| if k == 0 { 0.0 } else { s.force[k - 1][i] })).collect(),
+    columns: &|s, _, _| s.by_axis(|k, i| if k == 0 { 0.0 } else { s.force[k - 1][i] }),
     ..COMPETING
 };
 
@@ -102,8 +102,8 @@ fn heading(s: &Setting, part: usize) -> Vec<Vec<f64>> {
     let still = |k: usize| f64::from(u8::from(s.phase[k] == Phase::Static));
     let axis = |k: usize, nav: Vector3<f64>| still(k) * (c[k] * nav);
     match part {
-        0 => (0..3).map(|i| s.column(|k| axis(k, Vector3::x())[i])).collect(),
-        1 => (0..3).map(|i| s.column(|k| axis(k, Vector3::y())[i])).collect(),
+        0 => s.by_axis(|k, i| axis(k, Vector3::x())[i]),
+        1 => s.by_axis(|k, i| axis(k, Vector3::y())[i]),
         _ => (0..3)
             .flat_map(|i| (0..=i).map(move |l| (i, l)))
             .map(|(i, l)| s.column(|k| axis(k, Vector3::x())[i] * axis(k, Vector3::x())[l]))

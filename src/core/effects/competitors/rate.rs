@@ -26,9 +26,9 @@ pub const RATE_EVEN: Entry = Entry {
     confused_with: &[Effect::ScaleAsymmetry, Effect::ScaleQuadratic, Effect::Anisoinertia],
     shapes: &|_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0), (Shape::Only(&[2]), 0.5)],
     columns: &|s, _, shape| match picked(shape) {
-        [0] => (0..3).map(|i| s.column(|k| s.rate[k][i].powi(2))).collect(),
-        [1] => (0..3).map(|i| s.column(|k| s.rate[k][i].abs())).collect(),
-        _ => (0..3).map(|i| s.column(|k| f64::from(u8::from(turns_about(s, k, i))))).collect(),
+        [0] => s.by_axis(|k, i| s.rate[k][i].powi(2)),
+        [1] => s.by_axis(|k, i| s.rate[k][i].abs()),
+        _ => s.by_axis(|k, i| f64::from(u8::from(turns_about(s, k, i)))),
     },
     ..COMPETING
 };
@@ -43,9 +43,9 @@ pub const RATE_ODD: Entry = Entry {
     confused_with: &[Effect::ScaleCubic],
     shapes: &|_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0), (Shape::Only(&[2]), 0.5)],
     columns: &|s, _, shape| match picked(shape) {
-        [0] => (0..3).map(|i| s.column(|k| s.rate[k][i].powi(3))).collect(),
-        [1] => (0..3).map(|i| s.column(|k| s.rate[k][i] * s.rate[k][i].abs())).collect(),
-        _ => (0..3).map(|i| s.column(|k| if turns_about(s, k, i) { s.rate[k][i].signum() } else { 0.0 })).collect(),
+        [0] => s.by_axis(|k, i| s.rate[k][i].powi(3)),
+        [1] => s.by_axis(|k, i| s.rate[k][i] * s.rate[k][i].abs()),
+        _ => s.by_axis(|k, i| if turns_about(s, k, i) { s.rate[k][i].signum() } else { 0.0 }),
     },
     ..COMPETING
 };
@@ -73,7 +73,7 @@ pub const RATE_AND_FORCE: Entry = Entry {
     confused_with: &[Effect::GRateCoupling, Effect::Anisoinertia],
     shapes: &|_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0)],
     columns: &|s, j, shape| match picked(shape) {
-        [0] => (0..3).map(|i| s.column(|k| s.force[k][i] * s.rate[k][i])).collect(),
+        [0] => s.by_axis(|k, i| s.force[k][i] * s.rate[k][i]),
         _ => {
             let gyro = &s.gyros[j];
             [gyro.spin, gyro.output]
@@ -96,7 +96,7 @@ pub const STATIC_TO_RATE: Entry = Entry {
     shapes: &|_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0)],
     columns: &|s, _, shape| match picked(shape) {
         [0] => vec![s.column(|k| turning(s, k))],
-        _ => (0..3).map(|i| s.column(|k| turning(s, k) * s.force[k][i])).collect(),
+        _ => s.by_axis(|k, i| turning(s, k) * s.force[k][i]),
     },
     ..COMPETING
 };
@@ -125,7 +125,7 @@ pub const RATE_BEFORE: Entry = Entry {
     unit: "1",
     typical: [1e-9, 1e-6], // settling after a change of rate
     confused_with: &[Effect::Hysteresis, Effect::ScaleAsymmetry],
-    columns: &|s, _, _| (0..3).map(|i| s.column(|k| if k == 0 { 0.0 } else { s.rate[k - 1][i] })).collect(),
+    columns: &|s, _, _| s.by_axis(|k, i| if k == 0 { 0.0 } else { s.rate[k - 1][i] }),
     ..COMPETING
 };
 
@@ -146,7 +146,7 @@ pub const RATE_PRODUCT: Entry = Entry {
         let gyro = &s.gyros[j];
         let product = |k: usize| {
             let [i, sp, o] = [gyro.input, gyro.spin, gyro.output].map(|axis| s.rate[k].dot(&axis));
-            let t = s.temperature.as_ref().map_or(0.0, |t| t[k]);
+            let t = s.kelvin(k);
             match picked(shape) {
                 [0] => sp * sp,
                 [1] => o * o,

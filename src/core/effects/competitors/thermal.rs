@@ -63,7 +63,7 @@ pub const TEMPERATURE_AND_TIME: Entry = Entry {
     unit: "deg/h/K per campaign",
     typical: [0.0001, 0.05], // as temperature_bias, changing within a day
     confused_with: &[Effect::TemperatureBias, Effect::TimeRamp],
-    columns: &|s, _, _| vec![s.column(|k| mid(s, k) * temperature(s, k))],
+    columns: &|s, _, _| vec![s.column(|k| mid(s, k) * s.kelvin(k))],
     of_temperature: true,
     ..COMPETING
 };
@@ -76,34 +76,30 @@ pub const TEMPERATURE_G_SQUARED: Entry = Entry {
     unit: "deg/(h g0^2 K)",
     typical: [0.0001, 0.01], // IEEE 517, temperature sensitivity of compliance
     confused_with: &[Effect::TemperatureBias, Effect::TemperatureG],
-    columns: &|s, _, _| (0..3).map(|i| s.column(|k| temperature(s, k) * s.force[k][i].powi(2))).collect(),
+    columns: &|s, _, _| s.by_axis(|k, i| s.kelvin(k) * s.force[k][i].powi(2)),
     of_temperature: true,
     ..COMPETING
 };
 
-fn temperature(s: &Setting, k: usize) -> f64 {
-    s.temperature.as_ref().map_or(0.0, |t| t[k])
-}
-
 fn temperature_power(s: &Setting, degree: i32) -> Vec<f64> {
-    s.column(|k| temperature(s, k).powi(degree))
+    s.column(|k| s.kelvin(k).powi(degree))
 }
 
 /// Temperature now less temperature one dwell before, over the time between.
 fn temperature_slope(s: &Setting) -> Vec<f64> {
     s.column(|k| {
         let k = k.max(1).min(s.dwells() - 1);
-        if s.dwells() < 2 { 0.0 } else { (temperature(s, k) - temperature(s, k - 1)) / (s.time[k] - s.time[k - 1]) }
+        if s.dwells() < 2 { 0.0 } else { (s.kelvin(k) - s.kelvin(k - 1)) / (s.time[k] - s.time[k - 1]) }
     })
 }
 
 fn temperature_lagged(s: &Setting, tau: f64) -> Vec<f64> {
-    let mut state = temperature(s, 0);
+    let mut state = s.kelvin(0);
     (0..s.dwells())
         .map(|k| {
             if k > 0 {
                 let keep = (-(s.time[k] - s.time[k - 1]) / tau).exp();
-                state = keep * state + (1.0 - keep) * temperature(s, k);
+                state = keep * state + (1.0 - keep) * s.kelvin(k);
             }
             state
         })

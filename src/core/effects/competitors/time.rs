@@ -96,7 +96,7 @@ pub const DRIFTING_MASS_UNBALANCE: Entry = Entry {
     unit: "deg/(h g0) per campaign",
     typical: [0.001, 0.05], // day-to-day stability of mass unbalance, 0.01 deg/(h g0)
     confused_with: &[Effect::TemperatureG, Effect::GLinear, Effect::Hysteresis],
-    columns: &|s, _, _| (0..3).map(|i| s.column(|k| mid(s, k) * s.force[k][i])).collect(),
+    columns: &|s, _, _| s.by_axis(|k, i| mid(s, k) * s.force[k][i]),
     ..COMPETING
 };
 

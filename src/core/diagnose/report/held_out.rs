@@ -45,8 +45,8 @@ pub(crate) fn errors(frame: &Frame, kept: &[&Part], asked: &[&Part], variances: 
     let by_time = asked.iter().any(|part| part.effect.entry().follows_time);
     let mut errors = Errors { remains, ..Errors::default() };
     for (j, &variance) in variances.iter().enumerate() {
-        let without = basis(frame, j, kept, None);
-        let with = basis(frame, j, kept, Some(asked));
+        let without = with_parts(frame, j, frame.gyros[j].basis.clone(), kept);
+        let with = with_parts(frame, j, without.clone(), asked);
         let (plain, augmented) = (residual(frame, j, &without), residual(frame, j, &with));
         let noise = if remains && frame.noise.stated { variance.min(1.0) } else { variance };
         let (before, after) = (dot(&plain, &plain) / noise, dot(&augmented, &augmented) / noise);
@@ -124,12 +124,11 @@ fn is_significant(over: f64, count: f64) -> bool {
     over > 2.5 * (2.0 * count).sqrt()
 }
 
-fn basis(frame: &Frame, j: usize, kept: &[&Part], asked: Option<&[&Part]>) -> Basis {
-    let gyro = &frame.gyros[j];
-    let mut basis = gyro.basis.clone();
-    for part in kept.iter().chain(asked.unwrap_or(&[])).filter(|part| part.members[j]) {
+/// A basis of gyro `j` with the columns of parts.
+fn with_parts(frame: &Frame, j: usize, mut basis: Basis, parts: &[&Part]) -> Basis {
+    for part in parts.iter().filter(|part| part.members[j]) {
         for column in part.columns(frame, j) {
-            basis.push(gyro.whiten(column));
+            basis.push(frame.gyros[j].whiten(column));
         }
     }
     basis

@@ -59,11 +59,7 @@ fn best_instant(frame: &Frame, parts: &[Part], i: usize, least: f64) -> Option<(
     if !parts[i].common() || !effect.entry().parameter.takes(Shape::Instant(0.0)) {
         return None;
     }
-    let left = |shape: Shape| {
-        let mut parts = parts.to_vec();
-        parts[i].shape = shape;
-        augmented_fit::fit(frame, &parts).residuals.iter().map(|r| dot(r, r)).sum::<f64>()
-    };
+    let left = |shape: Shape| chi2(frame, parts, i, shape, &vec![1.0; frame.gyros.len()]);
     let time = &frame.setting.time;
     let between = (2..frame.dwells().saturating_sub(1)).map(|k| Shape::Instant(0.5 * (time[k - 1] + time[k])));
     let best = between.map(|shape| (left(shape), shape)).min_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -76,7 +72,7 @@ fn best(search: &Search, parts: &[Part], i: usize) -> Option<(Effect, Shape)> {
     let Part { effect, shape, .. } = parts[i];
     let at = value(shape)?;
     let (low, high) = neighbours(search, effect, at)?;
-    let left = |x: f64| chi2(search.frame, parts, i, x, &vec![1.0; search.frame.gyros.len()]);
+    let left = |x: f64| chi2(search.frame, parts, i, with_value(shape, x), &vec![1.0; search.frame.gyros.len()]);
     let x = golden_section(low, high, left);
     (left(x) < left(at)).then(|| (effect, with_value(shape, x)))
 }
@@ -86,7 +82,7 @@ fn best(search: &Search, parts: &[Part], i: usize) -> Option<(Effect, Shape)> {
 /// worth.
 pub(crate) fn shape_sd(frame: &Frame, parts: &[Part], i: usize, variances: &[f64], grid: f64) -> f64 {
     let Some(at) = value(parts[i].shape) else { return grid };
-    let left = |x: f64| chi2(frame, parts, i, x, variances);
+    let left = |x: f64| chi2(frame, parts, i, with_value(parts[i].shape, x), variances);
     let h = 0.05 * grid;
     let curvature = (left(at + h) + left(at - h) - 2.0 * left(at)) / (h * h);
     if curvature > 0.0 { (2.0 / curvature).sqrt().min(grid) } else { grid }
@@ -101,14 +97,10 @@ pub(crate) fn instant(frame: &Frame, parts: &[Part], i: usize, variances: &[f64]
     let (time, phase) = (&frame.setting.time, &frame.setting.phase);
     let meets = |k: &usize| phase[k - 1] != phase[*k];
     let where_phases_meet = (1..time.len()).find(meets).filter(|first| !(first + 1..time.len()).any(|k| meets(&k)));
-    let mut parts = parts.to_vec();
     let between = (1..time.len()).map(|k| {
         let (middle, apart) = (0.5 * (time[k - 1] + time[k]), time[k] - time[k - 1]);
         let more = if Some(k) == where_phases_meet { WHERE_PHASES_MEET * frame.setting.span() } else { 0.0 };
-        parts[i].shape = Shape::Instant(middle);
-        let fit = augmented_fit::fit(frame, &parts);
-        let chi2: f64 = fit.residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum();
-        (middle, apart, (apart + more).ln() - 0.5 * chi2)
+        (middle, apart, (apart + more).ln() - 0.5 * chi2(frame, parts, i, Shape::Instant(middle), variances))
     });
     let between: Vec<(f64, f64, f64)> = between.collect();
     let most = between.iter().map(|gap| gap.2).fold(f64::NEG_INFINITY, f64::max);
@@ -119,11 +111,11 @@ pub(crate) fn instant(frame: &Frame, parts: &[Part], i: usize, variances: &[f64]
     (mean, (between.iter().map(squares).sum::<f64>() / all).sqrt())
 }
 
-/// Sum of squares that the fit of all parts leaves where the shape of part `i` hangs on `x`, over the noise
-/// `variances` of each gyro.
-fn chi2(frame: &Frame, parts: &[Part], i: usize, x: f64, variances: &[f64]) -> f64 {
+/// Sum of squares that the fit of all parts leaves with another shape of part `i`, over the noise `variances` of each
+/// gyro.
+fn chi2(frame: &Frame, parts: &[Part], i: usize, shape: Shape, variances: &[f64]) -> f64 {
     let mut parts = parts.to_vec();
-    parts[i].shape = with_value(parts[i].shape, x);
+    parts[i].shape = shape;
     augmented_fit::fit(frame, &parts).residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum()
 }
 

@@ -23,9 +23,18 @@ pub(crate) fn shape(s: &Setting, j: usize, law: NoiseGrowth) -> Vec<f64> {
 /// integrated out (restricted likelihood, up to a constant that the growth does not change).
 pub(crate) fn restricted(output: &[f64], design: &[Vec<f64>], shape: &[f64]) -> f64 {
     let whiten = |column: &[f64]| -> Vec<f64> { column.iter().zip(shape).map(|(x, sd)| x / sd).collect() };
-    let mut basis = Basis::default();
-    let mut log_det = 0.0;
-    for column in design {
+    let (basis, log_det) = spanned(design, whiten);
+    let mut residual = whiten(output);
+    basis.project_out(&mut residual);
+    let dof = residual.len() as f64 - basis.rank() as f64;
+    let rss = dot(&residual, &residual).max(f64::MIN_POSITIVE);
+    -shape.iter().map(|sd| sd.ln()).sum::<f64>() - 0.5 * log_det - 0.5 * dof * rss.ln()
+}
+
+/// Basis of whitened columns, and ln det X'V^-1 X over what it is without whitening them, up to a constant.
+pub(crate) fn spanned(columns: &[Vec<f64>], whiten: impl Fn(&[f64]) -> Vec<f64>) -> (Basis, f64) {
+    let (mut basis, mut log_det) = (Basis::default(), 0.0);
+    for column in columns {
         let whitened = whiten(column);
         let before = dot(&whitened, &whitened);
         let left = basis.push(whitened);
@@ -33,11 +42,7 @@ pub(crate) fn restricted(output: &[f64], design: &[Vec<f64>], shape: &[f64]) -> 
             log_det += (left * before / dot(column, column)).ln();
         }
     }
-    let mut residual = whiten(output);
-    basis.project_out(&mut residual);
-    let dof = residual.len() as f64 - basis.rank() as f64;
-    let rss = dot(&residual, &residual).max(f64::MIN_POSITIVE);
-    -shape.iter().map(|sd| sd.ln()).sum::<f64>() - 0.5 * log_det - 0.5 * dof * rss.ln()
+    (basis, log_det)
 }
 
 /// Restricted likelihood of all gyros at each of [`GROWTHS`].

@@ -18,10 +18,11 @@ use super::temperature_odds::odds_of_temperature;
 use crate::core::calibrate::law::{AS_STATED, Course, Law};
 use crate::core::calibrate::memory::{Memory, NoiseDeparture, POWERS, WITHOUT_MEMORY};
 use crate::core::calibrate::noise_found::{MemoryFound, NoiseFound};
+use crate::core::diagnose::residuals::noise_growth::spanned;
 use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::{Effect, Setting, Shape};
-use crate::core::numerics::basis::{Basis, dot};
+use crate::core::numerics::basis::dot;
 use crate::core::numerics::log_sum::LogSum;
 use crate::core::numerics::median::median_of;
 
@@ -254,16 +255,7 @@ fn shared_gain(frame: &Frame, columns: &[Vec<Vec<f64>>]) -> f64 {
 fn scatters(frame: &Frame, columns: &[Vec<Vec<f64>>]) -> Vec<(Scatter, f64)> {
     let of_gyro = |(j, columns): (usize, &Vec<Vec<f64>>)| {
         let gyro = &frame.gyros[j];
-        let (mut basis, mut log_det) = (Basis::default(), 0.0);
-        for column in columns {
-            let whitened = gyro.whiten(column.clone());
-            let size = dot(column, column);
-            let before = dot(&whitened, &whitened);
-            let left = basis.push(whitened);
-            if left > 0.0 {
-                log_det += (left * before / size).ln();
-            }
-        }
+        let (basis, log_det) = spanned(columns, |column| gyro.whiten(column.to_vec()));
         let mut residual = gyro.whiten(frame.outputs[j].clone());
         basis.project_out(&mut residual);
         let dof = residual.len() - basis.rank().min(residual.len());

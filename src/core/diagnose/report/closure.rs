@@ -6,9 +6,9 @@ use crate::core::calibrate::noise::{self, Evidence};
 use crate::core::diagnose::diagnosis::*;
 use crate::core::diagnose::report::constancy::{self, Change};
 use crate::core::diagnose::report::held_out;
-use crate::core::diagnose::report::named::{Named, all_slots, slots};
+use crate::core::diagnose::report::named::{Named, all_slots, sign, slots};
 use crate::core::diagnose::residuals::augmented_fit;
-use crate::core::diagnose::residuals::augmented_fit::{Fit, Part};
+use crate::core::diagnose::residuals::augmented_fit::{Fit, Part, with_parts};
 use crate::core::diagnose::residuals::noise_floor;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::noise_rounds::{FALSE_ALARM, Settled};
@@ -73,31 +73,18 @@ impl Signs {
 pub(crate) fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &Fit, crowded: &[Sign]) -> Signs {
     let frame = &settled.frame;
     let mut list: Vec<Sign> = crowded.to_vec();
-    for choice in &settled.found {
-        if choice.is_competitor() {
-            let p_value = search.p_value(choice.evidence);
-            list.push(Sign { kind: choice.kind.id(), slots: slots(frame, &choice.members), p_value });
-        }
-    }
-    for named in named {
-        if let Some(rival) = named.rival {
-            let p_value = search.p_value(named.evidence);
-            list.push(Sign { kind: rival.id(), slots: slots(frame, &named.part.members), p_value });
-        }
-    }
+    let competitors = settled.found.iter().filter(|choice| choice.is_competitor());
+    list.extend(competitors.map(|choice| sign(search, choice.kind.id(), &choice.members, choice.evidence)));
+    let of_rival = |named: &Named| Some(sign(search, named.rival?.id(), &named.part.members, named.evidence));
+    list.extend(named.iter().filter_map(of_rival));
     if let Some((_, _, without)) = settled.noise_found.memory {
         list.push(Sign { kind: "noise_with_memory", slots: all_slots(frame), p_value: without.min(CERTAIN) });
     }
+    let parts: Vec<&Part> = named.iter().map(|named| &named.part).collect();
     let extras: Vec<Basis> = (0..frame.gyros.len())
         .map(|j| {
-            let mut basis = frame.gyros[j].basis.clone();
-            let model = basis.rank();
-            for named in named.iter().filter(|n| n.part.members[j]) {
-                for column in named.part.columns(frame, j) {
-                    basis.push(frame.gyros[j].whiten(column));
-                }
-            }
-            basis.split_off(model)
+            let model = &frame.gyros[j].basis;
+            with_parts(frame, j, model.clone(), &parts).split_off(model.rank())
         })
         .collect();
     let apart = settled.noise_found.between_gyros.as_ref().map(|shared| shared.apart(&fit.residuals));

@@ -10,7 +10,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use crate::core::diagnose::diagnosis::HeldOut;
-use crate::core::diagnose::residuals::augmented_fit::Part;
+use crate::core::diagnose::residuals::augmented_fit::{Part, with_parts};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::numerics::basis::{Basis, axpy, dot};
 
@@ -122,16 +122,6 @@ impl Errors {
 /// Whether squares of `count` errors exceed those of noise by more than chance.
 fn is_significant(over: f64, count: f64) -> bool {
     over > 2.5 * (2.0 * count).sqrt()
-}
-
-/// A basis of gyro `j` with the columns of parts.
-fn with_parts(frame: &Frame, j: usize, mut basis: Basis, parts: &[&Part]) -> Basis {
-    for part in parts.iter().filter(|part| part.members[j]) {
-        for column in part.columns(frame, j) {
-            basis.push(frame.gyros[j].whiten(column));
-        }
-    }
-    basis
 }
 
 fn residual(frame: &Frame, j: usize, basis: &Basis) -> Vec<f64> {

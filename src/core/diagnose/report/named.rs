@@ -113,7 +113,7 @@ fn wandering(search: &Search, found: &[Choice]) -> Vec<Sign> {
 }
 
 /// What evidence like this says of the gyros `members`.
-fn sign(search: &Search, kind: &'static str, members: &[bool], evidence: f64) -> Sign {
+pub(crate) fn sign(search: &Search, kind: &'static str, members: &[bool], evidence: f64) -> Sign {
     Sign { kind, slots: slots(search.frame, members), p_value: search.p_value(evidence) }
 }
 

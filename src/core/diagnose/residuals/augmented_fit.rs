@@ -8,7 +8,7 @@ use crate::core::diagnose::residuals::pooled_noise::Scatter;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::{Coefficient, Effect, GyroAxes, Refusal, Scope, Setting, Shape};
 use crate::core::model::Term;
-use crate::core::numerics::basis::{axpy, dot};
+use crate::core::numerics::basis::{Basis, axpy, dot};
 
 /// An effect with its shape and its gyros fixed.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,11 +83,29 @@ impl Fit {
     }
 }
 
+/// A basis of gyro `j`, whitened, with the columns of the parts that it has.
+pub(crate) fn with_parts(frame: &Frame, j: usize, mut basis: Basis, parts: &[&Part]) -> Basis {
+    for part in parts.iter().filter(|part| part.members[j]) {
+        for column in part.columns(frame, j) {
+            basis.push(frame.gyros[j].whiten(column));
+        }
+    }
+    basis
+}
+
 /// Unknown of the stacked fit.
 struct Unknown {
     part: usize,
     gyro: Option<usize>,
     number: usize,
+}
+
+impl Unknown {
+    /// The gyros that have it.
+    fn gyros(&self, parts: &[Part]) -> impl Iterator<Item = usize> {
+        let members = &parts[self.part].members;
+        (0..members.len()).filter(|j| self.gyro.is_none_or(|gyro| gyro == *j) && members[*j])
+    }
 }
 
 /// Weighted least squares of all parts together; gyros weigh with the noise that the fit itself leaves them.
@@ -99,7 +117,7 @@ pub(crate) fn fit(frame: &Frame, parts: &[Part]) -> Fit {
     let n = frame.dwells();
     let mut design = DMatrix::zeros(gyros * n, unknowns.len());
     for (u, unknown) in unknowns.iter().enumerate() {
-        for j in (0..gyros).filter(|j| unknown.gyro.is_none_or(|g| g == *j) && parts[unknown.part].members[*j]) {
+        for j in unknown.gyros(parts) {
             let mut column = frame.gyros[j].whiten(columns[unknown.part][j][unknown.number].clone());
             let before = dot(&column, &column);
             frame.gyros[j].basis.project_out(&mut column);
@@ -133,7 +151,7 @@ pub(crate) fn fit(frame: &Frame, parts: &[Part]) -> Fit {
     for (u, unknown) in unknowns.iter().enumerate() {
         let part = &parts[unknown.part];
         let value = solution[u] / lengths[u];
-        for j in (0..gyros).filter(|j| unknown.gyro.is_none_or(|g| g == *j) && part.members[*j]) {
+        for j in unknown.gyros(parts) {
             axpy(value, &columns[unknown.part][j][unknown.number], &mut drift[j]);
         }
         fitted.push(Fitted {

@@ -130,25 +130,23 @@ impl<'a> Line<'a> {
         self.bend = if variance > 0.0 { value / variance.sqrt() } else { 0.0 };
     }
 
+    /// Zero beyond the cells that were not left out.
+    fn weights(&self, of: impl Fn(usize) -> f64) -> Weights {
+        std::array::from_fn(|i| if i < self.n { of(i) } else { 0.0 })
+    }
+
     fn mean_weights(&self) -> Weights {
-        let mut weights = [0.0; CELLS];
-        weights[..self.n].fill(1.0 / self.n as f64);
-        weights
+        self.weights(|_| 1.0 / self.n as f64)
     }
 
     fn slope_weights(&self) -> Weights {
-        let mut weights = [0.0; CELLS];
-        if self.spread > 0.0 {
-            (0..self.n).for_each(|i| weights[i] = self.since_mean(i) / self.spread);
-        }
-        weights
+        self.weights(|i| if self.spread > 0.0 { self.since_mean(i) / self.spread } else { 0.0 })
     }
 
     /// Of the line's value at the judged record.
     fn level_weights(&self) -> Weights {
-        let (mut weights, slope) = (self.mean_weights(), self.slope_weights());
-        (0..self.n).for_each(|i| weights[i] -= self.mean_t * slope[i]);
-        weights
+        let (mean, slope) = (self.mean_weights(), self.slope_weights());
+        self.weights(|i| mean[i] - self.mean_t * slope[i])
     }
 
     /// The part of t^2 that is orthogonal to 1 and t.
@@ -156,9 +154,7 @@ impl<'a> Line<'a> {
         let square = |i: usize| self.since_mean(i).powi(2);
         let mean = self.spread / self.n as f64;
         let skew: f64 = (0..self.n).map(|i| self.since_mean(i) * square(i)).sum::<f64>() / self.spread;
-        let mut weights = [0.0; CELLS];
-        (0..self.n).for_each(|i| weights[i] = square(i) - mean - skew * self.since_mean(i));
-        weights
+        self.weights(|i| square(i) - mean - skew * self.since_mean(i))
     }
 
     fn of_scatter(&self, u: &Weights, w: &Weights) -> f64 {
@@ -269,8 +265,7 @@ impl LinePrediction {
     pub fn of(line: &Line<'_>, level: &BaselineLevel, now: UtcMicros) -> Self {
         let (slope, of_now) = (line.slope_weights(), line.level_weights());
         let (in_window, apart) = baseline_weights(line, level, now);
-        let mut of_scatter = of_now;
-        (0..line.n).for_each(|i| of_scatter[i] -= in_window[i]);
+        let of_scatter = line.weights(|i| of_now[i] - in_window[i]);
         let mut of_walk = of_now;
         of_walk[line.n - 1] -= 1.0;
         let of_level = match level.since {

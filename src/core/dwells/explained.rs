@@ -303,10 +303,15 @@ struct Solved {
     spread: Vec<f64>,
 }
 
+/// Columns of length one, and the lengths that they had.
+fn unit_columns(design: &DMatrix<f64>) -> (DMatrix<f64>, Vec<f64>) {
+    let lengths: Vec<f64> = design.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
+    (DMatrix::from_fn(design.nrows(), design.ncols(), |k, c| design[(k, c)] / lengths[c]), lengths)
+}
+
 /// Least squares by the singular values; columns are brought to length one first.
 fn solve(design: &DMatrix<f64>, y: &DMatrix<f64>) -> Solved {
-    let lengths: Vec<f64> = design.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
-    let unit = DMatrix::from_fn(design.nrows(), design.ncols(), |k, c| design[(k, c)] / lengths[c]);
+    let (unit, lengths) = unit_columns(design);
     let parts = unit.svd(true, true);
     let rank = parts.rank(NOTHING);
     let spread = |c: usize| {
@@ -440,9 +445,7 @@ fn left(gyros: &[Weighted], kept: &[usize]) -> Option<Left> {
     let (mut squares, mut freedom, mut each) = (0.0, 0, vec![0.0; kept.len()]);
     for gyro in gyros {
         let (design, output) = (gyro.design.select_rows(kept), gyro.output.select_rows(kept));
-        let lengths: Vec<f64> = design.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
-        let unit = DMatrix::from_fn(design.nrows(), design.ncols(), |k, c| design[(k, c)] / lengths[c]);
-        let parts = unit.svd(true, false);
+        let parts = unit_columns(&design).0.svd(true, false);
         let rank = parts.rank(NOTHING);
         let basis = parts.u?.columns(0, rank).into_owned();
         let residual = &output - &basis * (basis.transpose() * &output);

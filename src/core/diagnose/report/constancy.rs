@@ -86,28 +86,27 @@ fn of_gyro(left: &Left, j: usize, drift: Vec<f64>, shape: Shape) -> impl Iterato
         Shape::Instant(instant) => (0..n).find(|&k| s.time[k] > instant),
         _ => None,
     };
-    let after = |first: usize| -> Vec<f64> { (0..n).map(|k| if k < first { 0.0 } else { drift[k] }).collect() };
+    let after = |first: usize, of: &dyn Fn(usize) -> f64| s.column(|k| if k < first { 0.0 } else { of(k) });
+    let decay = |first: usize, tau: f64| move |k: usize| (-(s.time[k] - s.time[first]) / tau).exp();
     // A step that settles: more or less at first.
     let settling = onset.into_iter().flat_map(|first| {
         [0.04, 0.1].map(|share| {
-            let tau = share * s.span();
-            let decay = |k: usize| (-(s.time[k] - s.time[first]) / tau).exp();
-            (0..n).map(|k| if k < first { 0.0 } else { drift[k] * decay(k) }).collect::<Vec<f64>>()
+            let decay = decay(first, share * s.span());
+            after(first, &|k| drift[k] * decay(k))
         })
     });
     // A warm-up that comes again.
     let again = (1..=RESTARTS).filter_map(|i| match shape {
         Shape::Tau(tau) => {
             let first = (i * n / (RESTARTS + 1)).max(1);
-            let decay = |k: usize| (-(s.time[k] - s.time[first]) / tau).exp();
-            Some((0..n).map(|k| if k < first { 0.0 } else { decay(k) }).collect::<Vec<f64>>())
+            Some(after(first, &decay(first, tau)))
         }
         _ => None,
     });
     let switched = firsts.into_iter().filter(|&first| first < n && onset.is_none_or(|onset| first > onset + 1));
     let mut tried = Vec::new();
     for first in switched {
-        let column = left.frame.gyros[j].whiten(after(first));
+        let column = left.frame.gyros[j].whiten(after(first, &|k| drift[k]));
         let acts_in = part(left, j, &drift, first);
         if let Some(tested) = left.of_form("not_constant", j, vec![column]) {
             tried.push((tested.p_value, acts_in));

@@ -5,8 +5,9 @@
 //! law counts as much as the stated errors lie near to it (Laplace's distribution of their logarithms), and what is
 //! filled in is the root of the mean variance over all of them: where duration or rate is not told, it is the wider.
 
-use nalgebra::Vector3;
+use nalgebra::{DVector, Vector3};
 
+use crate::core::calibrate::growth::Exposure;
 use crate::core::numerics::log_sum::LogSum;
 use crate::core::numerics::median::median_of;
 
@@ -15,9 +16,6 @@ const FALLS: [f64; 3] = [0.0, 0.5, 1.0];
 
 /// Values of rho, each as likely beforehand as 1/(1 + rho).
 const GROWTHS: [f64; 11] = [0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0];
-
-/// Rates up to this are the Earth's and the table's creep, arcsec/s.
-const SLOW_ARCSEC_S: f64 = 20.0;
 
 /// Scatter of the logarithms about a law that is none, and the largest that widens what is filled in.
 const ROUNDING: f64 = 0.03;
@@ -36,13 +34,15 @@ pub(super) struct Stated {
 
 /// Standard errors of gyro `j` in dwells of these durations and rates (arcsec/s), where some state them.
 pub(super) fn filled_in(dwells: &[(f64, Vector3<f64>)], gyros: &[Stated], j: usize) -> Vec<f64> {
-    let shares: Vec<Vec<f64>> = gyros.iter().map(|gyro| rate_shares(dwells, gyro.input)).collect();
+    let (durations, rates): (Vec<f64>, Vec<Vector3<f64>>) = dwells.iter().copied().unzip();
+    let exposure = |gyro: &Stated| Exposure::of(&rates, &durations, gyro.input.as_ref());
+    let shares: Vec<DVector<f64>> = gyros.iter().map(|gyro| exposure(gyro).rate).collect();
     let laws = FALLS.into_iter().flat_map(|fall| GROWTHS.map(|growth| (fall, growth)));
     let tried: Vec<(f64, Vec<f64>)> = laws
         .map(|(fall, growth)| {
             let shape = |gyro: usize| {
-                let dwells = dwells.iter().zip(&shares[gyro]);
-                dwells.map(move |((duration, _), x)| 0.5 * ((1.0 + growth * x).ln() - fall * duration.ln()))
+                let dwells = durations.iter().zip(shares[gyro].iter());
+                dwells.map(move |(duration, x)| 0.5 * ((1.0 + growth * x).ln() - fall * duration.ln()))
             };
             let (mut deviations, mut level) = (Vec::new(), 0.0);
             for (gyro, stated) in gyros.iter().enumerate() {
@@ -66,12 +66,4 @@ pub(super) fn filled_in(dwells: &[(f64, Vector3<f64>)], gyros: &[Stated], j: usi
         (0.5 * (LogSum::of(&all).log() - weights)).exp()
     };
     gyros[j].errors.iter().enumerate().map(|(k, sem)| sem.unwrap_or_else(|| usual(k))).collect()
-}
-
-/// x of each dwell for one gyro.
-fn rate_shares(dwells: &[(f64, Vector3<f64>)], input: Option<Vector3<f64>>) -> Vec<f64> {
-    let largest = dwells.iter().map(|(_, rate)| rate.norm()).fold(SLOW_ARCSEC_S, f64::max);
-    let along = |rate: &Vector3<f64>| input.map_or(rate.norm(), |input| input.dot(rate));
-    let turns = largest > SLOW_ARCSEC_S;
-    dwells.iter().map(|(_, rate)| if turns { (along(rate) / largest).powi(2) } else { 0.0 }).collect()
 }

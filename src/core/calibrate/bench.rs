@@ -13,6 +13,7 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::bench_form::{BenchForm, Squares};
+use super::drift::LEAST_SCALE_TO_NOISE;
 use super::gyro_fit::standardised;
 use super::noise::{Evidence, NoiseScale, noise};
 use super::{ScaleSource, sem_scatter, weights_sd};
@@ -30,8 +31,6 @@ pub const GAUGE: &str = "D_II + D_SS = 0";
 
 /// Largest departure of a servo test's fitted scale from 1 (in its sd, and absolutely) that passes for 1.
 const SERVO_SCALE: (f64, f64) = (5.0, 0.02);
-/// Smallest |E|/sd of a fitted scale that may divide.
-const LEAST_SCALE_TO_NOISE: f64 = 10.0;
 
 /// One coefficient of eq. (5).
 #[derive(Debug, Clone, Copy, PartialEq)]

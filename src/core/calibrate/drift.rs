@@ -12,7 +12,7 @@ use crate::core::separate::{CovarianceEg, Separation, Unseparable, separate};
 use crate::message;
 
 /// Smallest |E|/sd for which a quotient by E, and its first-order covariance, mean anything.
-const LEAST_SCALE_TO_NOISE: f64 = 10.0;
+pub(super) const LEAST_SCALE_TO_NOISE: f64 = 10.0;
 
 /// Why a fitted gyro has no drift coefficients in deg/(h g0).
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

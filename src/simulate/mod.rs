@@ -65,6 +65,8 @@ pub(crate) fn random(seed: u64, stream: Stream) -> ChaCha8Rng {
     rng
 }
 
+const SECONDS_PER_HOUR: f64 = 3600.0;
+
 /// A standard normal deviate.
 fn gaussian(rng: &mut ChaCha8Rng) -> f64 {
     rng.sample(StandardNormal)

@@ -5,13 +5,12 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::core::fault::Faults;
 
-use super::gaussian;
 use super::programme::Planned;
 use super::scenario::OutputNoise;
+use super::{SECONDS_PER_HOUR, gaussian};
 use crate::core::message::text;
 use crate::message;
 
-const SECONDS_PER_HOUR: f64 = 3600.0;
 /// Correlation times of the Gauss-Markov processes that together make up the bias instability: over two decades
 /// their sum has the flat Allan deviation of flicker noise.
 const INSTABILITY_TIMES_H: [f64; 5] = [0.03, 0.1, 0.3, 1.0, 3.0];

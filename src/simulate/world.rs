@@ -16,10 +16,9 @@ use super::programme::{Planned, plan};
 use super::scenario::Scenario;
 use super::sensed::{Disturbance, Sensed, Situation};
 use super::station::{Earth, Moment, commanded, moments};
-use super::{Stream, random};
+use super::{SECONDS_PER_HOUR, Stream, random};
 use crate::message;
 
-const SECONDS_PER_HOUR: f64 = 3600.0;
 /// Two body directions are one vertical within this angle.
 const SAME_VERTICAL: f64 = 1e-6;
 

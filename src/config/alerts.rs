@@ -3,10 +3,8 @@
 use serde::Deserialize;
 
 use super::ConfigError;
-use super::error::{at_least_1, between};
+use super::error::{at_least_1, between, not_negative};
 use crate::core::alert_decision::Policy;
-use crate::core::message::text;
-use crate::message;
 
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -30,8 +28,6 @@ impl AlertsConfig {
         require((0.0..=1.0).contains(&resolve_below), "resolve_below", between(0.0, 1.0, resolve_below))?;
         require(resolve_after > 0, "resolve_after", at_least_1(resolve_after))?;
         require((0.01..=86400.0).contains(&tick_s), "tick_s", between(0.01, 86400.0, tick_s))?;
-        let days = text(backfill_days);
-        require(backfill_days.is_finite(), "backfill_days", message!("not_finite", value = days.clone()))?;
-        require(backfill_days >= 0.0, "backfill_days", message!("config_negative", value = days))
+        not_negative("alerts.backfill_days", backfill_days)
     }
 }

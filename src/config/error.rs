@@ -65,3 +65,9 @@ pub(super) fn above_0(most: impl Display, value: f64) -> Message {
 pub(super) fn between(least: f64, most: f64, value: f64) -> Message {
     message!("config_between", least = text(least), most = text(most), value = text(value))
 }
+
+pub(super) fn not_negative(key: impl Into<String>, value: f64) -> Result<(), ConfigError> {
+    let key = key.into();
+    ConfigError::unless(value.is_finite(), key.clone(), message!("not_finite", value = text(value)))?;
+    ConfigError::unless(value >= 0.0, key, message!("config_negative", value = text(value)))
+}

@@ -10,9 +10,10 @@ use crate::core::mounting::{Geometry, Slot};
 use crate::core::name::{Name, normal_form};
 use crate::core::separate::JudgedMethod;
 use crate::message;
+use crate::wire::time;
 
 use super::ConfigError;
-use super::error::between;
+use super::error::{between, not_negative};
 use super::requirement::SlotRequirements;
 use super::rules::{OverriddenCoefficient, RuleKeys};
 
@@ -173,7 +174,11 @@ impl Judging {
         let deviations =
             [("noise.walk", self.noise.walk), ("between_stations.d_i", d_i), ("between_stations.d_s", d_s)];
         for (key, sd) in deviations {
-            require(sd.is_finite() && sd >= 0.0, key, message!("config_negative", value = text(sd)))?;
+            not_negative(format!("judging.{key}"), sd)?;
+        }
+        not_negative("judging.interval_days", self.interval_days)?;
+        if let Some(Err(why)) = self.noise.fitted.as_deref().map(time::parse_start) {
+            return Err(ConfigError::of("judging.noise.fitted", why));
         }
         let least = message!("config_at_least", least = 2_usize, value = text(self.range_min_records));
         require(self.range_min_records >= 2, "range_min_records", least)?;
@@ -204,6 +209,7 @@ impl Override {
         require(of_gyro || self.rules.closure.is_none(), "rules.closure", message!("config_of_whole_gyro"))?;
         let unrequired = self.requirement == SlotRequirements::default();
         require(of_gyro || unrequired, "requirement", message!("config_of_whole_gyro"))?;
+        not_negative(format!("{section}.interval_days"), self.interval_days.unwrap_or(0.0))?;
         let Some(budget) = self.budget else { return Ok(()) };
         require(budget.is_finite() && budget > 0.0, "budget", message!("not_positive", value = text(budget)))
     }

@@ -5,17 +5,19 @@ mod alerts;
 mod error;
 mod hooks;
 mod judging;
+mod log;
 mod requirement;
 mod rules;
 mod stations;
 mod values;
+mod variables;
 
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use config::builder::DefaultState;
-use config::{Config as Layers, ConfigBuilder, Environment, File, FileFormat};
+use config::{Config as Layers, ConfigBuilder, File, FileFormat};
 use ipnet::IpNet;
 use serde::Deserialize;
 use serde_json::Value;
@@ -31,12 +33,15 @@ pub use crate::core::separate::JudgedMethod;
 pub use access::AccessConfig;
 pub use alerts::AlertsConfig;
 pub use error::ConfigError;
-use error::of_serde;
+use error::{not_negative, of_serde};
 pub use hooks::HooksConfig;
 pub use judging::{Judging, Override};
+pub use log::{Log, LogFormat};
 pub use requirement::SlotRequirements;
 pub use rules::FixedBaseline;
 pub use stations::{StatedUncertainty, Stations};
+pub use variables::unread;
+use variables::variables;
 
 /// What `server.plain_http` must say for HTTP beyond this machine.
 pub const PLAIN_HTTP: &str = "anybody on the network can read tokens and records, and change them";
@@ -216,6 +221,14 @@ pub struct PlausibilityKeys {
 }
 
 impl PlausibilityKeys {
+    fn check(&self) -> Result<(), ConfigError> {
+        let (least, most) = (self.min_scale_factor, self.max_scale_factor);
+        let fault =
+            message!("config_above_max", max = "plausibility.max_scale_factor", value = text(least), most = text(most));
+        ConfigError::unless(least < most, "plausibility.min_scale_factor", fault)?;
+        not_negative("plausibility.max_future_hours", self.max_future_hours)
+    }
+
     /// The limits in the core's units: angles in radians.
     pub fn limits(&self) -> Plausibility {
         Plausibility {
@@ -224,20 +237,6 @@ impl PlausibilityKeys {
             max_drift: self.max_drift_deg_per_h_g0,
         }
     }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum LogFormat {
-    Text,
-    Json,
-}
-
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Log {
-    pub format: LogFormat,
-    pub filter: String,
 }
 
 impl Config {
@@ -321,12 +320,15 @@ impl Config {
         for (key, value) in positive {
             ConfigError::unless(value.is_finite() && value > 0.0, key, message!("not_positive", value = text(value)))?;
         }
+        not_negative("server.shutdown_grace_s", self.server.shutdown_grace_s)?;
         self.server.check()?;
         self.database.check()?;
         self.access.check()?;
         self.alerts.check()?;
         self.hooks.check()?;
         self.stations.check()?;
+        self.plausibility.check()?;
+        self.log.check()?;
         self.judging.check()
     }
 
@@ -342,15 +344,6 @@ fn secrets(environment: &[(String, String)]) -> Result<Secrets, ConfigError> {
     Secrets::with_key(text).ok_or_else(|| ConfigError::of(SECRETS_KEY, message!("config_secrets_key")))
 }
 
-/// GYROWATCH_LISTEN and GYROWATCH_DATABASE_URL in their sections; other programs' variables left out.
-fn in_sections((name, value): (String, String)) -> Option<(String, String)> {
-    match name.as_str() {
-        "GYROWATCH_LISTEN" => Some(("GYROWATCH_SERVER__LISTEN".into(), value)),
-        "GYROWATCH_DATABASE_URL" => Some(("GYROWATCH_DATABASE__URL".into(), value)),
-        _ => (name.starts_with("GYROWATCH_") && name.contains("__")).then_some((name, value)),
-    }
-}
-
 /// Defaults, files and environment, the later ones over the earlier.
 fn merged(files: &[PathBuf], environment: impl IntoIterator<Item = (String, String)>) -> Result<Value, ConfigError> {
     let layers = Layers::builder().add_source(File::from_str(DEFAULTS, FileFormat::Toml));
@@ -359,15 +352,6 @@ fn merged(files: &[PathBuf], environment: impl IntoIterator<Item = (String, Stri
 
 fn of_files(layers: LayersBuilder, files: &[PathBuf]) -> LayersBuilder {
     files.iter().fold(layers, |layers, file| layers.add_source(File::from(file.as_path()).format(FileFormat::Toml)))
-}
-
-fn variables(environment: impl IntoIterator<Item = (String, String)>) -> Environment {
-    let variables = environment.into_iter().filter_map(in_sections).collect();
-    Environment::with_prefix("GYROWATCH")
-        .prefix_separator("_")
-        .separator("__")
-        .try_parsing(true)
-        .source(Some(variables))
 }
 
 /// The files that were named, or else those of the working directory.

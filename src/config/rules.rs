@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, Visitor};
 
 use super::ConfigError;
-use super::error::{Carried, between};
+use super::error::{Carried, between, not_negative};
 use crate::core::judge::{DriftLimits, Limit, LimitKey, Limits, Measured, Rule, ShiftLimits, TrendLimits};
 use crate::core::message::{sent, text};
 use crate::message;
@@ -170,9 +170,7 @@ impl RuleKeys {
         }
         let Some(FixedBaseline { value, sd }) = self.fixed_baseline else { return Ok(()) };
         require(value.is_finite(), "fixed_baseline.value", message!("not_finite", value = text(value)))?;
-        let sd = sd.unwrap_or(0.0);
-        let fault = message!("config_negative", value = text(sd));
-        require(sd.is_finite() && sd >= 0.0, "fixed_baseline.sd", fault)
+        not_negative(format!("{section}.fixed_baseline.sd"), sd.unwrap_or(0.0))
     }
 }
 

@@ -274,3 +274,23 @@ fn no_password_is_printed_wherever_it_stands() {
         assert!(printed.contains(shown), "{shown} in {printed}");
     }
 }
+
+#[test]
+fn what_cannot_be_is_refused_and_named() {
+    for (text, key, why) in [
+        (
+            "[plausibility]\nmin_scale_factor = 10\nmax_scale_factor = 1\n",
+            "plausibility.min_scale_factor",
+            "max_scale_factor",
+        ),
+        ("[plausibility]\nmax_future_hours = -1\n", "plausibility.max_future_hours", "negative"),
+        ("[server]\nshutdown_grace_s = -1\n", "server.shutdown_grace_s", "negative"),
+        ("[judging]\ninterval_days = -3\n", "judging.interval_days", "negative"),
+        ("[[judging.overrides]]\ninterval_days = -3\n", "judging.overrides[0].interval_days", "negative"),
+        ("[judging.noise]\nfitted = \"2026-13-41\"\n", "judging.noise.fitted", "calendar"),
+        ("[log]\nfilter = \"loud\"\n", "log.filter", "\"loud\""),
+    ] {
+        let error = judging_of(text).map_err(in_english).unwrap_err();
+        assert!(error.contains(key) && error.contains(why), "{error}");
+    }
+}

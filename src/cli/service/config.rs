@@ -1,6 +1,6 @@
 //! `config`: what is in force, from the defaults, the files and the environment.
 
-use super::settings::ConfigArgs;
+use super::settings::{ConfigArgs, unread_variables};
 use crate::cli::prelude::*;
 
 /// Check the configuration and print what is in force, as one file
@@ -12,6 +12,9 @@ pub struct Show {
 
 impl Show {
     pub fn run(self) -> anyhow::Result<()> {
+        for warning in unread_variables() {
+            eprintln!("gyrowatch: {}", said(warning));
+        }
         document::print(self.config.in_force()?.trim_end())
     }
 }

@@ -12,7 +12,7 @@ use tokio::task::JoinHandle;
 use tracing_subscriber::EnvFilter;
 
 use super::notify;
-use super::settings::ConfigArgs;
+use super::settings::{ConfigArgs, unread_variables};
 use crate::cli::prelude::*;
 use crate::config::{Config, Log, LogFormat};
 use crate::core::message::text;
@@ -39,6 +39,9 @@ impl Serve {
 /// Serves until told to stop. `ready` is called once, with the address, when connections are accepted.
 pub(super) fn run(config: Config, ready: impl FnOnce(SocketAddr)) -> anyhow::Result<()> {
     start_log(&config.log)?;
+    for warning in unread_variables() {
+        tracing::warn!("{}", said(warning));
+    }
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
     let served = runtime.block_on(async {
         let (stopping, stop) = watch::channel(false);

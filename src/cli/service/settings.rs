@@ -1,8 +1,9 @@
 //! The configuration that subcommands read.
 
 use crate::cli::prelude::*;
-use crate::config::Config;
+use crate::config::{Config, unread};
 use crate::core::campaign::Campaign;
+use crate::core::message::Message;
 use crate::core::record::Plausibility;
 use crate::wire::document::parse;
 
@@ -24,6 +25,11 @@ impl ConfigArgs {
     pub fn in_force(&self) -> anyhow::Result<String> {
         Ok(Config::in_force(&self.files, std::env::vars())?)
     }
+}
+
+/// Of the environment: what looks like a key and is none.
+pub fn unread_variables() -> Vec<Message> {
+    unread(std::env::vars_os().filter_map(|(name, _)| name.into_string().ok()))
 }
 
 /// The configuration in force: files in `config` and the environment.

@@ -353,6 +353,10 @@ config_at_least = must be at least { $least }, is { $value }
 config_above_0 = must be above 0 and at most { $most }, is { $value }
 config_between = must be between { $least } and { $most }, is { $value }
 config_negative = must not be negative, is { $value }
+config_above_max = must be below { $max }, which is { $most }; is { $value }
+config_log_filter = "{ $value }" is no level: off, error, warn, info, debug or trace; for one module write { $value }=debug
+config_unread = the environment variable { $name } is not read: keys are written GYROWATCH_SECTION__KEY, and it sets nothing
+config_unread_like = the environment variable { $name } is not read and sets nothing; likely meant: { $meant }
 config_http = must begin with http:// or https://, is { $value }
 config_proxy = must be http://host:port, `environment`, or empty for no proxy
 config_mail_server = must be smtps://user:password@host:port, or smtp://host:port?tls=required

@@ -353,6 +353,10 @@ config_at_least = 至少应为{ $least }，实为{ $value }
 config_above_0 = 应大于0且不超过{ $most }，实为{ $value }
 config_between = 应在{ $least }与{ $most }之间，实为{ $value }
 config_negative = 不应为负，实为{ $value }
+config_above_max = 应小于{ $max }（{ $most }），实为{ $value }
+config_log_filter = “{ $value }”不是日志级别：可用off、error、warn、info、debug、trace；仅针对某个模块时写作{ $value }=debug
+config_unread = 环境变量{ $name }不会被读取，不起作用：配置项写作GYROWATCH_节__键
+config_unread_like = 环境变量{ $name }不会被读取，不起作用；可能是指{ $meant }
 config_http = 应以http://或https://开头，实为{ $value }
 config_proxy = 应为http://主机:端口、`environment`，或留空表示不用代理
 config_mail_server = 应为smtps://用户:密码@主机:端口，或smtp://主机:端口?tls=required

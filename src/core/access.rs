@@ -33,6 +33,13 @@ pub struct Token {
     pub revoked_at: Option<UtcMicros>,
 }
 
+impl Role {
+    /// Whether a token of it can be limited to one station: those above do more than send, for any.
+    pub fn may_be_of_one_station(self) -> bool {
+        self == Self::Station
+    }
+}
+
 impl Token {
     /// Neither revoked nor expired.
     pub fn is_valid(&self, now: UtcMicros) -> bool {

@@ -90,6 +90,7 @@ fn read(app: &App, bytes: &[u8]) -> Result<NewToken, Faults> {
     let mut faults = Faults::default();
     let role = text::named("/role", &role, &mut faults).unwrap_or(Role::Station);
     let name = text::required_short("/name", name, &mut faults);
+    NewToken::check_station(role, station.as_deref(), "/station", &mut faults);
     let station = station.map(|station| text::name("/station", &station, &mut faults).to_string());
     let expires_at = expires_at.map(|at| text::instant("/expires_at", &at, &mut faults));
     if expires_at.is_some_and(|at| at <= app.clock.now()) {

@@ -36,14 +36,14 @@ enum TokenCommand {
         /// admin (all)
         #[arg(long, value_parser = role)]
         role: Role,
-        /// The only station that it may send for
+        /// The only station that it may send for; with the role station alone
         #[arg(long)]
         station: Option<String>,
         /// When it ends, RFC 3339
         #[arg(long, value_name = "TIME", conflicts_with = "days", value_parser = instant)]
         expires_at: Option<UtcMicros>,
         /// After how many days it ends
-        #[arg(long, value_name = "DAYS")]
+        #[arg(long, value_name = "DAYS", value_parser = clap::value_parser!(u32).range(1..=MOST_DAYS))]
         days: Option<u32>,
     },
     /// List every token there ever was
@@ -54,6 +54,9 @@ enum TokenCommand {
         id: String,
     },
 }
+
+/// For as long a token may be made, days.
+const MOST_DAYS: i64 = 1_000_000;
 
 fn role(name: &str) -> Result<Role, String> {
     one_of(Role::from_name(name), Role::ALL.map(Role::name))
@@ -129,10 +132,11 @@ fn checked(
     now: UtcMicros,
 ) -> Result<NewToken, Faults> {
     let mut faults = Faults::default();
-    let name = text::required_short("/name", name, &mut faults);
-    let station = station.map(|station| text::name("/station", &station, &mut faults).to_string());
+    let name = text::required_short("NAME", name, &mut faults);
+    NewToken::check_station(role, station.as_deref(), "--station", &mut faults);
+    let station = station.map(|station| text::name("--station", &station, &mut faults).to_string());
     if expires_at.is_some_and(|at| at <= now) {
-        faults.push("/expires_at", message!("not_in_future"));
+        faults.push("--expires-at", message!("not_in_future"));
     }
     faults.or(NewToken { name, role, station, expires_at })
 }
@@ -151,4 +155,40 @@ fn table(tokens: &[Token], now: UtcMicros) -> String {
         table.add_row([token.id.to_string(), token.name.clone(), token.role.name().into(), station, made, state]);
     }
     table.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{Args as _, Command};
+
+    use super::*;
+
+    fn faults(role: Role, station: Option<&str>, expires_at: Option<UtcMicros>) -> Vec<(String, String)> {
+        let made = checked("x".into(), role, station.map(str::to_owned), expires_at, UtcMicros(10));
+        let faults = made.err().map_or_else(Vec::new, |faults| faults.0);
+        faults.into_iter().map(|fault| (fault.pointer, fault.message.code.into_owned())).collect()
+    }
+
+    #[test]
+    fn a_station_is_taken_only_where_it_limits() {
+        for role in Role::ALL {
+            let refused = [("--station".to_owned(), "station_of_role".to_owned())];
+            let expected: &[_] = if role == Role::Station { &[] } else { &refused };
+            assert_eq!(faults(role, Some("ST-2"), None), expected, "{}", role.name());
+            assert_eq!(faults(role, None, None), [], "{}", role.name());
+        }
+    }
+
+    #[test]
+    fn a_token_that_would_not_last_is_refused_by_the_name_of_its_option() {
+        let past = faults(Role::Admin, None, Some(UtcMicros(9)));
+        assert_eq!(past, [("--expires-at".to_owned(), "not_in_future".to_owned())]);
+        for (days, is_taken) in [("0", false), ("1", true), ("4294967295", false)] {
+            let command = TokenArgs::augment_args(Command::new("token"));
+            let read = command.try_get_matches_from(["token", "create", "x", "--role", "admin", "--days", days]);
+            let said = read.err().map(|error| error.to_string());
+            assert_eq!(said.is_none(), is_taken, "{said:?}");
+            assert!(said.is_none_or(|said| said.contains("--days")));
+        }
+    }
 }

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::secret::Secret;
 use crate::core::access::{AuditEntry, Role, Token};
+use crate::core::fault::Faults;
 use crate::pipeline::Guard;
 use crate::pipeline::prelude::*;
 use crate::store::{AccessChanges, Beside, SessionRow, Writer};
@@ -16,6 +17,15 @@ pub struct NewToken {
     pub role: Role,
     pub station: Option<String>,
     pub expires_at: Option<UtcMicros>,
+}
+
+impl NewToken {
+    /// A station that would limit nothing looks like a limit: it is refused. `pointer` is where it was said.
+    pub fn check_station(role: Role, station: Option<&str>, pointer: &str, faults: &mut Faults) {
+        if station.is_some() && !role.may_be_of_one_station() {
+            faults.push(pointer, message!("station_of_role", of = Role::Station.name(), role = role.name()));
+        }
+    }
 }
 
 #[derive(Debug)]

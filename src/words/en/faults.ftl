@@ -109,6 +109,7 @@ to_before_from = is before `from`
 silence_matches_nothing = must name at least one of serial, imu, station, rule: all alerts at once cannot be silenced
 unknown_rule = there is no rule "{ $rule }"
 not_in_future = must be in the future
+station_of_role = limits a token of the role { $of } alone: the role { $role } is not of one station; leave it out
 until_before_since = must not be before `since`
 
 ## Hooks

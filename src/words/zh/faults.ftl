@@ -109,6 +109,7 @@ to_before_from = 早于from
 silence_matches_nothing = 至少应给出serial、imu、station、rule之一：不能一次静默全部告警
 unknown_rule = 没有规则“{ $rule }”
 not_in_future = 应为将来的时间
+station_of_role = 仅对角色{ $of }的令牌起限制作用：角色{ $role }不限于某一测试站，请不要给出
 until_before_since = 不应早于起始时间
 
 ## Hooks

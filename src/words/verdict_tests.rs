@@ -198,12 +198,12 @@ fn each_finding_is_said_in_both_languages() {
             "D_I每年漂移+0.0052 ± 0.0004 (°)/(h·g0)（2026-01-01至2026-07-20的24个周平均值）。已超出允许范围。现偏离基线+0.0080，90天后为0.0251 ± 0.0007 (°)/(h·g0)。日期为暂定：变化过程短于24个周平均值。噪声常数为默认值，并非由本机群拟合。限值为0.0100 (°)/(h·g0)（judging.budget）。超差概率> 99.9 %。",
         ],
         [
-            "D_I: the newest three weekly means, since 2026-01-21, are 0.02510 +- 0.00070 deg/(h g0) above the level 3.00000 of the 27 before. Limit 0.00500 deg/(h g0) (three standard deviations; least judging.budget). P(out of tolerance) > 99.9 %.",
-            "D_I：自2026-01-21起最近三个周平均值比此前27个的水平3.00000高0.02510 ± 0.00070 (°)/(h·g0)。限值为0.00500 (°)/(h·g0)（三倍标准差；下限来自judging.budget）。超差概率> 99.9 %。",
+            "D_I: the newest three weekly means, since 2026-01-21, are 0.02510 +- 0.00070 deg/(h g0) above the level 3.00000 of the 27 before. Limit 0.00500 deg/(h g0) (three standard deviations; at least 0.00250, by judging.budget). P(out of tolerance) > 99.9 %.",
+            "D_I：自2026-01-21起最近三个周平均值比此前27个的水平3.00000高0.02510 ± 0.00070 (°)/(h·g0)。限值为0.00500 (°)/(h·g0)（三倍标准差；下限0.00250由judging.budget得出）。超差概率> 99.9 %。",
         ],
         [
-            "D_I: the newest three weekly means, since 2026-01-21, are 0.0251 +- 0.0007 deg/(h g0) above the level 3.0000 of the 27 before. Limit 0.0300 deg/(h g0) (three standard deviations; least judging.budget). Too uncertain to judge: three standard deviations are more than the budget.",
-            "D_I：自2026-01-21起最近三个周平均值比此前27个的水平3.0000高0.0251 ± 0.0007 (°)/(h·g0)。限值为0.0300 (°)/(h·g0)（三倍标准差；下限来自judging.budget）。不确定度过大，无法判断：三倍标准差大于允许范围。",
+            "D_I: the newest three weekly means, since 2026-01-21, are 0.0251 +- 0.0007 deg/(h g0) above the level 3.0000 of the 27 before. Limit 0.0300 deg/(h g0) (three standard deviations; at least 0.00250, by judging.budget). Too uncertain to judge: three standard deviations are more than the budget.",
+            "D_I：自2026-01-21起最近三个周平均值比此前27个的水平3.0000高0.0251 ± 0.0007 (°)/(h·g0)。限值为0.0300 (°)/(h·g0)（三倍标准差；下限0.00250由judging.budget得出）。不确定度过大，无法判断：三倍标准差大于允许范围。",
         ],
         [
             "D_I: the rms of successive differences since 2026-01-01 is 0.0251 +- 0.2000 deg/(h g0), without the most deviating record. Stated standard deviations explain 0.0072. Limit 0.0100 deg/(h g0) (judging.budget). Too uncertain to judge: standard deviation 0.2000 against a limit of 0.0100.",

@@ -84,7 +84,7 @@ impl Verdict {
             // Its bounds were named.
             Finding::Requirement { .. } => message!("limits_from", from),
             Finding::Shift { least, .. } if self.limit > least => {
-                message!("limit_of_three_sd", limit, from)
+                message!("limit_of_three_sd", limit, least = figure(least, digits(least)), from)
             }
             _ if self.state == State::Exceeded && percent < 1e5 => {
                 message!("limit_exceeded", limit, from, percent = figure(percent, 0))

@@ -75,7 +75,7 @@ overdue = Last calibrated on { $last }, { $days } days ago.
 # The limit.
 limit_is = Limit { $limit } ({ $from }).
 limit_exceeded = Limit { $limit } ({ $from }): { $percent } %.
-limit_of_three_sd = Limit { $limit } (three standard deviations; least { $from }).
+limit_of_three_sd = Limit { $limit } (three standard deviations; at least { $least }, by { $from }).
 limits_from = Limits from { $from }.
 
 limit_of_forecast = Limit { $limit }: chance exceeds it in { $percent } % of campaigns.

@@ -71,7 +71,7 @@ overdue = 上次标定于{ $last }，距今{ $days }天。
 
 limit_is = 限值为{ $limit }（{ $from }）。
 limit_exceeded = 限值为{ $limit }（{ $from }），为其{ $percent } %。
-limit_of_three_sd = 限值为{ $limit }（三倍标准差；下限来自{ $from }）。
+limit_of_three_sd = 限值为{ $limit }（三倍标准差；下限{ $least }由{ $from }得出）。
 limits_from = 限值来自{ $from }。
 limit_of_forecast = 限值为{ $limit }：{ $percent } %的标定因偶然超出。
 

@@ -39,7 +39,7 @@ impl StorageError {
             | StoreError::Overtaken(_)
             | StoreError::NotDurable(_) => StorageFault::Unwritable,
             StoreError::Unanswered(_) => StorageFault::Unanswered,
-            StoreError::Damaged(_) => StorageFault::Damaged,
+            StoreError::Damaged(_) | StoreError::NoDatabase(_) => StorageFault::Damaged,
             StoreError::Refused(_)
             | StoreError::InUse(_)
             | StoreError::File(_)

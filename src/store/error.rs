@@ -35,6 +35,9 @@ pub enum StoreError {
     /// The content contradicts its checksums or its structure.
     #[error("the database is damaged: {0}")]
     Damaged(Message),
+    /// A file is no database at all, or one whose first page is not readable as one.
+    #[error("no database: {0}")]
+    NoDatabase(String),
     /// A database server does not answer, or broke off what was under way; nothing was stored.
     #[error("the database cannot be reached: {0}")]
     Unreachable(Message),
@@ -80,6 +83,7 @@ impl StoreError {
             Self::File(why) | Self::Key(why) => why.clone(),
             Self::NotDurable(why) => message!("store_not_durable", why = text(why)),
             Self::Damaged(what) => message!("database_damaged", what = what.clone()),
+            Self::NoDatabase(why) => message!("store_no_database", why = text(why)),
             Self::Unreachable(why) => message!("store_unreachable", why = why.clone()),
             Self::Unanswered(why) => message!("store_unanswered", why = text(why)),
             Self::Overtaken(why) => message!("store_overtaken", why = text(why)),
@@ -153,8 +157,9 @@ fn of_file(code: i32, message: &str) -> Option<StoreError> {
     Some(match code & 0xff {
         5 | 6 => StoreError::Busy,
         8 | 10 | 14 => StoreError::ReadOnly(message.to_owned()),
-        11 | 26 => StoreError::damaged(message),
+        11 => StoreError::damaged(message),
         13 => StoreError::Full,
+        26 => StoreError::NoDatabase(message.to_owned()),
         19 => StoreError::Refused(message.to_owned()),
         _ => return None,
     })
@@ -163,6 +168,14 @@ fn of_file(code: i32, message: &str) -> Option<StoreError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::words::Language;
+
+    #[test]
+    fn what_is_no_database_is_not_called_a_damaged_one() {
+        assert!(matches!(of_file(11, ""), Some(StoreError::Damaged(_))));
+        let said = of_file(26, "file is not a database").unwrap().message();
+        assert_eq!(Language::English.words(&said), "the file is no SQLite database (file is not a database)");
+    }
 
     #[test]
     fn a_code_of_the_server_is_not_read_as_one_of_a_file() {

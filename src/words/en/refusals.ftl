@@ -124,6 +124,7 @@ cannot_write = the service's database cannot be written now; nothing was stored
 perhaps_stored = the database connection broke while this was stored, so it may or may not be stored. Measurements can be sent again. Before you repeat other orders (hooks, tokens), check whether they took effect
 disk_failed = the service's disk failed; nothing is accepted until it is repaired
 database_damaged = the database is damaged: { $what }
+store_no_database = the file is no SQLite database ({ $why })
 service_failed = the service failed; its log says why
 body_not_json = the stored body of { $id } is not JSON
 body_unreadable = the stored body of { $id } cannot be read

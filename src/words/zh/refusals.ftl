@@ -124,6 +124,7 @@ cannot_write = 服务的数据库暂时不能写入，未存储任何内容
 perhaps_stored = 服务的数据库在存储过程中断开，无法得知是否已存储：测量数据可重新发送；通知目标、令牌及其他操作请先查看
 disk_failed = 服务的磁盘故障，修复之前不接受任何内容
 database_damaged = 数据库损坏：{ $what }
+store_no_database = 该文件不是SQLite数据库（{ $why }）
 service_failed = 服务出错，原因见服务日志
 body_not_json = { $id }的内容不是JSON
 body_unreadable = { $id }的内容无法读取

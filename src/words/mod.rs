@@ -213,6 +213,11 @@ mod tests {
     }
 
     #[test]
+    fn whoever_acts_has_not_always_adopted_something() {
+        assert_eq!(Language::ALL.map(|language| language.word("page_author")), ["By", "操作人"]);
+    }
+
+    #[test]
     fn a_message_is_said_with_its_parameters_and_without_marks() {
         let unknown = message!("no_such_code_anywhere", value = figure(0.5, 2), of = list(["a", "b"]));
         assert_eq!(Language::Chinese.words(&unknown), "no_such_code_anywhere (value: 0.50, of: a, b)");

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::noise::Process;
 use crate::core::judge::{Coefficient, Event, Mark, Measured};
-use crate::core::message::{Message, figure, list, signed, text};
+use crate::core::message::{Message, Parameter, figure, list, signed, text};
 use crate::core::mounting::Slot;
 use crate::core::named::named;
 use crate::core::time::UtcMicros;
@@ -161,6 +161,18 @@ pub struct CauseEstimate {
     pub value: f64,
     pub sd: f64,
     pub unit: &'static str,
+}
+
+impl CauseEstimate {
+    /// Its unit as the reader's language writes it.
+    fn unit_said(&self) -> Parameter {
+        match self.unit {
+            "deg/(h*g0)" => message!("unit_drift").into(),
+            "deg/(h*g0)/year" => message!("unit_drift_a_year").into(),
+            "deg/(h*g0)/K" => message!("unit_drift_a_kelvin").into(),
+            other => other.into(),
+        }
+    }
 }
 
 /// Errors of predicting blocks of time that were left out, rms in deg/(h g0), and what share of the change is closed.
@@ -450,7 +462,7 @@ impl NamedCause {
             detail = self.tie.message(),
             value = signed(self.estimate.value, decimals(self.estimate.sd)),
             sd = figure(self.estimate.sd, decimals(self.estimate.sd)),
-            unit = self.estimate.unit
+            unit = self.estimate.unit_said()
         )];
         all.extend(self.others());
         if let Some(held_out) = self.held_out {
@@ -466,5 +478,32 @@ impl NamedCause {
         let others = self.class.iter().filter(|one| **one != self.cause).map(|one| one.word());
         let others: Vec<Message> = others.collect();
         (!others.is_empty()).then(|| message!("history_class", others = list(others)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::words::Language;
+
+    #[test]
+    fn a_cause_is_said_in_the_units_of_the_language() {
+        for (unit, english, chinese) in [
+            ("deg/(h*g0)", "deg/(h g0)", "(°)/(h·g0)"),
+            ("deg/(h*g0)/year", "deg/(h g0) a year", "(°)/(h·g0)/年"),
+            ("deg/(h*g0)/K", "deg/(h g0)/K", "(°)/(h·g0)/K"),
+        ] {
+            let estimate = CauseEstimate { name: "k", value: 0.01, sd: 0.002, unit };
+            let said = message!(
+                "history_cause",
+                cause = "a",
+                detail = "b",
+                value = "1",
+                sd = "2",
+                unit = estimate.unit_said()
+            );
+            assert_eq!(Language::English.words(&said), format!("a: b, 1 +- 2 {english}"));
+            assert_eq!(Language::Chinese.words(&said), format!("a：b，1 ± 2 {chinese}"));
+        }
     }
 }

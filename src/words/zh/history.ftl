@@ -34,7 +34,7 @@ change_instant = { $after }与{ $before }之间
 change_not_separable = 与已确定的原因无法区分
 change_not_significant = 不显著（校正后p为{ $p }）
 change_no_better_than_wandering = 不优于系数游走（p为{ $p }）
-change_others_deny = 本陀螺{ $own }，该测试站其他{ $gyros }只陀螺为{ $others } +- { $sd }
+change_others_deny = 本陀螺{ $own }，该测试站其他{ $gyros }只陀螺为{ $others } ± { $sd }
 
 ## 对系数的结论
 
@@ -47,7 +47,7 @@ history_explained_by_step = 可用原因不明的阶跃描述，剩余为散布�
 history_partly_explained = 部分解释：系数也可能有无记录原因的变化。
 history_unexplained = 未解释：系数有变化，无记录的原因。
 history_excess = 剩余变化为{ $sd } (°)/(h·g0)，而标定噪声为{ $expected }。
-history_cause = { $cause }：{ $detail }，{ $value } +- { $sd } { $unit }
+history_cause = { $cause }：{ $detail }，{ $value } ± { $sd } { $unit }
 history_class = 现有记录无法将其与下列原因区分：{ $others }。
 history_closure = 在留出的记录上解释了变化的{ $closure }（{ $low }至{ $high }）。
 history_outlier = { $day }的记录偏离相邻记录{ $deviation }，未采用。

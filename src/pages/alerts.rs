@@ -11,14 +11,16 @@ use super::layout::{query, written_day};
 use super::prelude::*;
 use super::silences::{days_field, silent_until};
 use super::verdicts::violated;
-use super::{bullet, silences, status};
+use super::{bullet, fleet, silences, status};
 use crate::core::alert_decision::Standing;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::judge::{Coefficient, Severity};
-use crate::core::named::named;
+use crate::core::named::{Named, named};
 use crate::pipeline::{self, AlertChange, AlertOrder, BEYOND, Violation};
 use table::known;
 
+/// Whatever the standing.
+const ALL: &str = "all";
 /// Gyros on one page.
 const ROWS: usize = 30;
 /// Gyros of an IMU with one cause: of one record more likely the file or the station than each of them; overdue, one
@@ -44,6 +46,15 @@ impl Filters {
         if self.state.is_empty() { "firing" } else { &self.state }
     }
 
+    /// None for all.
+    fn standing(&self) -> Result<Option<Standing>, Problem> {
+        let (known, state) = (Standing::NAMES.iter().copied().chain([ALL]), self.state());
+        match Standing::from_name(state) {
+            None if state != ALL => Err(fleet::not_one_of("state", known, state)),
+            found => Ok(found),
+        }
+    }
+
     fn address(&self, state: &str, page: usize) -> String {
         let page = if page > 0 { page.to_string() } else { String::new() };
         let all = [
@@ -66,15 +77,15 @@ pub(super) async fn page(
     let gyro = pages.pipeline.queries.names().gyro_number(serial);
     let any = AlertFilter {
         gyro,
-        rule: Rule::from_name(&filters.rule),
-        severity: Severity::from_name(&filters.severity),
+        rule: fleet::named("rule", &filters.rule)?,
+        severity: fleet::named("severity", &filters.severity)?,
         ..AlertFilter::default()
     };
     let nobody = gyro.is_none() && !serial.is_empty();
     let pipeline = &pages.pipeline.alerts;
     let counts = if nobody { HashMap::new() } else { pipeline.standings(&any).await? };
     let of = |standing: Standing| counts.get(&standing).copied().unwrap_or(0);
-    let wanted = Standing::from_name(filters.state());
+    let wanted = filters.standing()?;
     let filter = AlertFilter { standing: wanted, ..any };
     let above = filters.page.saturating_mul(ROWS);
     let mut found = if nobody { Vec::new() } else { pipeline.by_gyro(&filter, above, ROWS + 1).await? };
@@ -88,7 +99,7 @@ pub(super) async fn page(
     let here = filters.address(filters.state(), filters.page);
     let all: usize = Standing::ALL.iter().map(|standing| of(*standing)).sum();
     let tabs = Standing::ALL.map(|standing| (standing.name(), t.standing(standing.name()), of(standing)));
-    let tabs = tabs.into_iter().chain([("all", t.alert_all, all)]);
+    let tabs = tabs.into_iter().chain([(ALL, t.alert_all, all)]);
     let may = viewer.may(Role::Engineer) && wanted != Some(Standing::Resolved);
     let body = html! {
         @if !groups.is_empty() { a.skip href="#first" { (t.skip_to_first) } }
@@ -362,5 +373,20 @@ fn form(viewer: &Viewer, alert: &AlertBody, doing: Doing, said: &AlertForm) -> A
         button,
         back: said.word.back_or("/alerts").to_owned(),
         ..ActionForm::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_standing_is_refused_and_all_is_none() {
+        let of =
+            |state: &str| Filters { state: state.into(), ..Filters::default() }.standing().map_err(|why| why.status);
+        assert_eq!(of(""), Ok(Some(Standing::Firing)));
+        assert_eq!(of("resolved"), Ok(Some(Standing::Resolved)));
+        assert_eq!(of("all"), Ok(None));
+        assert_eq!(of("foo"), Err(400));
     }
 }

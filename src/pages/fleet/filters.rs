@@ -4,6 +4,8 @@ use axum::http::HeaderValue;
 use axum::http::header::HeaderName;
 
 use crate::core::fleet_order::FleetOrder;
+use crate::core::message::list;
+use crate::core::named::Named;
 use crate::pages::form::rule_choice;
 use crate::pages::layout::query;
 use crate::pages::prelude::*;
@@ -11,6 +13,8 @@ use crate::pipeline::{BEYOND, FleetFilter, FleetPage};
 
 /// Stations that the form offers.
 const MOST_OFFERED: usize = 100;
+/// What `state` may be.
+const OLD_STATES: [&str; 5] = ["exceeded", "warning", "indeterminate", "within", "overdue"];
 /// A wall display is loaded again after no less, s.
 const LEAST_REFRESH: u32 = 10;
 
@@ -77,16 +81,25 @@ impl Filters {
             station: now,
             ever,
             imu: self.imu.trim(),
-            rule: Rule::from_name(&self.rule),
+            rule: named("rule", &self.rule)?,
             batch: self.batch.trim(),
             calibrated_since: start("calibrated_since", &self.calibrated_since)?,
             changed_since: start("changed_since", &self.changed_since)?,
-            statuses: self.statuses(),
-            order: FleetOrder::from_name(&self.sort),
+            statuses: self.known_statuses()?,
+            order: named::<FleetOrder>("sort", &self.sort)?,
         })
     }
 
-    /// What is wanted; none where all is.
+    fn known_statuses(&self) -> Result<Option<&'static [Status]>, Problem> {
+        let statuses = self.statuses();
+        match statuses {
+            Some([]) if self.status.is_empty() => Err(not_one_of("state", OLD_STATES, &self.state)),
+            Some([]) => Err(not_one_of("status", Status::NAMES.iter().copied(), &self.status)),
+            _ => Ok(statuses),
+        }
+    }
+
+    /// What is wanted; none where all is, and nothing where no status has that name.
     fn statuses(&self) -> Option<&'static [Status]> {
         if !self.status.is_empty() {
             let one = Status::ALL.iter().position(|status| status.name() == self.status);
@@ -229,6 +242,24 @@ pub(in crate::pages) fn bad_parameter(name: &'static str, fault: Message) -> Pro
     Problem::new(400, "title_bad_query", message!("parameter_fault", parameter = name, fault))
 }
 
+/// The value that a parameter names; none where it is empty.
+pub(in crate::pages) fn named<T: Named>(name: &'static str, said: &str) -> Result<Option<T>, Problem> {
+    match T::from_name(said) {
+        None if !said.is_empty() => Err(not_one_of(name, T::NAMES.iter().copied(), said)),
+        found => Ok(found),
+    }
+}
+
+/// What is ignored would show more than was asked for.
+pub(in crate::pages) fn not_one_of(
+    parameter: &'static str,
+    known: impl IntoIterator<Item = &'static str>,
+    said: &str,
+) -> Problem {
+    let fault = message!("parameter_one_of", parameter, known = list(known), value = said.to_owned());
+    Problem::new(400, "title_bad_query", fault)
+}
+
 /// The day of an instant as a form has it.
 pub(in crate::pages) fn as_day(at: UtcMicros) -> String {
     at.date().to_string()
@@ -255,6 +286,14 @@ mod tests {
         let filter = filters.filter().unwrap();
         assert_eq!((filter.station, filter.ever, filter.order), ("", "ST-2", Some(FleetOrder::Load)));
         assert!(Filters { changed_since: "yesterday".into(), ..Filters::default() }.filter().is_err());
+        for unknown in [
+            Filters { status: "foo".into(), ..Filters::default() },
+            Filters { state: "foo".into(), ..Filters::default() },
+            Filters { rule: "foo".into(), ..Filters::default() },
+            Filters { sort: "foo".into(), ..Filters::default() },
+        ] {
+            assert_eq!(unknown.filter().err().map(|problem| problem.status), Some(400), "{unknown:?}");
+        }
     }
 
     #[test]

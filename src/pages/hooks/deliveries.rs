@@ -5,8 +5,8 @@ use axum::http::header::REFRESH;
 use super::{buttons, filter, known, state, written};
 use crate::core::delivery::DeliveryState;
 use crate::pages::prelude::*;
-use crate::pages::status;
 use crate::pages::verdicts::violated;
+use crate::pages::{fleet, status};
 use crate::pipeline::DeliveryPage;
 use crate::wire::hook::DeliveryBody;
 
@@ -31,7 +31,7 @@ pub(in crate::pages) async fn page(
     let t = viewer.text();
     let (number, hook) = known(pages, id).await?;
     let asked = DeliveryPage {
-        state: DeliveryState::from_name(&filters.state),
+        state: fleet::named("state", &filters.state)?,
         before: filters.before.parse::<Id>().ok(),
         limit: ROWS as u32 + 1,
     };

@@ -228,6 +228,12 @@ async fn without_tokens_this_machine_reads_posts_and_acknowledges_and_makes_no_t
     assert_eq!(made.headers["cache-control"], "no-store");
     let admin = made.json()["token"].as_str().unwrap().to_owned();
     assert_eq!(call(&server, "POST", "/v1/tokens", &setup, &first).await.status, 401, "it is used up");
+    for role in ["viewer", "engineer", "admin"] {
+        let limited = json!({ "name": "a", "role": role, "station": "ST-2" }).to_string();
+        let refused = call(&server, "POST", "/v1/tokens", &admin, &limited).await;
+        assert_eq!(refused.status, 422, "{role}");
+        assert_eq!(refused.json()["errors"][0]["code"], "station_of_role", "{role}");
+    }
     assert_eq!(server.get("/v1/gyros").await.status, 401);
     let trail = call(&server, "GET", "/v1/audit?action=create%20token", &admin, "").await.json();
     assert_eq!(trail["lines"][0]["who"], "setup");
@@ -531,6 +537,8 @@ async fn the_command_line_makes_lists_and_revokes_tokens_while_the_service_runs(
         assert!(!revoked && said.contains(why) && !said.contains("the database"), "{said}");
     }
     assert!(!token_command(server.dir(), &["create", "x", "--role", "king"]).0);
+    let limited = token_command(server.dir(), &["create", "x", "--role", "engineer", "--station", "ST-2"]);
+    assert!(!limited.0 && limited.1.contains("--station") && limited.1.contains("role station"), "{}", limited.1);
     assert!(
         !token_command(server.dir(), &["create", "x", "--role", "admin", "--expires-at", "2020-01-01T00:00:00Z"]).0
     );

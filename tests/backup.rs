@@ -80,6 +80,10 @@ async fn a_backup_that_is_cut_off_or_of_no_database_leaves_nothing_behind() {
     let (status, said) = on_database(&["restore", "--check", "cut.db"], server.dir());
     assert_eq!(status, Some(1), "{said}");
     assert!(said.contains("damaged"), "{said}");
+    std::fs::write(server.dir().join("text.db"), "these are notes of a laboratory\n".repeat(200)).unwrap();
+    let (status, said) = on_database(&["restore", "--check", "text.db"], server.dir());
+    assert_eq!(status, Some(1), "{said}");
+    assert!(said.contains("text.db") && said.contains("no SQLite database") && !said.contains("damaged"), "{said}");
 
     let empty = tempfile::tempdir().unwrap();
     let (status, said) = on_database(&["backup", "copy.db"], empty.path());

@@ -33,6 +33,7 @@ async fn a_wrong_setting_stops_the_start_and_is_named() {
         ("GYROWATCH_SERVER__COLOUR", "red", "colour"),
         ("GYROWATCH_JUDGING__BUDGET", "-1", "judging.budget"),
         ("GYROWATCH_JUDGING__METHOD", "guess", "judging.method"),
+        ("GYROWATCH_LOG__FILTER", "loud", "log.filter"),
         ("GYROWATCH_LISTEN", "nowhere", "listen"),
         ("GYROWATCH_LISTEN", taken.as_str(), "listen"),
     ] {

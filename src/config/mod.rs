@@ -41,14 +41,12 @@ pub use requirement::SlotRequirements;
 pub use rules::FixedBaseline;
 pub use stations::{StatedUncertainty, Stations};
 pub use variables::unread;
-use variables::variables;
+use variables::{DEFAULTS, variables};
 
 /// What `server.plain_http` must say for HTTP beyond this machine.
 pub const PLAIN_HTTP: &str = "anybody on the network can read tokens and records, and change them";
 
 type LayersBuilder = ConfigBuilder<DefaultState>;
-
-const DEFAULTS: &str = include_str!("../../config/default.toml");
 
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]

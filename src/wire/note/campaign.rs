@@ -26,12 +26,9 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             most = figure(*most_arcsec_s, 2),
             dwell = text(dwell),
         ),
-        CampaignNote::OutputsContradict { dwells, most_arcsec_s } => message!(
-            "dwells_contradict",
-            count = dwells.len(),
-            dwells = places(dwells),
-            most = significant(*most_arcsec_s, 3),
-        ),
+        CampaignNote::OutputsContradict { dwells, most_arcsec_s } => {
+            message!("dwells_contradict", dwells = places(dwells), most = significant(*most_arcsec_s, 3),)
+        }
         CampaignNote::NoStandardErrors => message!("no_standard_errors"),
         CampaignNote::NoRepeats => message!("no_repeats"),
         CampaignNote::NoiseGrows { times } => message!("noise_grows_with_rate", times = figure(*times, 1)),

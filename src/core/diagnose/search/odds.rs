@@ -30,10 +30,14 @@ impl Search<'_> {
         }
     }
 
-    /// The choices, those of temperature before the others where it has odds.
+    /// The choices, those of temperature before the others where it has odds; what a dwell set aside closes is no
+    /// other's.
     pub(crate) fn most_plausible_first(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
         if odds_of_temperature(&self.frame.setting) > 0.0 {
-            choices.sort_by_key(|choice| !choice.kind.entry().of_temperature);
+            choices.sort_by_key(|choice| {
+                let entry = choice.kind.entry();
+                !(entry.of_temperature || entry.is_one_dwell())
+            });
         }
         choices
     }

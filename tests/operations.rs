@@ -58,7 +58,7 @@ async fn a_file_that_is_no_database_is_named_at_the_start() {
         .unwrap();
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(1), "{said}");
-    assert!(said.contains("torn.db") && said.contains("damaged"), "{said}");
+    assert!(said.contains("torn.db") && said.contains("no SQLite database"), "{said}");
 }
 
 #[tokio::test]

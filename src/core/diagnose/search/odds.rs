@@ -30,15 +30,14 @@ impl Search<'_> {
         }
     }
 
-    /// The choices, those of temperature before the others where it has odds; what a dwell set aside closes is no
-    /// other's.
+    /// The choices: dwells set aside, for what they close is no other's; those of temperature where it has odds; the
+    /// others.
     pub(crate) fn most_plausible_first(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
-        if odds_of_temperature(&self.frame.setting) > 0.0 {
-            choices.sort_by_key(|choice| {
-                let entry = choice.kind.entry();
-                !(entry.of_temperature || entry.is_one_dwell())
-            });
-        }
+        let odds = odds_of_temperature(&self.frame.setting);
+        choices.sort_by_key(|choice| {
+            let entry = choice.kind.entry();
+            (!entry.is_one_dwell(), !(odds > 0.0 && entry.of_temperature))
+        });
         choices
     }
 

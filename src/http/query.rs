@@ -10,12 +10,13 @@ use serde::de::DeserializeOwned;
 use url::form_urlencoded;
 
 use crate::core::message::{Message, list};
-use crate::core::named::Named;
 use crate::core::time::{Span, UtcMicros};
 use crate::http::prelude::*;
 use crate::routes::Takes;
 use crate::wire::cursor::{self, List};
 use crate::wire::{time, unreadable};
+
+pub use crate::wire::problem::{named, not_one_of};
 
 pub const IDEMPOTENCY_KEY: &str = "idempotency-key";
 
@@ -53,17 +54,6 @@ pub fn not_taken(takes: &Takes, request: &Request) -> Option<Problem> {
 /// The answer to a parameter that cannot be used.
 pub fn bad(message: Message) -> Problem {
     Problem::new(400, "title_bad_query", message)
-}
-
-/// The answer to a parameter that must be one of those that are known.
-pub fn not_one_of(parameter: &'static str, known: impl IntoIterator<Item = &'static str>, value: &str) -> Problem {
-    bad(message!("parameter_one_of", parameter, known = list(known), value = value.to_owned()))
-}
-
-/// The value that a parameter names.
-pub fn named<T: Named>(parameter: &'static str, asked: Option<&str>) -> Answer<Option<T>> {
-    let value = |name: &str| T::from_name(name).ok_or_else(|| not_one_of(parameter, T::NAMES.iter().copied(), name));
-    asked.map(value).transpose()
 }
 
 /// `format`, or else `Accept`: whether CSV is asked for and not JSON.

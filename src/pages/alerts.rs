@@ -17,6 +17,7 @@ use crate::core::alert_filter::AlertFilter;
 use crate::core::judge::{Coefficient, Severity};
 use crate::core::named::{Named, named};
 use crate::pipeline::{self, AlertChange, AlertOrder, BEYOND, Violation};
+use crate::wire::problem::not_one_of;
 use table::known;
 
 /// Whatever the standing.
@@ -50,7 +51,7 @@ impl Filters {
     fn standing(&self) -> Result<Option<Standing>, Problem> {
         let (known, state) = (Standing::NAMES.iter().copied().chain([ALL]), self.state());
         match Standing::from_name(state) {
-            None if state != ALL => Err(fleet::not_one_of("state", known, state)),
+            None if state != ALL => Err(not_one_of("state", known, state)),
             found => Ok(found),
         }
     }

@@ -12,7 +12,7 @@ use super::{bullet, figure, spark, status as badges};
 use crate::core::judge::{Coefficient, Measured, Rule, Status};
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::{BEYOND, DueDate, Names, RecentValues, Standing, Violation, sample_of};
-pub(super) use filters::{Filters, as_day, bad_parameter, named, not_one_of};
+pub(super) use filters::{Filters, as_day, bad_parameter, named};
 
 /// Gyros on one page, values in one small line, and how long that is.
 const ROWS: usize = 40;

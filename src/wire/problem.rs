@@ -6,7 +6,8 @@ use std::fmt::Display;
 use utoipa::PartialSchema;
 use utoipa::openapi::{RefOr, Schema};
 
-use crate::core::message::text;
+use crate::core::message::{list, text};
+use crate::core::named::Named;
 use crate::wire::prelude::*;
 
 /// What went wrong, before it is words.
@@ -130,6 +131,19 @@ impl Problem {
         let existing = self.existing.clone();
         ProblemBody { title, status: self.status, message, detail, errors, existing }
     }
+}
+
+/// The answer to a parameter that must be one of those that are known: what is ignored would show more than was asked
+/// for.
+pub fn not_one_of(parameter: &'static str, known: impl IntoIterator<Item = &'static str>, value: &str) -> Problem {
+    let fault = message!("parameter_one_of", parameter, known = list(known), value = value.to_owned());
+    Problem::new(400, "title_bad_query", fault)
+}
+
+/// The value that a parameter names.
+pub fn named<T: Named>(parameter: &'static str, asked: Option<&str>) -> Result<Option<T>, Problem> {
+    let value = |name: &str| T::from_name(name).ok_or_else(|| not_one_of(parameter, T::NAMES.iter().copied(), name));
+    asked.map(value).transpose()
 }
 
 /// Every fault with its place, for those who show no more than the detail.

@@ -4,12 +4,12 @@ use axum::http::HeaderValue;
 use axum::http::header::HeaderName;
 
 use crate::core::fleet_order::FleetOrder;
-use crate::core::message::list;
 use crate::core::named::Named;
 use crate::pages::form::rule_choice;
 use crate::pages::layout::query;
 use crate::pages::prelude::*;
 use crate::pipeline::{BEYOND, FleetFilter, FleetPage};
+use crate::wire::problem::{self, not_one_of};
 
 /// Stations that the form offers.
 const MOST_OFFERED: usize = 100;
@@ -244,20 +244,7 @@ pub(in crate::pages) fn bad_parameter(name: &'static str, fault: Message) -> Pro
 
 /// The value that a parameter names; none where it is empty.
 pub(in crate::pages) fn named<T: Named>(name: &'static str, said: &str) -> Result<Option<T>, Problem> {
-    match T::from_name(said) {
-        None if !said.is_empty() => Err(not_one_of(name, T::NAMES.iter().copied(), said)),
-        found => Ok(found),
-    }
-}
-
-/// What is ignored would show more than was asked for.
-pub(in crate::pages) fn not_one_of(
-    parameter: &'static str,
-    known: impl IntoIterator<Item = &'static str>,
-    said: &str,
-) -> Problem {
-    let fault = message!("parameter_one_of", parameter, known = list(known), value = said.to_owned());
-    Problem::new(400, "title_bad_query", fault)
+    problem::named(name, Some(said).filter(|said| !said.is_empty()))
 }
 
 /// The day of an instant as a form has it.

@@ -48,7 +48,7 @@ impl Competing {
 }
 
 /// As it is used.
-pub(super) fn stored(row: HypothesisRow) -> Result<StoredHypothesis, StoreError> {
+fn stored(row: HypothesisRow) -> Result<StoredHypothesis, StoreError> {
     let damaged = |why: &dyn std::fmt::Display| StoreError::damaged(format_args!("hypothesis {}: {why}", row.id));
     let body: HypothesisBody = serde_json::from_str(&row.body).map_err(|error| damaged(&error))?;
     let effect = body.to_core().map_err(|faults: Faults| damaged(&faults))?;

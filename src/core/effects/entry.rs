@@ -69,12 +69,15 @@ effects! {
     Burst,
     DriftingMassUnbalance,
     DriftingScale,
+    SteppingMassUnbalance,
+    SteppingScale,
     PartTime,
     BentTemperature,
     TemperatureRate,
     TemperatureLag,
     TemperatureAndTime,
     TemperatureGSquared,
+    LaggingSensitivity,
     OrientationHarmonics,
     Friction,
     Heading,
@@ -88,6 +91,10 @@ effects! {
     TorquerHeating,
     RateBefore,
     RateProduct,
+    SettlingAfterRate,
+    TableRate,
+    LeverArm,
+    DriftingTable,
 }
 
 /// The parameter of a regressor that is not linear, at one value.

@@ -169,7 +169,7 @@ mod tests {
             let words = [competitor.cause, competitor.equation, competitor.unit];
             assert!(words.iter().all(|text| !text.is_empty()));
             assert!(competitor.typical[0] < competitor.typical[1] && !competitor.confused_with.is_empty());
-            assert!(!competitor.nameable && competitor.scope == Scope::Gyro, "{}", competitor.id);
+            assert!(!competitor.nameable, "{}", competitor.id);
             assert_eq!(Effect::from_id(competitor.id), None, "the contract's entries are no competitors");
         }
         ids.sort_unstable();

@@ -138,7 +138,7 @@ pub const RESEATING: Entry = Entry {
 };
 
 /// Instants within a campaign at which its station may have changed: evenly spaced ones, and pauses.
-fn instants(s: &Setting) -> impl Iterator<Item = f64> {
+pub(super) fn instants(s: &Setting) -> impl Iterator<Item = f64> {
     const COUNT: usize = 8;
     let n = s.dwells();
     let mut first: Vec<usize> = (1..=COUNT).map(|i| (i * n / (COUNT + 1)).max(1)).collect();
@@ -149,7 +149,7 @@ fn instants(s: &Setting) -> impl Iterator<Item = f64> {
 }
 
 /// A column where the shape has the effect: after its instant, or without one in turning dwells.
-fn afterwards(s: &Setting, mut column: Vec<f64>, shape: Shape) -> Vec<f64> {
+pub(super) fn afterwards(s: &Setting, mut column: Vec<f64>, shape: Shape) -> Vec<f64> {
     for (k, x) in column.iter_mut().enumerate() {
         let acts = match shape {
             Shape::Instant(instant) => s.time[k] > instant,
@@ -192,7 +192,7 @@ fn in_body(s: &Setting, horizontal: Vector3<f64>) -> Vec<Vector3<f64>> {
 }
 
 /// Drift of gyro `j` for a unit rotation about `axis` (nav); `with_rate` when the table's rate is seen turned too.
-fn tilted(s: &Setting, j: usize, axis: Vector3<f64>, with_rate: bool) -> Vec<f64> {
+pub(super) fn tilted(s: &Setting, j: usize, axis: Vector3<f64>, with_rate: bool) -> Vec<f64> {
     let Some(c) = &s.nav_to_body else { return vec![0.0; s.dwells()] };
     let gyro = &s.gyros[j];
     let force = axis.cross(&Vector3::new(0.0, 0.0, s.gravity));

@@ -6,10 +6,12 @@
 mod common;
 mod orientation;
 mod rate;
+mod station;
 mod thermal;
 mod time;
 
 use super::entry::Entry;
 
 /// By family, in the order of [`super::Effect`].
-pub(super) const FAMILIES: [&[&Entry]; 4] = [time::ENTRIES, thermal::ENTRIES, orientation::ENTRIES, rate::ENTRIES];
+pub(super) const FAMILIES: [&[&Entry]; 5] =
+    [time::ENTRIES, thermal::ENTRIES, orientation::ENTRIES, rate::ENTRIES, station::ENTRIES];

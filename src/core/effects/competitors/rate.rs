@@ -14,6 +14,7 @@ pub(super) const ENTRIES: &[&Entry] = &[
     &TORQUER_HEATING,
     &RATE_BEFORE,
     &RATE_PRODUCT,
+    &SETTLING_AFTER_RATE,
 ];
 
 pub const RATE_EVEN: Entry = Entry {
@@ -163,7 +164,38 @@ pub const RATE_PRODUCT: Entry = Entry {
     ..COMPETING
 };
 
+pub const SETTLING_AFTER_RATE: Entry = Entry {
+    effect: Effect::SettlingAfterRate,
+    id: "settling_after_rate",
+    cause: "fluid, case and slip rings settle after the table has turned, however fast",
+    equation: "k exp(-t/tau), t since the table last turned",
+    unit: "deg/h",
+    typical: [0.0001, 0.05], // thermal settling after a change of rate
+    confused_with: &[Effect::BiasStep, Effect::Warmup, Effect::Periodic],
+    shapes: &|s| [0.5, 1.5, 4.0, 12.0].into_iter().map(|x| (Shape::Tau(x * s.interval()), 1.0)).collect(),
+    columns: &|s, _, shape| match shape {
+        Shape::Tau(tau) => vec![settling(s, tau)],
+        _ => Vec::new(),
+    },
+    only_closer: true,
+    ..COMPETING
+};
+
 const PRODUCTS: [[usize; 1]; 7] = [[0], [1], [2], [3], [4], [5], [6]];
+
+/// What is left, of one, of the last turn.
+fn settling(s: &Setting, tau: f64) -> Vec<f64> {
+    let mut ended = None;
+    (0..s.dwells())
+        .map(|k| {
+            let left = ended.map_or(0.0, |ended: f64| ((ended - s.time[k]) / tau).exp());
+            if s.phase[k] == Phase::Rate {
+                ended = Some(s.time[k] + 0.5 * s.duration[k]);
+            }
+            left
+        })
+        .collect()
+}
 
 fn turning(s: &Setting, k: usize) -> f64 {
     f64::from(u8::from(s.phase[k] == Phase::Rate))

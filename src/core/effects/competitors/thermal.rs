@@ -4,8 +4,14 @@ use super::common::{mid, picked};
 use crate::core::effects::entry::{COMPETING, Effect, Entry, Shape};
 use crate::core::effects::setting::Setting;
 
-pub(super) const ENTRIES: &[&Entry] =
-    &[&BENT_TEMPERATURE, &TEMPERATURE_RATE, &TEMPERATURE_LAG, &TEMPERATURE_AND_TIME, &TEMPERATURE_G_SQUARED];
+pub(super) const ENTRIES: &[&Entry] = &[
+    &BENT_TEMPERATURE,
+    &TEMPERATURE_RATE,
+    &TEMPERATURE_LAG,
+    &TEMPERATURE_AND_TIME,
+    &TEMPERATURE_G_SQUARED,
+    &LAGGING_SENSITIVITY,
+];
 
 pub const BENT_TEMPERATURE: Entry = Entry {
     effect: Effect::BentTemperature,
@@ -80,6 +86,35 @@ pub const TEMPERATURE_G_SQUARED: Entry = Entry {
     of_temperature: true,
     ..COMPETING
 };
+
+pub const LAGGING_SENSITIVITY: Entry = Entry {
+    effect: Effect::LaggingSensitivity,
+    id: "lagging_sensitivity",
+    cause: "magnet, float and fluid follow the case late: scale factor and mass unbalance do, too",
+    equation: "k T w_I, or T (k_x a_x + k_y a_y + k_z a_z), T as an exponential lag leaves it",
+    unit: "1/K, deg/(h g0 K)",
+    typical: [1e-6, 0.01], // as temperature_scale and temperature_g
+    confused_with: &[Effect::TemperatureScale, Effect::TemperatureG, Effect::GRateCoupling],
+    shapes: &|s| LAGS.into_iter().flat_map(|x| [x, -x]).map(|x| (Shape::Tau(x * s.interval()), 1.0)).collect(),
+    columns: &|s, j, shape| match shape {
+        // The sign tells one from the other.
+        Shape::Tau(tau) if tau > 0.0 => {
+            let late = temperature_lagged(s, tau);
+            vec![s.column(|k| late[k] * s.rate[k].dot(&s.gyros[j].input))]
+        }
+        Shape::Tau(tau) => {
+            let late = temperature_lagged(s, -tau);
+            s.by_axis(|k, i| late[k] * s.force[k][i])
+        }
+        _ => Vec::new(),
+    },
+    of_temperature: true,
+    only_closer: true,
+    ..COMPETING
+};
+
+/// Time constants of lags, in intervals between dwells.
+const LAGS: [f64; 4] = [2.0, 5.0, 12.0, 30.0];
 
 fn temperature_power(s: &Setting, degree: i32) -> Vec<f64> {
     s.column(|k| s.kelvin(k).powi(degree))

@@ -3,8 +3,10 @@
 use std::f64::consts::PI;
 
 use super::common::{mid, picked};
+use crate::core::campaign::Phase;
 use crate::core::effects::entry::{COMPETING, Effect, Entry, Prior, Shape};
 use crate::core::effects::setting::Setting;
+use crate::core::effects::station::{afterwards, instants};
 
 pub(super) const ENTRIES: &[&Entry] = &[
     &CURVE_IN_TIME,
@@ -14,6 +16,8 @@ pub(super) const ENTRIES: &[&Entry] = &[
     &BURST,
     &DRIFTING_MASS_UNBALANCE,
     &DRIFTING_SCALE,
+    &STEPPING_MASS_UNBALANCE,
+    &STEPPING_SCALE,
     &PART_TIME,
 ];
 
@@ -109,6 +113,44 @@ pub const DRIFTING_SCALE: Entry = Entry {
     typical: [1e-6, 0.0001], // stability of torquer scale factors, 1 to 100 ppm
     confused_with: &[Effect::TemperatureScale, Effect::ScaleQuadratic],
     columns: &|s, j, _| vec![s.column(|k| mid(s, k) * s.rate[k].dot(&s.gyros[j].input))],
+    ..COMPETING
+};
+
+pub const STEPPING_MASS_UNBALANCE: Entry = Entry {
+    effect: Effect::SteppingMassUnbalance,
+    id: "stepping_mass_unbalance",
+    cause: "a shock, a power interruption or a night without power moves the float's centre of mass once",
+    equation: "H(t - t_0) (k_x a_x + k_y a_y + k_z a_z)",
+    unit: "deg/(h g0)",
+    typical: [0.001, 0.1], // stability of mass unbalance across power-downs
+    confused_with: &[Effect::TemperatureG, Effect::Relevelling, Effect::Reseating],
+    shapes: &|s| instants(s).map(|instant| (Shape::Instant(instant), 1.0)).collect(),
+    columns: &|s, _, shape| {
+        let columns = s.by_axis(|k, i| s.force[k][i]);
+        columns.into_iter().map(|column| afterwards(s, column, shape)).collect()
+    },
+    only_closer: true,
+    ..COMPETING
+};
+
+pub const STEPPING_SCALE: Entry = Entry {
+    effect: Effect::SteppingScale,
+    id: "stepping_scale",
+    cause: "the torquer's magnet or its reference changes once, as a power interruption leaves it",
+    equation: "k H(t - t_0) w_I",
+    unit: "1",
+    typical: [1e-6, 0.0001], // stability of torquer scale factors across power-downs, 1 to 100 ppm
+    confused_with: &[Effect::Reseating, Effect::Levelling, Effect::GRateCoupling, Effect::TemperatureScale],
+    // With the table turning on one side alone it is a scale factor.
+    shapes: &|s| {
+        let turned = |after: bool, instant: f64| {
+            (0..s.dwells()).any(|k| s.phase[k] == Phase::Rate && (s.time[k] > instant) == after)
+        };
+        let both = instants(s).filter(|instant| turned(false, *instant) && turned(true, *instant));
+        both.map(|instant| (Shape::Instant(instant), 1.0)).collect()
+    },
+    columns: &|s, j, shape| vec![afterwards(s, s.column(|k| s.rate[k].dot(&s.gyros[j].input)), shape)],
+    only_closer: true,
     ..COMPETING
 };
 

@@ -6,9 +6,14 @@ use gyrowatch::core::augmented::Options;
 use gyrowatch::core::diagnose::{Diagnosis, Verdict, diagnose};
 use gyrowatch::core::effects::Effect;
 use gyrowatch::core::mounting::Slot;
+use gyrowatch::simulate::presets::preset;
 use gyrowatch::simulate::scenario::{EffectChoice, Profile, Scenario};
 use gyrowatch::simulate::simulate;
-use gyrowatch::wire::campaign::parse_json;
+use gyrowatch::wire::campaign::{parse_json, to_json};
+use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 
 use crate::prelude::*;
 
@@ -224,4 +229,110 @@ fn when_a_step_happened_is_as_unsure_as_its_standard_deviation_says() {
     let beyond = all.iter().filter(|over| **over > 2.0).count();
     // Half an interval between dwells, which it was said to be, left most of them beyond two deviations.
     assert!(all.len() >= 10 && beyond <= 1 && (0.05..1.5).contains(&mean_square), "{all:?}");
+}
+
+/// The default scenario without a cause, as the file of a station that commands something else than it does.
+fn commanded_wrongly(seed: u64, wrong: impl Fn(&mut Value)) -> Diagnosis {
+    let scenario = Scenario { seed, ..Scenario::default() };
+    let mut campaign: Value = serde_json::from_str(&to_json(&simulate(&scenario).unwrap().campaign)).unwrap();
+    campaign["dwells"].as_array_mut().unwrap().iter_mut().filter(|dwell| dwell["phase"] == "rate").for_each(wrong);
+    diagnosed(&campaign)
+}
+
+fn vector(of: &Value) -> Vector3<f64> {
+    Vector3::from_iterator(of.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()))
+}
+
+fn signs(diagnosis: &Diagnosis) -> Vec<&'static str> {
+    diagnosis.remaining.signs.iter().map(|sign| sign.kind).collect()
+}
+
+#[test]
+fn a_table_that_is_wrong_in_one_sense_and_an_imu_off_its_axis_pass_for_no_effect_of_the_catalogue() {
+    for seed in [41, 42, 43] {
+        let faster = commanded_wrongly(seed, |dwell| {
+            let (rate, up) = (vector(&dwell["rate_arcsec_s"]), vector(&dwell["specific_force_g0"]));
+            if rate.dot(&up) > 0.0 {
+                dwell["rate_arcsec_s"] = json!((rate * (1.0 - 4e-6)).as_slice());
+            }
+        });
+        assert_eq!((names(&faster), signs(&faster)), (BTreeSet::new(), vec!["table_rate"]), "seed {seed}");
+        // The rates are low, so the arm is long: w x (w x r) of 0.01 m/s2.
+        let off_axis = commanded_wrongly(seed, |dwell| {
+            let w = vector(&dwell["rate_arcsec_s"]) * (std::f64::consts::PI / 648_000.0);
+            let outwards = w.cross(&w.cross(&Vector3::new(9.0, -6.0, 7.0))) / 9.806_65;
+            dwell["specific_force_g0"] = json!((vector(&dwell["specific_force_g0"]) - outwards).as_slice());
+        });
+        assert_eq!((names(&off_axis), signs(&off_axis)), (BTreeSet::new(), vec!["lever_arm"]), "seed {seed}");
+    }
+}
+
+#[test]
+fn several_bad_dwells_are_one_sign_that_says_which() {
+    let mut campaign: Value =
+        serde_json::from_str(&to_json(&simulate(&Scenario { seed: 77, ..Scenario::default() }).unwrap().campaign))
+            .unwrap();
+    for (dwell, gyro, off) in [(7, 0, 0.02), (21, 0, -0.03), (33, 1, 0.02)] {
+        let output = &mut campaign["dwells"][dwell]["output_pulse_s"][gyro];
+        *output = (output.as_f64().unwrap() + off).into();
+    }
+    let answer = diagnosed(&campaign);
+    assert_eq!((answer.verdict, signs(&answer)), (Verdict::Unexplained, vec!["several_bad_dwells"]));
+    assert_eq!(answer.remaining.signs[0].dwells, [7, 21, 33]);
+    assert_eq!(answer.remaining.signs[0].slots, [Slot::G1, Slot::G2]);
+}
+
+#[test]
+fn what_a_campaign_does_not_show_of_an_effect_is_no_estimate() {
+    let draw = Draw {
+        seed: 20_262,
+        cases: vec![Case::One],
+        effects: vec!["relevelling".into(), "reseating".into()],
+        detectability: vec![20.0],
+    };
+    for number in 0..12 {
+        let found = diagnose(&draw.trial(number).simulated.campaign, &Options::default()).unwrap();
+        for one in found.effects.iter().flat_map(|effect| &effect.estimates) {
+            assert!(one.name == "instant" || one.sd > 0.0 && one.sd < 0.2, "{number}: {one:?}");
+        }
+    }
+}
+
+/// Standard errors of four samples each scatter by a third about noise that is the same throughout.
+#[test]
+fn standard_errors_of_a_few_samples_make_no_gap() {
+    let scattered = |seed: u64| {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let scenario = Scenario { seed, ..Scenario::default() };
+        let mut campaign: Value = serde_json::from_str(&to_json(&simulate(&scenario).unwrap().campaign)).unwrap();
+        let mut of_four = || {
+            let chi_square: f64 = (0..4).map(|_| Distribution::<f64>::sample(&StandardNormal, &mut rng).powi(2)).sum();
+            (chi_square / 4.0).sqrt()
+        };
+        for dwell in campaign["dwells"].as_array_mut().unwrap() {
+            for sem in dwell["output_sem_pulse_s"].as_array_mut().unwrap() {
+                *sem = (sem.as_f64().unwrap() * of_four()).into();
+            }
+        }
+        diagnosed(&campaign).verdict
+    };
+    let gaps = (0..20).filter(|seed| scattered(3_000 + seed) != Verdict::NoGap).count();
+    assert!(gaps <= 2, "{gaps} of 20");
+}
+
+#[test]
+fn rounded_commands_are_said_where_rounding_shows() {
+    let rounded = |places: i32| {
+        let scenario = Scenario { seed: 5, ..preset("60-position").unwrap() };
+        let mut campaign: Value = serde_json::from_str(&to_json(&simulate(&scenario).unwrap().campaign)).unwrap();
+        for dwell in campaign["dwells"].as_array_mut().unwrap() {
+            for x in dwell["specific_force_g0"].as_array_mut().unwrap() {
+                let scale = 10_f64.powi(places);
+                *x = ((x.as_f64().unwrap() * scale).round() / scale).into();
+            }
+        }
+        let said = diagnosed(&campaign).notes;
+        said.iter().any(|note| note.code == "commands_rounded")
+    };
+    assert!(rounded(3) && !rounded(6));
 }

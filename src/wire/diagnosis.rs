@@ -109,7 +109,10 @@ impl DiagnosisBody {
             "partly_explained" => message!("diagnosis_partly_explained"),
             _ => message!("diagnosis_unexplained"),
         };
-        let by_pattern = self.verdict != "no_gap" && self.gap.rms_deg_per_h <= self.gap.noise_alone_deg_per_h;
+        // Single dwells that stand out are in the noise of repeats as well.
+        let of_single_dwells = self.remaining.signs.iter().any(|sign| !sign.pointers.is_empty());
+        let is_small = self.gap.rms_deg_per_h <= self.gap.noise_alone_deg_per_h;
+        let by_pattern = self.verdict != "no_gap" && is_small && !of_single_dwells;
         let by_pattern = by_pattern.then(|| message!("diagnosis_by_pattern"));
         language.sentences(&[verdict].into_iter().chain(by_pattern).collect::<Vec<_>>())
     }
@@ -291,7 +294,27 @@ pub struct RemainingBody {
 pub struct SignBody {
     pub kind: String,
     pub gyros: Vec<String>,
+    /// JSON pointers of the dwells that stand out, where it is of single ones.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pointers: Vec<String>,
     pub p_value: f64,
+}
+
+impl SignBody {
+    /// What shows that more remains, and in which single dwells.
+    pub fn in_words(&self, language: Language) -> String {
+        let words = sign_word(&self.kind, language);
+        match self.pointers.as_slice() {
+            [] => words.to_owned(),
+            dwells => format!("{words} ({})", dwells.join(", ")),
+        }
+    }
+}
+
+/// The words of a sign: those of a test, or of a competing hypothesis.
+pub fn sign_word(kind: &str, language: Language) -> &str {
+    let words = ["sign_", "effect_"].map(|prefix| language.word(&format!("{prefix}{kind}")));
+    words.into_iter().find(|word| !word.is_empty()).unwrap_or(kind)
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -429,7 +452,8 @@ bodies! {
     EffectBody of core::NamedEffect: effect, class, wider_in, gyros, acts_in, estimates, held_out, p_value_adjusted,
         detectability, drift;
     RemainingBody of core::Remaining: rms_deg_per_h, reduced_chi2, p_value, signs;
-    SignBody of core::Sign: kind, gyros = slots, p_value;
+    SignBody of core::Sign: kind, gyros = slots, pointers: |sign| sign.dwells.iter().map(|k| format!("/dwells/{k}")).collect(),
+        p_value;
     ImpactBody of core::Impact: slot, coefficient, plain, plain_sd, augmented, augmented_sd, shift, of_budget;
     ResidualBody of core::Residual: index, slot, before_deg_per_h, after_deg_per_h, sd_deg_per_h;
     DescribedBody of core::Described: by, evidence;

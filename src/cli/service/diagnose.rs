@@ -252,7 +252,7 @@ fn effects(d: &DiagnosisBody) -> Option<String> {
 fn signs(d: &DiagnosisBody) -> Option<String> {
     let mut rows = table_of("terminal_signs_head", 2..3);
     for sign in &d.remaining.signs {
-        rows.add_row([sign.kind.clone(), sign.gyros.join(" "), format!("{:.1e}", sign.p_value)]);
+        rows.add_row([sign.in_words(asked()), sign.gyros.join(" "), format!("{:.1e}", sign.p_value)]);
     }
     (!d.remaining.signs.is_empty()).then(|| format!("{}\n{rows}", word("terminal_signs")))
 }

@@ -197,7 +197,15 @@ pub struct Remaining {
 pub struct Sign {
     pub kind: &'static str,
     pub slots: Vec<Slot>,
+    /// The dwells that stand out, where it is of single ones.
+    pub dwells: Vec<usize>,
     pub p_value: f64,
+}
+
+impl Sign {
+    pub(crate) fn of_no_dwell(kind: &'static str, slots: Vec<Slot>, p_value: f64) -> Self {
+        Self { kind, slots, dwells: Vec::new(), p_value }
+    }
 }
 
 /// An effect that was tried and not named.

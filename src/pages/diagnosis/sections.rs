@@ -48,7 +48,7 @@ fn summary(t: &Text, d: &DiagnosisBody) -> Markup {
             " · " (t.model_in_use) " " code translate="no" { (d.model.listed()) }
         }
         @for sign in &d.remaining.signs {
-            p { (t.sign_of_more) ": " (t.sign(&sign.kind)) " (" (sign.gyros.join(", ")) "), p = " (short(sign.p_value)) }
+            p { (t.sign_of_more) ": " (sign.in_words(t.language())) " (" (sign.gyros.join(", ")) "), p = " (short(sign.p_value)) }
         }
     }
 }
@@ -81,7 +81,8 @@ fn sizes(t: &Text, effect: &EffectBody) -> String {
 fn sized(t: &Text, estimate: &EstimateBody) -> (String, String) {
     let (factor, unit) =
         if is_shape(estimate) { (1.0, estimate.unit.trim_matches('1')) } else { in_engineers_units(&estimate.unit) };
-    let value = figure::with_sd(factor * estimate.value, Some(factor * estimate.sd).filter(|sd| *sd > 0.0), 3);
+    let decimals = if estimate.name == "dwell" { 0 } else { 3 };
+    let value = figure::with_sd(factor * estimate.value, Some(factor * estimate.sd).filter(|sd| *sd > 0.0), decimals);
     (value, t.unit_of(unit))
 }
 
@@ -450,7 +451,7 @@ mod tests {
         };
         let asymmetry = vec![estimate("G1", "k", -1.108e-6, 8.7e-8, "1"), estimate("G2", "k", -7.3e-7, 1.0e-7, "1")];
         assert_eq!(of(asymmetry), "G1 -1.108 ± 0.087 ppm; G2 -0.73 ± 0.10 ppm");
-        assert_eq!(of(vec![estimate("all", "dwell", 17.0, 0.0, "1")]), "dwell = 17.000");
+        assert_eq!(of(vec![estimate("all", "dwell", 17.0, 0.0, "1")]), "dwell = 17");
         let tilt = vec![estimate("all", "north", 1e-4, 1e-5, "rad")];
         assert_eq!(of(tilt), "north = 20.6 ± 2.1 arcsec");
         assert_eq!(of(vec![estimate("G3", "k", 1e-3, 1e-4, "deg/h/K")]), "G3 0.00100 ± 0.00010 deg/h/K");

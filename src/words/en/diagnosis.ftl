@@ -67,6 +67,13 @@ effect_friction = a dependence on the sense of specific force
 effect_heading = a dependence on the table's heading
 effect_earth_rate = an error of the Earth's rate along north
 effect_orientation_before = a memory of the orientation before
+effect_stepping_mass_unbalance = g-sensitivity that changes once
+effect_stepping_scale = a scale factor that changes once
+effect_lagging_sensitivity = a scale factor or g-sensitivity that follows temperature late
+effect_settling_after_rate = settling after the table has turned
+effect_table_rate = a wrong rate of the table, in one sense or at one rate
+effect_lever_arm = a lever arm: the IMU sits off the table's axis
+effect_drifting_table = a tilt or azimuth of the table that changes
 
 ## What a campaign must hold for an effect to show
 
@@ -110,6 +117,7 @@ sign_similar_rates = dwells of similar rates err alike
 sign_same_orientation_before = dwells after one and the same orientation err alike
 sign_similar_temperatures = dwells of similar temperatures err alike
 sign_harmonics = a named sinusoid has harmonics
+sign_dwell_beside_structure = a dwell stands out beside other structure
 sign_several_bad_dwells = more than one dwell stands out
 sign_one_shape_is_not_enough = one entry would be needed twice, with two instants or periods
 sign_wandering_in_time = a course in time, or two, that a wandering one replaces nearly as well
@@ -145,6 +153,10 @@ mostly_absorbed_by_model = the model in use absorbs all but { $share } of its po
 ## Notes of a diagnosis
 
 noise_from_repeats_and_residuals = no standard errors are stated: the noise is taken from repeats and residuals
+commands_rounded = { $of ->
+    [force] specific force is given in steps of { $step } g0
+   *[rate] rates are given in steps of { $step } arcsec/s
+}: rounding alone makes { $times } times the noise of a dwell in { $slot }. Write more digits
 no_pure_error = no dwell repeats another: there is no pure error to check the noise against
 described_by = what is left goes with { $variable }; that is a description, no cause
 described_by_two = what is left goes with { $first } or { $second }; that is a description, no cause

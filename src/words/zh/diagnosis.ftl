@@ -67,6 +67,13 @@ effect_friction = 与比力正反有关
 effect_heading = 与转台方位有关
 effect_earth_rate = 地球自转角速度北向分量的误差
 effect_orientation_before = 对前一姿态的记忆
+effect_stepping_mass_unbalance = 一次性变化的g敏感性
+effect_stepping_scale = 一次性变化的标度因子
+effect_lagging_sensitivity = 滞后于温度的标度因子或g敏感性
+effect_settling_after_rate = 转台转动之后的稳定过程
+effect_table_rate = 转台角速度有误（某一转向或某一速率）
+effect_lever_arm = 杆臂：IMU不在转台轴线上
+effect_drifting_table = 转台的倾斜或方位发生变化
 
 ## What a campaign must hold for an effect to show
 
@@ -110,6 +117,7 @@ sign_similar_rates = 角速度相近的测点误差相似
 sign_same_orientation_before = 前一姿态相同的测点误差相似
 sign_similar_temperatures = 温度相近的测点误差相似
 sign_harmonics = 已命名的正弦含有谐波
+sign_dwell_beside_structure = 除其他结构外，有一个测点异常
 sign_several_bad_dwells = 不止一个测点异常
 sign_one_shape_is_not_enough = 同一效应需以两个时刻或周期出现两次
 sign_wandering_in_time = 一种或两种随时间的变化几乎可由一种漂移代替
@@ -145,6 +153,10 @@ mostly_absorbed_by_model = 现用模型在本次试验的每个测点中吸收�
 ## Notes of a diagnosis
 
 noise_from_repeats_and_residuals = 未给出标准误差：噪声取自重复测量与残差
+commands_rounded = { $of ->
+    [force] 比力以{ $step } g0为步长给出
+   *[rate] 角速度以{ $step } arcsec/s为步长给出
+}：仅舍入就使{ $slot }达到一个测点噪声的{ $times }倍。请写出更多位数
 no_pure_error = 没有重复的测点：无法用纯误差检验噪声
 described_by = 剩余部分与{ $variable }有关；这是描述，不是原因
 described_by_two = 剩余部分与{ $first }或{ $second }有关；这是描述，不是原因

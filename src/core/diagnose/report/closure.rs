@@ -78,7 +78,7 @@ pub(crate) fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &F
     let of_rival = |named: &Named| Some(sign(search, named.rival?.id(), &named.part.members, named.evidence));
     list.extend(named.iter().filter_map(of_rival));
     if let Some((_, _, without)) = settled.noise_found.memory {
-        list.push(Sign { kind: "noise_with_memory", slots: all_slots(frame), p_value: without.min(CERTAIN) });
+        list.push(Sign::of_no_dwell("noise_with_memory", all_slots(frame), without.min(CERTAIN)));
     }
     let parts: Vec<&Part> = named.iter().map(|named| &named.part).collect();
     let extras: Vec<Basis> = (0..frame.gyros.len())
@@ -92,11 +92,10 @@ pub(crate) fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &F
     let power = |r: &[f64]| dot(r, r);
     let taken: f64 = frame.gyros.iter().zip(&fit.residuals).map(|(g, r)| power(&g.residual) - power(r)).sum();
     let changes = constancy::changes(&left, named, fit, taken.max(0.0).sqrt());
-    list.extend(changes.iter().map(|change| Sign {
-        kind: "not_constant",
-        slots: vec![frame.setting.gyros[change.gyro].slot],
-        p_value: change.p_value,
-    }));
+    let of_change = |change: &Change| {
+        Sign::of_no_dwell("not_constant", vec![frame.setting.gyros[change.gyro].slot], change.p_value)
+    };
+    list.extend(changes.iter().map(of_change));
     let mut tests = left.tests();
     tests.extend(harmonics(&left, named));
     let all_slots = all_slots(frame);
@@ -104,7 +103,7 @@ pub(crate) fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &F
     if list.is_empty() && p_value < level(named) {
         list = remaining::signs(&tests, &all_slots, level(named));
         if list.is_empty() {
-            list.push(Sign { kind: "tests_together", slots: all_slots, p_value });
+            list.push(Sign::of_no_dwell("tests_together", all_slots, p_value));
         }
         return Signs { list, p_value, changes };
     }
@@ -112,7 +111,7 @@ pub(crate) fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &F
     if named.is_empty() && list.is_empty() {
         let p_value = settled.p_value_of_components();
         if p_value < level(named) {
-            list.push(Sign { kind: "goes_with_a_variable", slots: all_slots, p_value });
+            list.push(Sign::of_no_dwell("goes_with_a_variable", all_slots, p_value));
         }
     }
     let strongest = list.iter().map(|sign| sign.p_value).fold(p_value, f64::min);
@@ -203,11 +202,13 @@ fn drift(frame: &Frame, part: &Part, p: usize, fit: &Fit) -> Vec<(Slot, Vec<f64>
     (0..part.members.len()).filter(|j| part.members[*j]).map(of_gyro).collect()
 }
 
+/// What the campaign does not show of an effect is no estimate: neither zero nor a size that nothing has.
 fn estimates(frame: &Frame, parts: &[Part], p: usize, fit: &Fit) -> Vec<Estimate> {
+    let plausible = parts[p].effect.entry().plausible;
     let mut list: Vec<Estimate> = fit
         .fitted
         .iter()
-        .filter(|f| f.part == p)
+        .filter(|f| f.part == p && f.sd > 0.0 && f.sd <= plausible)
         .map(|f| Estimate {
             slot: f.gyro.map(|j| frame.setting.gyros[j].slot),
             name: f.coefficient.name,

@@ -6,7 +6,7 @@ use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::choice::Choice;
 use crate::core::diagnose::search::stepwise::Search;
-use crate::core::effects::Effect;
+use crate::core::effects::{Effect, Shape};
 use crate::core::mounting::Slot;
 
 /// ln of evidence by which two named courses in time must beat a single wandering one to stand without a doubt.
@@ -52,6 +52,7 @@ pub(crate) fn named(search: &Search, found: &[Choice]) -> (Vec<Named>, Vec<Sign>
     let outliers = found.iter().filter(|c| c.kind.entry().is_one_dwell()).count();
     // Beside structure of another kind, a dwell apart is a part of that.
     let alone = outliers == 1 && !found.iter().any(Choice::is_competitor);
+    let apart = if outliers == 1 { "dwell_beside_structure" } else { "several_bad_dwells" };
     for (i, choice) in found.iter().enumerate() {
         let effect = choice.kind;
         if !effect.is_nameable() {
@@ -59,7 +60,9 @@ pub(crate) fn named(search: &Search, found: &[Choice]) -> (Vec<Named>, Vec<Sign>
         }
         let members = indistinguishable::members(search, found, i);
         if effect.entry().is_one_dwell() && !alone {
-            crowded.push(sign(search, "several_bad_dwells", &members, choice.evidence));
+            let of_dwell = sign(search, apart, &members, choice.evidence);
+            let Shape::Dwell(dwell) = search.bank.hypotheses[choice.hypothesis].shape else { continue };
+            add_dwells(&mut crowded, Sign { dwells: vec![dwell], ..of_dwell });
             continue;
         }
         let shape = search.bank.hypotheses[choice.hypothesis].shape;
@@ -83,7 +86,7 @@ pub(crate) fn named(search: &Search, found: &[Choice]) -> (Vec<Named>, Vec<Sign>
     crowded.extend(wandering(search, found));
     if named.len() > MOST_NAMED {
         let p_value = search.p_value(named.iter().map(|n| n.evidence).fold(f64::INFINITY, f64::min));
-        crowded.push(Sign { kind: "many_causes_at_once", slots: all_slots(search.frame), p_value });
+        crowded.push(Sign::of_no_dwell("many_causes_at_once", all_slots(search.frame), p_value));
     }
     (named, crowded)
 }
@@ -114,7 +117,19 @@ fn wandering(search: &Search, found: &[Choice]) -> Vec<Sign> {
 
 /// What evidence like this says of the gyros `members`.
 pub(crate) fn sign(search: &Search, kind: &'static str, members: &[bool], evidence: f64) -> Sign {
-    Sign { kind, slots: slots(search.frame, members), p_value: search.p_value(evidence) }
+    Sign::of_no_dwell(kind, slots(search.frame, members), search.p_value(evidence))
+}
+
+/// Single dwells that stand out are one sign, whatever their number.
+fn add_dwells(signs: &mut Vec<Sign>, of_one: Sign) {
+    let Some(sign) = signs.iter_mut().find(|sign| sign.kind == of_one.kind) else { return signs.push(of_one) };
+    sign.slots.extend(of_one.slots);
+    sign.slots.sort_unstable();
+    sign.slots.dedup();
+    sign.dwells.extend(of_one.dwells);
+    sign.dwells.sort_unstable();
+    sign.dwells.dedup();
+    sign.p_value = sign.p_value.min(of_one.p_value);
 }
 
 fn shared(a: &[bool], b: &[bool]) -> bool {

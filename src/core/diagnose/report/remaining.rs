@@ -225,11 +225,10 @@ pub(crate) fn signs(tests: &[Tested], slots: &[Slot], level: f64) -> Vec<Sign> {
             _ if p_value > level => break,
             (Some(sign), Some(j)) if !sign.slots.contains(&slots[j]) => sign.slots.push(slots[j]),
             (Some(_), _) => {}
-            (None, gyro) => signs.push(Sign {
-                kind: test.kind,
-                slots: gyro.map_or_else(|| slots.to_vec(), |j| vec![slots[j]]),
-                p_value,
-            }),
+            (None, gyro) => {
+                let of = gyro.map_or_else(|| slots.to_vec(), |j| vec![slots[j]]);
+                signs.push(Sign::of_no_dwell(test.kind, of, p_value));
+            }
         }
     }
     signs

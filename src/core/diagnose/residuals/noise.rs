@@ -1,7 +1,8 @@
 //! The noise of each dwell up to a common factor, and which dwells repeat one another.
 //!
 //! Stated standard errors are themselves estimates: where they scatter about a smooth law in rate and duration, half
-//! of the scatter is believed. Where none are stated, the law is found from what a generous model leaves behind.
+//! of the scatter is believed, and less where what a generous model leaves behind does not scatter with them. Where
+//! none are stated, the law is found from what that leaves.
 
 use crate::core::calibrate::growth::{Exposure, NoiseGrowth};
 use crate::core::calibrate::noise::with_stated;
@@ -10,8 +11,9 @@ use crate::core::campaign::repeats::repeats;
 use crate::core::diagnose::residuals::noise_growth::{GROWTHS, exposure, shape};
 use crate::core::diagnose::residuals::pooled_noise::Scatter;
 use crate::core::effects::Setting;
-use crate::core::message::Message;
+use crate::core::message::{Message, figure, text};
 use crate::core::numerics::basis::{Basis, dot};
+use crate::core::numerics::median::median_of;
 use crate::message;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -46,7 +48,7 @@ pub(crate) fn of(campaign: &Campaign, s: &Setting, outputs: &[Vec<f64>], designs
         .collect();
     let (sd, log_scatter, law) = match &stated {
         Some(sems) => {
-            let (sd, scatter) = smoothed(s, sems);
+            let (sd, scatter) = smoothed(s, sems, &generous_residuals(s, outputs, designs));
             (sd, scatter, None)
         }
         None => {
@@ -60,8 +62,34 @@ pub(crate) fn of(campaign: &Campaign, s: &Setting, outputs: &[Vec<f64>], designs
     if repeats.is_empty() {
         notes.push(message!("no_pure_error"));
     }
+    notes.extend(rounded_commands(s, &sd));
     let (sd, rounding) = above_rounding(sd, outputs);
     Noise { sd, stated: stated.is_some(), law, log_scatter, rounding, repeats, notes }
+}
+
+/// What is said where commanded values are written with so few digits that rounding them is a part of the residuals:
+/// by the gyro that shows it most. Repeats are rounded alike and do not show it.
+fn rounded_commands(s: &Setting, sd: &[Vec<f64>]) -> Option<Message> {
+    const SEEN: f64 = 0.3;
+    let [force, rate] = [&s.force, &s.rate].map(|vectors| step_of(vectors.iter().flat_map(|v| v.iter().copied())));
+    // Evenly distributed within a step.
+    let by_gyro = s.gyros.iter().zip(sd).map(|(gyro, sd)| {
+        let rounding = (gyro.g.norm() * force).hypot(rate) / 12.0_f64.sqrt();
+        (gyro, rounding / median_of(sd.iter().copied()).unwrap_or(f64::INFINITY))
+    });
+    let (gyro, times) = by_gyro.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, times)| *times > SEEN)?;
+    let (of, step) = if gyro.g.norm() * force > rate { ("force", force) } else { ("rate", rate) };
+    Some(message!("commands_rounded", of, step = text(step), slot = gyro.slot.name(), times = figure(times, 1)))
+}
+
+/// The decimal step that all numbers are multiples of; 0 where whole numbers and halves are all there is, or where
+/// they have more than six digits behind the point.
+fn step_of(numbers: impl Iterator<Item = f64> + Clone) -> f64 {
+    let is_multiple = |places: i32| {
+        let scale = 10_f64.powi(places);
+        numbers.clone().all(|x| (x * scale - (x * scale).round()).abs() < 1e-4)
+    };
+    (0..=6).find(|places| is_multiple(*places)).filter(|places| *places > 1).map_or(0.0, |places| 10_f64.powi(-places))
 }
 
 impl Noise {
@@ -89,8 +117,9 @@ fn above_rounding(mut sd: Vec<Vec<f64>>, outputs: &[Vec<f64>]) -> (Vec<Vec<f64>>
     (sd, rounding)
 }
 
-/// Stated errors drawn half-way (in logarithm) to the law `sem^2 = (alpha + beta x) duration^-p`, p = 0 or 1.
-fn smoothed(s: &Setting, sems: &[Vec<f64>]) -> (Vec<Vec<f64>>, f64) {
+/// Stated errors drawn (in logarithm) to the law `sem^2 = (alpha + beta x) duration^-p`, p = 0 or 1: half-way, and
+/// further where residuals are clearly likelier so. Errors of a few samples each scatter by tens of per cent.
+fn smoothed(s: &Setting, sems: &[Vec<f64>], residuals: &[(Vec<f64>, Vec<f64>)]) -> (Vec<Vec<f64>>, f64) {
     let laws: Vec<Vec<f64>> = (0..sems.len())
         .map(|j| {
             let law = |p: f64| law_of(s, j, &sems[j], p);
@@ -102,14 +131,24 @@ fn smoothed(s: &Setting, sems: &[Vec<f64>]) -> (Vec<Vec<f64>>, f64) {
         (laws.iter().zip(sems).map(|(law, sem)| scatter(sem, law).powi(2)).sum::<f64>() / sems.len() as f64).sqrt();
     // An estimate from n samples scatters by 1/sqrt(2n); beyond a tenth or so the differences are real ones.
     const ESTIMATED: f64 = 0.085;
-    let believed = (1.0 - (ESTIMATED / pooled.max(1e-9)).powi(2)).clamp(0.0, 1.0);
-    let sd = laws
-        .iter()
-        .zip(sems)
-        .map(|(law, sem)| law.iter().zip(sem).map(|(law, sem)| law * (sem / law).powf(believed)).collect())
-        .collect();
-    (sd, (1.0 - believed).max(0.3) * pooled.min(0.15))
+    let by_size = (1.0 - (ESTIMATED / pooled.max(1e-9)).powi(2)).clamp(0.0, 1.0);
+    let drawn = |believed: f64| -> Vec<Vec<f64>> {
+        let one = |(law, sem): (&f64, &f64)| law * (sem / law).powf(believed);
+        laws.iter().zip(sems).map(|(law, sem)| law.iter().zip(sem).map(one).collect()).collect()
+    };
+    let likelihood = |believed: f64| -> f64 {
+        let gyros = residuals.iter().zip(drawn(believed));
+        gyros.map(|((residual, left), sd)| robust_fit(residual, left, &sd).1).sum()
+    };
+    let least = likelihood(by_size) + CLEARLY;
+    let parts = [0.0, 0.25, 0.5, 0.75].map(|part| (part * by_size, likelihood(part * by_size)));
+    let best = parts.into_iter().filter(|(_, likelihood)| *likelihood > least).max_by(|a, b| a.1.total_cmp(&b.1));
+    let believed = best.map_or(by_size, |(believed, _)| believed);
+    (drawn(believed), (1.0 - believed).max(0.3) * pooled.min(0.15))
 }
+
+/// ln of likelihood by which residuals must speak against what errors state.
+const CLEARLY: f64 = 3.0;
 
 fn scatter(sem: &[f64], law: &[f64]) -> f64 {
     let logs: Vec<f64> = sem.iter().zip(law).map(|(s, l)| (s / l).ln()).collect();

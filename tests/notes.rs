@@ -162,6 +162,21 @@ async fn exchanged_serials_are_noted_with_whose_figures_they_have() {
         // As it was answered, so it is read; the record before has none.
         let read = lab.get(&format!("/v1/records/{}", answer["id"].as_str().unwrap())).await.ok();
         assert_eq!(read["notes"], answer["notes"]);
+        // A second one alike is no confirmation, and what is right again has no note.
+        for (k, is_exchanged) in [(60, true), (70, false)] {
+            let mut record = measured("IMU-1", &day(k), &units, &mut rng);
+            if is_exchanged {
+                for (gyro, other) in order.iter().enumerate() {
+                    record["gyros"][gyro]["serial"] = units[*other].serial.clone().into();
+                }
+            }
+            let again = lab.posts(&record).await;
+            if is_exchanged {
+                assert_eq!(noted(&again, "serials_exchanged")["fits"].as_array().unwrap(), &expected, "seed {seed}");
+            } else {
+                assert!(codes(&again).iter().all(|code| *code == "moved"), "seed {seed}: {again}");
+            }
+        }
     }
 }
 
@@ -202,7 +217,7 @@ async fn another_units_figures_are_noted_but_not_after_a_repair() {
 async fn wrong_units_are_noted_with_the_factor() {
     const E: &str = "e_pulse_per_arcsec";
     const G: &str = "g_pulse_per_s_g0";
-    let cases: [(&[(&str, f64)], &[(&str, f64, &str)]); 11] = [
+    let cases: [(&[(&str, f64)], &[(&str, f64, &str)]); 13] = [
         (&[(E, 60.0)], &[("E", 60.0, "pulse/arcmin")]),
         (&[(E, 1.0 / 60.0)], &[("E", 1.0 / 60.0, "another")]),
         (&[(E, 9.80665)], &[("E", 9.80665, "another")]),
@@ -214,6 +229,8 @@ async fn wrong_units_are_noted_with_the_factor() {
         (&[(E, 60.0), (G, 60.0)], &[("E", 60.0, "pulse/arcmin"), ("G", 60.0, "pulse/(min g0)")]),
         (&[(E, 180.0), (G, 180.0)], &[("E", 180.0, "another"), ("G", 180.0, "another")]),
         (&[(G, -1.0)], &[("G", -1.0, "opposite sign")]),
+        (&[(G, 2.0)], &[("G", 2.0, "another")]),
+        (&[(E, 2.0)], &[("E", 2.0, "another")]),
     ];
     for (seed, (wrong, expected)) in cases.into_iter().enumerate() {
         let (mut lab, units, mut rng) = with_history(20 + seed as u64, 3).await;
@@ -222,10 +239,15 @@ async fn wrong_units_are_noted_with_the_factor() {
             wrong.iter().for_each(|(member, factor)| scaled(gyro, member, *factor));
         }
         let answer = lab.posts(&record).await;
+        record["calibrated_at"] = day(60).into();
+        scaled(&mut record["gyros"][0], "g_pulse_per_s_g0", 1.0 + 1e-9);
+        let again = lab.posts(&record).await;
+        let of_units = codes(&again).into_iter().filter(|code| *code == "unit_factor").count();
+        assert_eq!(of_units, expected.len(), "a second one alike: {again}");
         assert_eq!(codes(&answer), vec!["unit_factor"; expected.len()], "{wrong:?}: {}", answer["notes"]);
         for (note, (quantity, factor, words)) in answer["notes"].as_array().unwrap().iter().zip(expected) {
             assert_eq!(note["quantity"], *quantity);
-            let tolerance = if *factor == 180.0 { 1e-2 } else { 1e-5 };
+            let tolerance = if [180.0, 2.0].contains(factor) { 1e-2 } else { 1e-5 };
             assert!((note["factor"].as_f64().unwrap() / factor - 1.0).abs() < tolerance, "{note}");
             assert!(note["detail"].as_str().unwrap().contains(words), "{note}");
             assert_eq!(note["serials"].as_array().unwrap().len(), 3);

@@ -90,13 +90,21 @@ impl Looked<'_> {
         self.distance_to(self.before).unwrap_or(0.0)
     }
 
+    /// As [`Looked::off_by`], from its level alone.
+    fn off_level(&self) -> f64 {
+        self.distance_to_level(self.before).unwrap_or(0.0)
+    }
+
     fn distance_to(&self, history: &[Shown]) -> Option<f64> {
-        let last = history.last()?.d;
-        let level = level(history);
-        let from = |level: [f64; 3]| {
-            (0..2).map(|i| (self.now.d[i] - level[i]).abs() / self.tolerance(history, i)).fold(0.0, f64::max)
-        };
-        Some(from(level).min(from(last)))
+        Some(self.distance_to_level(history)?.min(self.distance(history.last()?.d, history)))
+    }
+
+    fn distance_to_level(&self, history: &[Shown]) -> Option<f64> {
+        (!history.is_empty()).then(|| self.distance(level(history), history))
+    }
+
+    fn distance(&self, from: [f64; 3], history: &[Shown]) -> f64 {
+        (0..2).map(|i| (self.now.d[i] - from[i]).abs() / self.tolerance(history, i)).fold(0.0, f64::max)
     }
 
     /// What makes a budget for D_I or D_S: its own, or as much of its own scatter and of its uncertainty as is worth
@@ -127,25 +135,30 @@ fn scatter(history: &[Shown], column: usize) -> f64 {
 }
 
 /// Gyros off their own level of which each fits the history of another of them far better: each with whose it fits.
+/// Where the last record was as strange, something may have been done to them: they have to be at another's level.
 fn exchanged(gyros: &[Looked<'_>]) -> Option<Vec<(String, String)>> {
-    let strange: Vec<&Looked<'_>> = gyros.iter().filter(|gyro| gyro.off_by() > STRANGE_BUDGETS).collect();
-    if strange.len() < 2 {
-        return None;
-    }
+    let strange: Vec<&Looked<'_>> = gyros.iter().filter(|gyro| gyro.off_level() > STRANGE_BUDGETS).collect();
+    let is_new = |gyro: &Looked<'_>| gyro.off_by() > STRANGE_BUDGETS;
     let same_scale = |gyro: &Looked<'_>, other: &Looked<'_>| {
-        let there = other.before.iter().rev().find_map(|shown| shown.scale);
+        let there = median_of(other.before.iter().filter_map(|shown| shown.scale));
         gyro.now.scale.zip(there).is_none_or(|(a, b)| (a / b - 1.0).abs() < SAME_SCALE)
     };
     let fits = |gyro: &&Looked<'_>| {
         let others = strange.iter().filter(|other| other.serial != gyro.serial && same_scale(gyro, other));
-        let near = others.filter_map(|other| Some((other.serial, gyro.distance_to(other.before)?)));
+        let distance_to = |history: &[Shown]| match is_new(gyro) {
+            true => gyro.distance_to(history),
+            false => gyro.distance_to_level(history).filter(|distance| *distance <= STRANGE_BUDGETS),
+        };
+        let near = others.filter_map(|other| Some((other.serial, distance_to(other.before)?)));
         let (nearest, distance) = near.min_by(|a, b| a.1.total_cmp(&b.1))?;
-        (distance * NEARER < gyro.off_by()).then_some(nearest)
+        (distance * NEARER < gyro.off_level()).then_some(nearest)
     };
+    // One that stays where its last record was, and fits no other, has moved.
+    let looked_at = strange.iter().map(|gyro| (gyro, fits(gyro))).filter(|(gyro, of)| is_new(gyro) || of.is_some());
     let found: Vec<(String, String)> =
-        strange.iter().map(|gyro| Some((gyro.serial.to_owned(), fits(gyro)?.to_owned()))).collect::<Option<_>>()?;
+        looked_at.map(|(gyro, of)| Some((gyro.serial.to_owned(), of?.to_owned()))).collect::<Option<_>>()?;
     let taken: BTreeSet<&str> = found.iter().map(|(_, of)| of.as_str()).collect();
-    (taken.len() == found.len()).then_some(found)
+    (found.len() >= 2 && taken.len() == found.len()).then_some(found)
 }
 
 /// By which factors E and G differ from the gyro's history, where both are those of units.
@@ -170,10 +183,9 @@ fn wrong_units(gyro: &Looked<'_>) -> Option<Vec<(Quantity, f64)>> {
     // D = G / |E|: with E alone in another unit it is smaller by as much, and with both it stays.
     match d {
         Some(d) if !is_about(d * e, 1.0) => {
-            let of_outputs = Some(e).filter(|e| is_about(d * e, *e));
-            found.push((Quantity::G, unit_of(d * e).or(of_outputs)?));
+            let of_outputs = if is_about(d, 1.0) { e } else { d * e };
+            found.push((Quantity::G, unit_of(d * e).unwrap_or(of_outputs)));
         }
-        Some(_) if unit_of(e).is_none() => return None,
         None if e == 1.0 => return None,
         _ => {}
     }

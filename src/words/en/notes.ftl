@@ -64,7 +64,7 @@ look_alike = the new { $of ->
 } { $known }
 serials_exchanged = serials are exchanged: { $fits }
 figures_of = { $serial } has the figures of { $other }
-other_unit = all gyros ({ $serials }) are off their last levels by more than { $budgets } budgets: are these the figures of another IMU, or is the latitude of the site or its sign wrong?
+other_unit = all gyros ({ $serials }) are off their last levels by more than { $budgets } budgets: are these the figures of another IMU, or in another unit, or is the latitude of the site or its sign wrong?
 identical_figures = { $serials }: identical to record { $record } of { $at }; is it the same measurement with another time?
 unit_factor = { $quantity } of { $serials } is { $times } times what it was before: is it in another unit?
 unit_factor_of = { $quantity } of { $serials } is { $times } times what it was before: is it in { $unit }?

@@ -56,7 +56,7 @@ look_alike = { $of ->
 }
 serials_exchanged = 陀螺编号互换：{ $fits }
 figures_of = { $serial }的数据属于{ $other }
-other_unit = 全部陀螺（{ $serials }）同时偏离各自上次水平{ $budgets }个允许值以上：是否为另一套IMU的数据，或测试地点的纬度或其正负号有误？
+other_unit = 全部陀螺（{ $serials }）同时偏离各自上次水平{ $budgets }个允许值以上：是否为另一套IMU的数据、采用了别的单位，或测试地点的纬度或其正负号有误？
 identical_figures = { $serials }：与{ $at }的记录{ $record }逐位相同；是否为同一次测量改了时间？
 unit_factor = { $serials }的{ $quantity }为此前的{ $times }倍：单位是否有误？
 unit_factor_of = { $serials }的{ $quantity }为此前的{ $times }倍：单位是否为{ $unit }？

@@ -9,7 +9,7 @@ use crate::core::history_note::{
     EARLIER_IN_DOUBT, FAR_DAYS, HistoryNote, NameKind, NamedRecord, SERVICE, Seat, TimeDoubt, doubt,
 };
 use crate::core::note::Note;
-use crate::core::own_history::{Looked, Shown, against_histories};
+use crate::core::own_history::{LEVEL_RECORDS, Looked, Shown, against_histories};
 use crate::core::suspect_window::SuspectWindow;
 use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
 use crate::pipeline::prelude::*;
@@ -51,13 +51,15 @@ impl Known<'_> {
         if self.around.before.is_empty() { &self.around.after } else { &self.around.before }
     }
 
-    /// Whether its figures are so near to those of its last record that nothing can be found.
+    /// Whether its figures are so near to those of its last record and to its level that nothing can be found.
     fn is_unremarkable(&self) -> bool {
-        let Some(last) = self.history().last() else { return true };
         let now = self.shown();
-        let near = (0..2).all(|i| (now.d[i] - last.shown.d[i]).abs() <= UNREMARKABLE_BUDGETS * self.budget);
-        let scale = now.scale.zip(last.shown.scale);
-        near && scale.is_none_or(|(a, b)| (a / b - 1.0).abs() < UNREMARKABLE_SCALE)
+        let is_near = |then: &Shown| {
+            let near = (0..2).all(|i| (now.d[i] - then.d[i]).abs() <= UNREMARKABLE_BUDGETS * self.budget);
+            near && now.scale.zip(then.scale).is_none_or(|(a, b)| (a / b - 1.0).abs() < UNREMARKABLE_SCALE)
+        };
+        // Near to most of those that make the level is near to the level.
+        self.history().iter().rev().take(LEVEL_RECORDS / 2 + 1).all(|row| is_near(&row.shown))
     }
 }
 

@@ -497,7 +497,11 @@ impl StationCourse {
                 let found =
                     self.best_about(&instants, from, reach, (part, common), |at| StationForm::Between(at, until));
                 let StationForm::Between(from, _) = found.0.form else { return found };
-                self.best_about(&instants, until, reach, found, |at| StationForm::Between(from, at))
+                let found = self.best_about(&instants, until, reach, found, |at| StationForm::Between(from, at));
+                // A window up to the newest records may be a step that has not ended: the gyro's own may be newer.
+                let StationForm::Between(from, _) = found.0.form else { return found };
+                let lasting = CoursePart { form: StationForm::Step(from), ..found.0 };
+                self.estimate(&lasting).filter(|step| step.gain >= found.1.gain).map_or(found, |step| (lasting, step))
             }
         }
     }

@@ -154,7 +154,10 @@ fn describe() {
     describe_histogram!(FORECAST_RMS, "Errors of a campaign's forecast over their standard deviations, rms.");
     describe_gauge!(DIAGNOSES_WAITING, "Campaigns that wait to be diagnosed, by what for: stored, ordered.");
     describe_gauge!(GYROS, "Gyros, by status: the worst of their verdicts and alerts, overdue ones by themselves.");
-    describe_gauge!(ALERTS, "Alerts that fire, acknowledged and silenced ones among them, by severity.");
+    describe_gauge!(
+        ALERTS,
+        "Alerts that fire and no other explains, acknowledged and silenced ones among them, by severity."
+    );
     describe_gauge!(
         NEWEST_CALIBRATION,
         Unit::Seconds,

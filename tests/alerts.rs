@@ -118,6 +118,21 @@ async fn many_records_in_one_import_leave_the_alerts_that_posting_one_by_one_lea
 }
 
 #[tokio::test]
+async fn an_alert_that_fires_on_though_its_figure_is_within_says_what_ends_it() {
+    let lab = Lab::holding(&LEVEL).await;
+    lab.posts_history("IMU-1", "A", &[(120, 1.02), (160, 1.009)]).await;
+    let held = alert_of(&lab, "baseline").await;
+    assert_eq!([&held["state"], &held["status"], &held["code"]], ["firing", "unconfirmed", "baseline"]);
+    let reason = held["reason"].as_str().unwrap();
+    let ends = "Within its limit again: the alert ends once a campaign is below 0.0080 deg/(h g0) (80 % of it), or after 2 \
+                campaigns within.";
+    assert!(reason.ends_with(ends) && !reason.contains("In tolerance"), "{reason}");
+    let said = lab.request(reqwest::Method::GET, "/v1/alerts?rule=baseline").header("accept-language", "zh");
+    let said: Value = said.send().await.unwrap().json().await.unwrap();
+    assert!(said["alerts"][0]["reason"].as_str().unwrap().contains("告警才结束"), "{said}");
+}
+
+#[tokio::test]
 async fn a_late_record_that_explains_a_step_resolves_it_and_one_that_changes_nothing_is_silent() {
     let lab = Lab::holding(&[(0, 1.0), (40, 1.0), (80, 1.0), (160, 1.0145)]).await;
     assert_eq!(story_of(&lab, "step").await, ["fire"]);

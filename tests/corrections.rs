@@ -244,6 +244,37 @@ async fn an_alert_that_other_records_bear_out_goes_on_firing() {
 }
 
 #[tokio::test]
+async fn an_alert_that_a_voided_record_ended_goes_on_since_the_same_day_and_is_known_to_whoever_knew_of_it() {
+    let lab = Lab::open().await;
+    station_posts(&lab, &[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02), (160, 1.021)]).await;
+    let step = async || lab.alerts("serial=A&coefficient=D_I&rule=step").await.remove(0);
+    let before = step().await;
+    let id = before["id"].as_str().unwrap();
+    let said = json!({"by": "Li Wei", "reason": "known since May"});
+    let before = lab.post(&format!("/v1/alerts/{id}/acknowledge"), &said).await.ok();
+    assert_eq!([&before["state"], &before["since"]], [&json!("acknowledged"), &json!(day(120))]);
+    lab.clock_shows("2026-11-22T12:00:00Z");
+    let wrong = station_posts(&lab, &[(200, 1.02)]).await;
+    assert_eq!(step().await["state"], "resolved");
+    engineer_voids(&lab, &wrong[0]).await;
+    let after = step().await;
+    for member in ["state", "severity", "since", "fired_at", "resolved_at", "acknowledged", "value", "record"] {
+        assert_eq!(after[member], before[member], "{member}: {after}");
+    }
+    assert_eq!(lab.verified().await.faults, []);
+}
+
+#[tokio::test]
+async fn an_alert_that_began_with_a_voided_record_dates_from_what_is_left() {
+    let lab = Lab::open().await;
+    let ids = station_posts(&lab, &[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02), (160, 1.021)]).await;
+    let since = async || lab.alerts("serial=A&coefficient=D_I&rule=baseline").await.remove(0)["since"].clone();
+    assert_eq!(since().await, day(120));
+    engineer_voids(&lab, &ids[3]).await;
+    assert_eq!(since().await, day(160));
+}
+
+#[tokio::test]
 async fn a_revised_record_is_judged_in_the_place_of_the_old() {
     let lab = Lab::open().await;
     let ids = station_posts(&lab, &[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02), (160, 1.0)]).await;

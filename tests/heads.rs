@@ -413,3 +413,19 @@ async fn pages_and_cursors_show_every_gyro_once_and_in_one_order() {
         }
     }
 }
+
+#[tokio::test]
+async fn every_gyro_has_a_status_though_no_calibration_of_it_counts_and_is_counted_once_everywhere() {
+    for lab in on_both(|_| {}).await {
+        lab.posts(&record("IMU-1", &day(0), &[("G1", "A", 1.0, 2.0)])).await;
+        let typo = lab.posts(&record("IMU-1", &day(10), &[("G1", "A-TYP0", 1.0, 2.0)])).await;
+        lab.post("/v1/bench-results", &bench("E", &day(11), 1.0, 2.0)).await.created();
+        let why = json!({"author": "Li Wei", "reason": "another serial"});
+        lab.post(&format!("/v1/records/{}/void", id(&typo)), &why).await.ok();
+        stand(&lab, "a gyro of which nothing counts").await;
+        assert_eq!(listed(&lab, "status=not_enough_data").await, ["A", "A-TYP0", "E"]);
+        assert_eq!(listed(&lab, "").await.len(), 3);
+        let gyro = lab.get("/v1/gyros/A-TYP0").await.ok();
+        assert_eq!((&gyro["latest"], &gyro["status"]), (&Value::Null, &json!("not_enough_data")));
+    }
+}

@@ -170,3 +170,31 @@ async fn the_command_line_sends_many_files_and_batches_and_hooks_hear_one_digest
     let wrong = tokio::task::block_in_place(|| import(&["--notify", "some"]));
     assert_eq!(wrong.status.code(), Some(2));
 }
+
+#[tokio::test]
+async fn what_an_import_leaves_overdue_is_in_its_digest_and_nothing_of_it_is_told_by_itself() {
+    let lab = Lab::with(|config| {
+        config.alerts.backfill_days = 30.0;
+        config.judging.interval_days = 30.0;
+    })
+    .await;
+    let target = Receiver::start().await;
+    let hook = lab.tells(&target, json!({})).await;
+    // Two have become overdue yesterday, one of which has other alerts; one is in time, though barely.
+    let all = [("A", 31, 1.05), ("B", 31, 1.0), ("C", 29, 1.0)];
+    let records = (0..9).flat_map(|k| {
+        all.map(|(serial, ago, last)| of(serial, TODAY - ago - 35 * (8 - k), if k < 6 { 1.0 } else { last }))
+    });
+    lab.imports(&records.collect::<Vec<_>>()).await;
+    let overdue = lab.alerts("state=firing&rule=overdue").await;
+    assert_eq!(overdue.len(), 2, "{overdue:?}");
+    assert!(overdue.iter().all(|alert| alert["since"] == day(TODAY - 1)), "{overdue:?}");
+    let told = told(&lab, &hook, &target).await;
+    let listed = |body: &Value| {
+        let alerts = body["alerts"].as_array().cloned().unwrap_or_default();
+        alerts.iter().filter(|alert| alert["rule"] == "overdue").count()
+    };
+    let of_overdue: Vec<(&Value, usize)> =
+        told.iter().map(|body| (&body["type"], listed(body))).filter(|(_, listed)| *listed > 0).collect();
+    assert_eq!(of_overdue, [(&json!("alerts.digest"), 2)], "{told:?}");
+}

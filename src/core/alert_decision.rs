@@ -207,7 +207,8 @@ fn hush(alert: &Alert, verdict: &Verdict, arrival: &Arrival, policy: &Policy) ->
         Late::Told => (false, false),
         Late::Clock => (alert.hushed.is_some(), false),
         Late::Quiet => (old(did) || !exceeds && alert.hushed.is_some(), false),
-        Late::Digest => (old(began), true),
+        // What nobody has calibrated is no news of a record: it waits with all else that the import has found.
+        Late::Digest => (verdict.rule == Rule::Overdue || old(began), true),
         Late::Never => (old(began), false),
     };
     let waits = alert.hushed.is_some_and(|hushed| hushed.digest);
@@ -273,6 +274,23 @@ pub fn reset(alert: &Alert, now: UtcMicros) -> Decision {
     }
 }
 
+/// What ended the alert counts no more, and by what is `left` it fires: it goes on, known to whoever knew of it, where it
+/// is the same episode. What it began with may be `gone`, too.
+pub fn resume(alert: &Alert, left: &Alert, gone: bool) -> Alert {
+    let since = if gone { left.since } else { alert.since };
+    match alert.status {
+        Status::Firing => Alert { since, ..*alert },
+        // It fired until the record that ended it.
+        Status::Resolved if left.since <= alert.record_at => {
+            let Alert { severity, record_at, within, .. } = *left;
+            let acknowledged = alert.acknowledged && severity <= alert.severity;
+            let status = Status::Firing;
+            Alert { status, severity, since, record_at, within, acknowledged, resolved_at: None, ..*alert }
+        }
+        Status::Resolved => *alert,
+    }
+}
+
 /// What confirmed the alert counts no more: what is left bears out this severity alone.
 pub fn lower(alert: &Alert, severity: Severity, now: UtcMicros) -> Decision {
     announce(Alert { severity: alert.severity.min(severity), ..*alert }, now)
@@ -296,16 +314,10 @@ pub fn silence(alert: &Alert, until: Option<UtcMicros>) -> Alert {
 /// A silence, and what the world believes, outlive the episode that they began in; an acknowledgement does not.
 fn begin(earlier: Option<&Alert>, verdict: &Verdict, severity: Severity, arrival: &Arrival) -> Alert {
     let Arrival { record_at, now, .. } = *arrival;
-    let since = match (verdict.rule, verdict.finding) {
-        // A gyro is overdue from the interval on, which is the limit.
-        (Rule::Overdue, _) => record_at.plus_days(verdict.limit),
-        (_, Finding::GroupShift { since, .. }) => since,
-        _ => record_at,
-    };
     Alert {
         status: Status::Firing,
         severity,
-        since,
+        since: began(verdict, record_at),
         fired_at: now,
         resolved_at: None,
         record_at,
@@ -319,8 +331,24 @@ fn begin(earlier: Option<&Alert>, verdict: &Verdict, severity: Severity, arrival
     }
 }
 
+/// When what a verdict says began, if it says so of this record for the first time.
+fn began(verdict: &Verdict, record_at: UtcMicros) -> UtcMicros {
+    match (verdict.rule, verdict.finding) {
+        // A gyro is overdue from the interval on, which is the limit.
+        (Rule::Overdue, _) => record_at.plus_days(verdict.limit),
+        (_, Finding::GroupShift { since, .. }) => since,
+        _ => record_at,
+    }
+}
+
 fn go_on(alert: &Alert, verdict: &Verdict, arrival: &Arrival, policy: &Policy) -> Alert {
     let Arrival { record_at, now, .. } = *arrival;
+    if verdict.rule == Rule::Overdue {
+        // Days have no scatter, and a calibration that is itself too long ago leaves nothing of the one before.
+        let alert = Alert { record_at, ..*alert };
+        let is_over = verdict.state == State::Within;
+        return if is_over { end(alert, now) } else { Alert { since: began(verdict, record_at), ..alert } };
+    }
     let another_campaign = alert.record_at != record_at || alert.within == 0;
     // A requirement is judged without a history: that a second campaign says the same shows only here.
     let of_requirement = verdict.rule == Rule::Requirement;

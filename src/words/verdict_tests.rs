@@ -222,8 +222,8 @@ fn each_finding_is_said_in_both_languages() {
             "IMU的全部3个陀螺的D_I同时偏离各自基线，至少0.0251 ± 0.0007 (°)/(h·g0)。原因在IMU、其安装或该次标定，而不在某一个陀螺。限值为0.0100 (°)/(h·g0)（judging.budget），为其251 %。其中一个陀螺已由第二次标定证实。超差概率> 99.9 %。",
         ],
         [
-            "The median D_I of 9 gyros of 3 IMUs of the batch is 0.0251 +- 0.0007 deg/(h g0) above their baselines (2026-01-01 to 2026-01-10). Other gyros have not moved. Limit 0.0100 deg/(h g0) (judging.budget): 251 %. The shift is beyond the whole budget. P(out of tolerance) > 99.9 %.",
-            "本批次3个IMU 9个陀螺的D_I中位数比各自基线高0.0251 ± 0.0007 (°)/(h·g0)（2026-01-01至2026-01-10）。其他陀螺没有移动。限值为0.0100 (°)/(h·g0)（judging.budget），为其251 %。偏移超出整个允许范围。超差概率> 99.9 %。",
+            "The median D_I of 9 gyros of 3 IMUs of the batch is 0.0251 +- 0.0007 deg/(h g0) above their baselines (2026-01-01 to 2026-01-10). Other gyros calibrated within 60 days are less than half as far off by their median. Limit 0.0100 deg/(h g0) (judging.budget): 251 %. The shift is beyond the whole budget. P(out of tolerance) > 99.9 %.",
+            "本批次3个IMU 9个陀螺的D_I中位数比各自基线高0.0251 ± 0.0007 (°)/(h·g0)（2026-01-01至2026-01-10）。60天内标定的其他陀螺，中位数偏离不到其一半。限值为0.0100 (°)/(h·g0)（judging.budget），为其251 %。偏移超出整个允许范围。超差概率> 99.9 %。",
         ],
         [
             "G2 is furthest from the forecast of the adopted model, by an rms of 1.47 standard deviations (p = 3e-5 over all gyros). Dwell 41 is furthest, by -4.4 standard deviations. Limit 1.23 standard deviations: chance exceeds it in 0.2 % of campaigns. The model is of one campaign: what usually changes between campaigns may be all of it. Confirmed by a second campaign.",

@@ -230,9 +230,28 @@ fn an_alert_knows_since_when_the_gyro_does_it_and_when_that_was_found() {
     let ended = heard(Some(&later), &within(0.001), 130.0, 430.0, Late::Told).alert.unwrap();
     let again = heard(Some(&ended), &exceeded(), 140.0, 440.0, Late::Told).alert.unwrap();
     assert_eq!(again.since, day(140.0));
-    let overdue = Verdict { limit: 90.0, value: Some(300.0), ..verdict(Rule::Overdue, State::Exceeded, 300.0, false) };
-    let alert = heard(None, &overdue, 100.0, 400.0, Late::Clock).alert.unwrap();
+    let alert = heard(None, &overdue(100.0, 400.0), 100.0, 400.0, Late::Clock).alert.unwrap();
     assert_eq!(alert.since, day(190.0), "overdue since the interval was over");
+}
+
+fn overdue(last: f64, now: f64) -> Verdict {
+    let days = Limit { value: 90.0, from: LimitKey::BUDGET };
+    crate::core::judge::overdue(day(last), day(now), days)
+}
+
+#[test]
+fn what_is_overdue_is_so_since_its_last_calibration_says_and_ends_with_the_next_however_near_the_interval() {
+    let first = heard(None, &overdue(100.0, 400.0), 100.0, 400.0, Late::Digest).alert.unwrap();
+    // The import goes on with a later calibration, which is too long ago as well.
+    let later = heard(Some(&first), &overdue(309.0, 400.0), 309.0, 400.0, Late::Digest);
+    let alert = later.alert.unwrap();
+    assert_eq!((alert.since, alert.fired_at), (day(399.0), day(400.0)), "since the day on which that became overdue");
+    assert_eq!((later.action, alert.hushed.map(|hushed| hushed.digest)), (Action::Silent, Some(true)));
+    let told = digest(&alert, day(400.0)).unwrap();
+    assert_eq!(told.action, Action::Fire);
+    // 85 of 90 days: within is within.
+    let ended = heard(told.alert.as_ref(), &overdue(315.0, 400.0), 315.0, 400.0, Late::Quiet);
+    assert_eq!((ended.action, ended.alert.unwrap().status), (Action::Resolve, Status::Resolved));
 }
 
 #[test]
@@ -310,6 +329,21 @@ fn without_what_confirmed_it_an_alert_is_lowered_and_whoever_was_told_more_hears
     let silenced = lower(&silence(&critical, Some(day(9.0))), Severity::Warning, day(2.0));
     assert_eq!(silenced.action, Action::Silent);
     assert_eq!(tick(&silenced.alert.unwrap(), day(9.0), &POLICY).action, Action::Lower, "told when the silence ends");
+}
+
+#[test]
+fn what_ended_by_a_record_that_counts_no_more_goes_on_as_it_was() {
+    let fires = heard(None, &exceeded(), 10.0, 10.0, Late::Told).alert.unwrap();
+    let known = acknowledge(&fires);
+    let ended = heard(Some(&known), &within(0.001), 30.0, 30.0, Late::Told).alert.unwrap();
+    let goes_on = resume(&ended, &Alert { record_at: day(20.0), ..fires }, false);
+    assert_eq!(goes_on, Alert { record_at: day(20.0), told: None, ..known });
+    let told = heard(Some(&goes_on), &exceeded(), 20.0, 31.0, Late::Told);
+    assert_eq!(told.action, Action::Fire, "whoever heard of its end hears that it fires");
+    assert!(told.alert.unwrap().acknowledged);
+    // What is left begins after the record that ended it: another episode.
+    assert_eq!(resume(&ended, &Alert { since: day(40.0), ..fires }, false), ended);
+    assert_eq!(resume(&fires, &Alert { since: day(15.0), ..fires }, true).since, day(15.0));
 }
 
 #[test]

@@ -36,7 +36,7 @@ pub use reason::{digits, sd_digits};
 pub use rule::{FigureSource, Finding, LimitKind, Rule, Unit, Unseen};
 pub use rules::{
     Foretold, ForetoldGyro, Group, ImuQuestion, LATELY, NewestCalibration, ShiftQuestion, SourcedResult, Suspected,
-    agreement, forecast, group_shift, has_grown, imu_shift, in_common, is_explained, overdue, requirement,
+    agreement, forecast, group_shift, has_grown, imu_shift, in_common, is_explained, overdue, requirement, shift_began,
 };
 pub use sample::{BASELINE_RECORDS, Measured, Sample, Seat};
 pub use series::Series;

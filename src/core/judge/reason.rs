@@ -3,7 +3,7 @@
 use std::fmt::{self, Display, Formatter};
 
 use super::rules::FALSE_ALARMS;
-use crate::core::judge::{FigureSource, Finding, Rule, State, Status, Unit, Unseen, Verdict};
+use crate::core::judge::{FigureSource, Finding, LATELY, Rule, State, Status, Unit, Unseen, Verdict};
 use crate::core::message::{Message, Parameter, figure, list, p_value, signed, significant, text};
 use crate::core::time::UtcMicros;
 use crate::core::units::degrees;
@@ -26,9 +26,31 @@ impl Verdict {
     /// Of what is within its limit one phrase without figures: a record has some forty of them, and value, limit and
     /// probability stand beside it. A slope is told all the same, for its figures stand nowhere else.
     pub fn messages(&self) -> Vec<Message> {
-        if let Some(phrase) = self.phrase() {
-            return vec![phrase];
-        }
+        self.phrase().map_or_else(|| self.spelled_out(), |phrase| vec![phrase])
+    }
+
+    /// What there is to say where this does not exceed its limit, and its alert fires on: also what ends that. `below`:
+    /// the fraction of the limit below which one campaign does, and `campaigns`: how many within the limit do.
+    pub fn messages_of_held(&self, below: f64, campaigns: u32) -> Vec<Message> {
+        let mut said = self.spelled_out();
+        said.push(match (self.state, self.rule) {
+            (State::Within, Rule::Requirement) => message!("held_requirement", campaigns = u64::from(campaigns)),
+            (State::Within, _) => {
+                let value = figure(below * self.limit, digits(self.limit));
+                let below_value = message!("measured", value, unit = self.unit().word());
+                message!(
+                    "held_within",
+                    below = below_value,
+                    percent = figure(100.0 * below, 0),
+                    campaigns = u64::from(campaigns)
+                )
+            }
+            _ => message!("held_undecided"),
+        });
+        said
+    }
+
+    fn spelled_out(&self) -> Vec<Message> {
         let mut said = self.finding_messages();
         if self.value.is_none() {
             return said;
@@ -267,7 +289,15 @@ impl Verdict {
                         )
                     };
                 }
-                vec![if self.rule == Rule::BatchShift { said!("batch_shift") } else { said!("station_shift") }]
+                if self.rule == Rule::StationShift {
+                    return vec![said!("station_shift")];
+                }
+                let mut said = vec![said!("batch_shift")];
+                // Only then they were compared, or are known to lie so.
+                said.extend(
+                    (self.state == State::Exceeded).then(|| message!("batch_beside_others", days = text(LATELY))),
+                );
+                said
             }
             Finding::ImuShift { gyros } => vec![message!("imu_shift", name, value = value(), gyros)],
             Finding::Forecast { slot, furthest, p, .. } => {
@@ -370,6 +400,18 @@ mod tests {
                 assert_eq!(parameter(&messages, code, "side"), side.into(), "{code}: {now} against {level}");
             }
         }
+    }
+
+    #[test]
+    fn others_are_said_to_have_stayed_only_where_they_have() {
+        let at = UtcMicros(0);
+        let finding = Finding::GroupShift { gyros: 9, imus: 3, since: at, until: at, shift: 0.02 };
+        let told = exceeded(Rule::BatchShift, 0.02, finding);
+        let says = |verdict: Verdict| verdict.messages().iter().any(|message| message.code == "batch_beside_others");
+        assert!(
+            says(told) && !says(Verdict { state: State::Indeterminate, ..told }),
+            "the rest of the fleet has moved too"
+        );
     }
 
     #[test]

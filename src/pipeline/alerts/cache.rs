@@ -9,6 +9,7 @@ use crate::pipeline::ingest::judge::Undone;
 use crate::pipeline::prelude::*;
 use crate::store::{AlertOf, AlertRow, Remark, StepRow, Writer};
 use crate::wire::alert::AlertFindingBody;
+use crate::wire::reason::Reason;
 
 /// Gyros from which on everything is forgotten.
 const MOST_GYROS: usize = 20_000;
@@ -23,6 +24,8 @@ pub(crate) struct AlertCache {
     pub(super) alerts: BTreeMap<AlertOf, Vec<AlertRow>>,
     /// Gyro and place of what has changed since the last [`AlertCache::write`].
     pub(super) changed: BTreeSet<(AlertOf, usize)>,
+    /// Those that go on after all, until that is followed.
+    resumed: BTreeSet<(AlertOf, usize)>,
     steps: Vec<StepRow>,
     /// What hooks may have to be told, since the last [`AlertCache::news`].
     pub(super) news: Vec<News>,
@@ -68,6 +71,7 @@ impl AlertCache {
             confidence,
             alerts: BTreeMap::new(),
             changed: BTreeSet::new(),
+            resumed: BTreeSet::new(),
             steps: Vec::new(),
             news: Vec::new(),
             silences: Silences::default(),
@@ -78,7 +82,7 @@ impl AlertCache {
 
     /// What was noted is not what was committed: all of it is read again before it is used.
     pub fn forget(&mut self) {
-        (self.alerts, self.changed, self.steps, self.news) = Default::default();
+        (self.alerts, self.changed, self.resumed, self.steps, self.news) = Default::default();
         self.settings_moved = true;
     }
 
@@ -134,6 +138,7 @@ impl AlertCache {
 
     /// Puts what has changed into a transaction; returns what hooks may have to be told.
     pub fn write(&mut self, changes: &mut Changes) -> Vec<News> {
+        self.resumed.clear();
         let changed = std::mem::take(&mut self.changed);
         changes.alerts.extend(changed.into_iter().map(|(of, place)| self.alerts[&of][place].clone()));
         changes.alert_steps.append(&mut self.steps);
@@ -172,17 +177,23 @@ impl AlertCache {
         let arrival = Arrival { record_at: origin.at, now: context.now, late: context.late, muted_until, inhibited };
         let decision = alert_decision::hear(earlier.map(|row| &row.alert), verdict, &arrival, &self.policy);
         let Some(alert) = decision.alert else { return };
-        let finding = || AlertFindingBody { with_imu, ..naming.finding(verdict, origin) }.kept();
+        let is_held = alert.status == Status::Firing && verdict.severity().is_none();
+        let Policy { resolve_below, resolve_after, .. } = self.policy;
+        let reason = || {
+            if is_held { Reason(verdict.messages_of_held(resolve_below, resolve_after)) } else { Reason::of(verdict) }
+        };
+        let finding = || AlertFindingBody { with_imu, reason: reason(), ..naming.finding(verdict, origin) }.kept();
         let (place, began) = match (place, earlier) {
             (Some(place), Some(row)) => {
                 // How long a calibration is overdue changes by itself: that is no news.
                 let same_finding =
                     || alert.status == Status::Resolved || verdict.rule == Rule::Overdue || row.finding == finding();
                 let same_cause = !alert.inhibited || inhibited_by.is_none() || row.inhibited_by == inhibited_by;
-                if row.alert == alert && decision.action == Action::Silent && same_cause && same_finding() {
+                let resumed = self.resumed.contains(&(of, place));
+                if !resumed && row.alert == alert && decision.action == Action::Silent && same_cause && same_finding() {
                     return;
                 }
-                (place, false)
+                (place, resumed)
             }
             _ => {
                 let row = AlertRow {
@@ -205,6 +216,7 @@ impl AlertCache {
         let row = &mut self.alerts.entry(of).or_default()[place];
         (row.finding, row.muted) = (finding(), muted);
         row.inhibited_by = inhibited_by.or(row.inhibited_by).filter(|_| alert.inhibited);
+        self.resumed.remove(&(of, place));
         self.enter((of, place), decision, began, (None, None), context);
     }
 
@@ -239,6 +251,27 @@ impl AlertCache {
             };
             let said = (Some(undone.author.clone()), Some(undone.reason.clone()));
             self.enter(at, decision, false, said, context);
+        }
+    }
+
+    /// Takes up again what ended by what counts no more and is borne out by what is left, for the verdict on the newest
+    /// record to be followed as though that had never ended: it is no new alert, and who knew of it knows of it. What
+    /// began with what counts no more dates from what is left.
+    pub fn resume(&mut self, gyro: u32, undone: &Undone) {
+        for at in self.places([gyro.into()]) {
+            let row = &mut self.alerts.entry(at.0).or_default()[at.1];
+            let Some(left) = undone.fires.as_ref().and_then(|fires| fires.get(&(row.coefficient, row.rule))) else {
+                continue;
+            };
+            let resumed = alert_decision::resume(&row.alert, left, undone.gone.contains(&row.alert.since));
+            if resumed == row.alert {
+                continue;
+            }
+            if row.alert.status == Status::Resolved {
+                self.resumed.insert(at);
+            }
+            row.alert = resumed;
+            self.changed.insert(at);
         }
     }
 
@@ -309,12 +342,10 @@ impl AlertCache {
         self.tell(&row, Action::Silent, None, body, context);
     }
 
-    /// What waits of these gyros for the digest of an import is told; true where something did.
-    pub fn tell_digest(&mut self, all: &BTreeSet<AlertOf>, context: &mut AlertContext<'_>) -> bool {
-        let mut any = false;
+    /// What waits of these gyros for the digest of an import is told.
+    pub fn tell_digest(&mut self, all: &BTreeSet<AlertOf>, context: &mut AlertContext<'_>) {
         for at in self.places(all.iter().copied()) {
             let Some(decision) = alert_decision::digest(&self.alerts[&at.0][at.1].alert, context.now) else { continue };
-            any = true;
             self.enter(at, decision, false, (None, None), context);
             if decision.action != Action::Silent
                 && let Some(step) = self.steps.last_mut()
@@ -322,7 +353,6 @@ impl AlertCache {
                 step.action = "digest".to_owned();
             }
         }
-        any
     }
 
     pub(super) fn places(&self, all: impl IntoIterator<Item = AlertOf>) -> Vec<(AlertOf, usize)> {

@@ -138,7 +138,7 @@ impl Alerts {
         Ok((*self.counts.at(store::alerts::version(store), now, of_all).await?).clone())
     }
 
-    /// How many alerts fire, acknowledged and silenced ones among them, of each severity.
+    /// How many alerts fire that no other explains, acknowledged and silenced ones among them, of each severity.
     pub async fn firing(&self) -> Result<[u64; Severity::ALL.len()], StorageError> {
         let counts = store::alerts::firing_by_severity(&self.store).await?;
         Ok(Severity::ALL.map(|severity| {

@@ -65,8 +65,15 @@ pub(crate) fn follow_group(
             // Where nothing is left, nothing can be overdue; else the clock says what is.
             Rule::Overdue if fires.is_some() && judged.newest.iter().all(|newest| newest.gyro != *gyro) => None,
             Rule::Overdue => Some(row.alert.severity),
-            rule => fires.map_or(Some(row.alert.severity), |fires| fires.get(&(row.coefficient, rule)).copied()),
+            rule => fires.map_or(Some(row.alert.severity), |fires| {
+                fires.get(&(row.coefficient, rule)).map(|left| left.severity)
+            }),
         };
+        let is_followed =
+            |newest: &Newest| newest.gyro == *gyro && judged.verdicts.contains_key(&(newest.figures.record, *gyro));
+        if judged.newest.iter().any(is_followed) {
+            alerts.resume(*gyro, undone);
+        }
         alerts.undo(*gyro, still, undone, context);
         // The newest that counts may be older than before.
         if let Some(Newest { figures, .. }) = judged.newest.iter().rfind(|newest| newest.gyro == *gyro) {

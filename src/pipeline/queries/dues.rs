@@ -1,5 +1,5 @@
-//! When gyros that drift reach their budgets by the diagnosis of their histories, which knows of ageing before the rule
-//! `trend` has established it.
+//! When gyros that drift, or that the rule `trend` carries there, reach their budgets by the diagnosis of their
+//! histories, which knows of ageing before the rule has established it.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -8,6 +8,7 @@ use tokio::time::Instant;
 
 use super::found_until::found_until;
 use super::gyro_history::Histories;
+use crate::core::changes::HistoryDiagnosis;
 use crate::core::judge::{Coefficient, Reach, Status};
 use crate::pipeline::Standing;
 use crate::pipeline::prelude::*;
@@ -50,20 +51,22 @@ impl Dues {
         Self { histories, kept: Arc::default() }
     }
 
-    /// Of those of these gyros that drift, what reaches its budget first from `now` on by its history, by gyro number;
-    /// and how many of them could not be diagnosed within `patience`: a gyro's own page has its date then. A gyro is
-    /// diagnosed again once it stands otherwise.
+    /// Of those of these gyros that drift, or have a date by the rule `trend` and are not out of tolerance, what reaches
+    /// its budget first by its history, or has reached it, by gyro number; and how many that drift could not be
+    /// diagnosed within `patience`: a gyro's own page has its date then. A gyro is diagnosed again once it stands
+    /// otherwise.
     pub async fn of(
         &self,
         gyros: &[Standing],
-        now: UtcMicros,
         patience: Duration,
     ) -> Result<(HashMap<u32, DueDate>, usize), StorageError> {
-        let drifting = gyros.iter().filter(|gyro| gyro.status == Some(Status::Drifting));
+        let drifts = |gyro: &Standing| gyro.status == Some(Status::Drifting);
+        let is_carried = |gyro: &Standing| gyro.outlook.reach.is_some() && gyro.status < Some(Status::Drifting);
+        let dated = gyros.iter().filter(|gyro| drifts(gyro) || is_carried(gyro));
         let (mut found, mut missing) = (HashMap::new(), 0);
         let until = Instant::now() + patience;
-        for gyro in drifting {
-            let gyro = of_any_day(gyro);
+        for gyro in dated {
+            let (gyro, is_drifting) = (of_any_day(gyro), drifts(gyro));
             let kept = self.kept().get(&gyro.number).filter(|(of, _)| *of == gyro).map(|(_, due)| *due);
             let number = gyro.number;
             let due = match kept {
@@ -74,16 +77,20 @@ impl Dues {
                     found_until(until, async move { dues.due(&gyro).await }).await.transpose()?
                 }
             };
-            missing += usize::from(due.is_none());
-            found.extend(due.flatten().filter(|due| due.at >= now).map(|due| (number, due)));
+            missing += usize::from(due.is_none() && is_drifting);
+            found.extend(due.flatten().map(|due| (number, due)));
         }
         Ok((found, missing))
     }
 
     async fn due(&self, gyro: &Standing) -> Result<Option<DueDate>, StorageError> {
         let explained = self.histories.explain(gyro.number, &gyro.serial).await?;
-        let of_drifting = explained.coefficients.iter().zip(gyro.drift).filter(|(_, drift)| *drift >= Status::Drifting);
-        let dates = of_drifting.filter_map(|(answer, _)| {
+        let carried = gyro.outlook.reach.map(|reach| reach.coefficient);
+        let is_asked = |(answer, drift): &(&HistoryDiagnosis, Status)| {
+            *drift >= Status::Drifting || carried == Some(answer.coefficient)
+        };
+        let asked = explained.coefficients.iter().zip(gyro.drift).filter(is_asked);
+        let dates = asked.filter_map(|(answer, _)| {
             let (newest, due) = (explained.as_of.newest?, answer.due?);
             let at = |days: f64| newest.plus_days(days);
             Some(DueDate {

@@ -73,7 +73,10 @@ pub(crate) async fn stations_of(store: &Store, gyros: &[u32]) -> Result<Vec<[u32
     Ok(seen.into_iter().collect())
 }
 
+/// Of what a row says: another one has all made anew.
+const FORM: u32 = 2;
+
 /// Of all that decides how a gyro stands besides what is stored.
 pub(crate) fn checksum(judging: &Judging) -> String {
-    hex::encode(sha256(format!("{judging:?}").as_bytes()))
+    hex::encode(sha256(format!("{FORM} {judging:?}").as_bytes()))
 }

@@ -21,7 +21,7 @@ pub struct Standing {
     /// indeterminate while none could judge its drift, none before the first calibration. While an alert of
     /// `agreement` fires, exceeded whatever they say.
     pub state: Option<State>,
-    /// What all of that comes to, and whether its calibration is overdue: the worst of it.
+    /// What all of that comes to, and whether its calibration is overdue: the worst of it. Every gyro has one.
     pub status: Option<Status>,
     /// What the verdicts on D_I, D_S and D_O of its newest calibration come to.
     pub drift: [Status; 3],
@@ -144,12 +144,12 @@ impl Facts<'_> {
         let loads = verdicts.iter().filter_map(load).chain(disagreements.iter().filter_map(|found| found.load));
         let violations: Vec<Violation> = violations(verdicts, told).chain(disagreements.iter().copied()).collect();
         let worst_of = violations.iter().map(|violation| violation.status).chain(overdue_days.map(|_| Status::Overdue));
-        let of_verdicts = newest.map(|_| status::of_gyro(verdicts));
         Standing {
             number: self.number,
             serial: self.serial.clone(),
             state: of_newest.max(of_methods),
-            status: worst_of.max().max(of_verdicts),
+            // Without a calibration that counts there are too few records to judge it by.
+            status: worst_of.max().max(Some(status::of_gyro(verdicts))),
             drift: status::of_drift(verdicts),
             violations,
             load: loads.fold(0.0, f64::max),

@@ -21,7 +21,8 @@ const MOVED: f64 = 5.0;
 pub struct Today {
     /// Of which something began to be worse, the newest first.
     pub worse: FirstOf<Standing>,
-    /// Within their limits, and carried to the budget by an established trend, the first to reach it first.
+    /// Within their limits, and carried to the budget by an established trend, the first to reach it first: those that
+    /// should be there by now among them.
     pub approaching: FirstOf<Standing>,
     pub overdue: FirstOf<DueImu>,
     /// Within [`DUE_DAYS`].
@@ -37,7 +38,7 @@ pub struct Today {
 pub async fn today(fleet: &Fleet, since: UtcMicros) -> Result<Today, StorageError> {
     let (store, now) = (&fleet.store, fleet.clock.now());
     let worse = store::head::changed(store, since, LINES).await?;
-    let approaching = store::head::approaching(store, now, LINES).await?;
+    let approaching = store::head::approaching(store, LINES).await?;
     let dues = fleet.known.dues.at(store::head::version(store), now, dues(store, now)).await?;
     let calibrated = fleet.known.calibrated.at(store::head::version(store), since, calibrated(store, since)).await?;
     let moved = store::head::moved(store, since, MOVED, LINES).await?;

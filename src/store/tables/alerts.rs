@@ -435,9 +435,9 @@ pub async fn firing(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>> {
     read!(store, all, sql, gyros)
 }
 
-/// How many alerts fire, by severity; of a severity without any there is no entry.
+/// How many alerts fire that no other explains, by severity; of a severity without any there is no entry.
 pub async fn firing_by_severity(store: &Store) -> Result<Vec<(String, i64)>> {
-    let sql = "SELECT severity, count(*) FROM alert WHERE status = 'firing' GROUP BY severity";
+    let sql = "SELECT severity, count(*) FROM alert WHERE status = 'firing' AND inhibited_by IS NULL GROUP BY severity";
     read!(store, all, sql)
 }
 

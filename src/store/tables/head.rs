@@ -476,13 +476,13 @@ pub async fn changed(store: &Store, since: UtcMicros, limit: usize) -> Result<Fi
     first_and_count(store, "changed_at >= $1 AND rank > 10", "changed_at DESC", since, limit).await
 }
 
-/// Gyros in use that are not beyond a limit and that their trends carry to the budget after `now`, the first to reach it
-/// first: as many as `limit`, of all.
-pub async fn approaching(store: &Store, now: UtcMicros, limit: usize) -> Result<FirstOf<u32>> {
+/// Gyros in use that are not beyond a limit and that their trends carry to the budget, or have carried there, the first
+/// to reach it first: as many as `limit`, of all.
+pub async fn approaching(store: &Store, limit: usize) -> Result<FirstOf<u32>> {
     // The rank is no way to find them: nearly all gyros have one of these.
     let by = key(FleetOrder::Reach);
     let those = format!("{by} BETWEEN $1 AND 9223372036854775806 AND rank + 0 BETWEEN 10 AND 16");
-    first_and_count(store, &those, by, now, limit).await
+    first_and_count(store, &those, by, UtcMicros(i64::MIN), limit).await
 }
 
 /// `$1` is an instant.

@@ -13,7 +13,7 @@
 //! It is the group's only where others do not share it: neither the rest of the fleet, nor is it that of one batch alone
 //! among a station's gyros, nor of one station alone among a batch's. What tells no batch from a station is the station's.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::SQRT_2;
 use std::sync::Arc;
 
@@ -92,8 +92,8 @@ pub struct ShiftQuestion {
     pub limit: Limit,
     pub budget: f64,
     pub confidence: f64,
-    /// Whether it has been told already.
-    pub fires: bool,
+    /// Since when, where it has been told already: what was calibrated before does not bear it out.
+    pub fires_since: Option<UtcMicros>,
 }
 
 /// Judges what the gyros of `group` share among `newest` (column 0: D_I, 1: D_S), the newest calibrations of a fleet.
@@ -102,7 +102,8 @@ pub fn group_shift(newest: &[NewestCalibration], group: &Group, column: usize, a
     let coefficient = [Coefficient::DI, Coefficient::DS][column];
     let verdict = |finding| Verdict::undecided(coefficient, group.rule(), asked.limit, finding);
     let few = |have: usize, need: usize| verdict(Finding::TooFew { have, need });
-    let here: Vec<&NewestCalibration> = newest.iter().filter(|one| group.holds(one)).collect();
+    let is_of_it = |one: &&NewestCalibration| asked.fires_since.is_none_or(|since| one.at >= since);
+    let here: Vec<&NewestCalibration> = newest.iter().filter(|one| group.holds(one)).filter(is_of_it).collect();
     let Some(last) = here.iter().map(|one| one.at).max() else { return few(0, GYROS) };
     let together =
         |one: &&NewestCalibration| one.deviation[column].is_some() && last.days_since(one.at) <= group.together_days();
@@ -111,7 +112,7 @@ pub fn group_shift(newest: &[NewestCalibration], group: &Group, column: usize, a
         here = newest_of(here);
     }
     let (gyros, imus) = (here.len(), imus_of(&here));
-    let enough = if asked.fires { gyros >= GYROS_TO_STAY } else { gyros >= GYROS && imus >= IMUS };
+    let enough = if asked.fires_since.is_some() { gyros >= GYROS_TO_STAY } else { gyros >= GYROS && imus >= IMUS };
     let Some(shift) = shared(&here, column).filter(|_| enough) else { return few(gyros, GYROS) };
     let outcome = beyond(shift, asked.limit.value, asked.confidence);
     let exceeds = outcome.state == State::Exceeded;
@@ -208,6 +209,16 @@ fn is_of_group(
     others_moved.or_else(|| moved(&of_rival, GYROS_TO_STAY).map(|moved| !moved)).unwrap_or(is_station)
 }
 
+/// Since when calibrations of a group show what it has moved by: of each its time, its IMU and how far a gyro was from
+/// its baseline. That of an IMU shows it where most of its gyros lie off by half of the `shift` at least, and the group
+/// since the oldest after which every one does. None where the newest does not.
+pub fn shift_began(calibrated: impl IntoIterator<Item = (UtcMicros, u32, f64)>, shift: f64) -> Option<UtcMicros> {
+    let mut campaigns: BTreeMap<(UtcMicros, u32), Vec<f64>> = BTreeMap::new();
+    calibrated.into_iter().for_each(|(at, imu, by)| campaigns.entry((at, imu)).or_default().push(by));
+    let shows = |of: Vec<f64>| median_of(of).is_some_and(|by| is_half_of(Measured::exact(by), Measured::exact(shift)));
+    campaigns.into_iter().rev().map_while(|((at, _), of)| shows(of).then_some(at)).last()
+}
+
 /// What a rule says of one gyro that a shift may explain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Suspected {
@@ -271,7 +282,7 @@ mod tests {
 
     fn asked(fires: bool) -> ShiftQuestion {
         let limit = Limit { value: 2.5e-3, from: LimitKey::BUDGET };
-        ShiftQuestion { limit, budget: 0.01, confidence: 0.95, fires }
+        ShiftQuestion { limit, budget: 0.01, confidence: 0.95, fires_since: fires.then_some(UtcMicros(0)) }
     }
 
     /// Fixed figures about zero, with scatter of about 1.
@@ -353,6 +364,34 @@ mod tests {
         assert_eq!(group_shift(&old, &ST_1, 0, &asked(false)).value.map(|_| ()), Some(()));
         old.iter_mut().filter(|one| one.imu > 2).for_each(|one| one.at = one.at.plus_days(30.0));
         assert_eq!(group_shift(&old, &ST_1, 0, &asked(false)).value, None);
+    }
+
+    #[test]
+    fn what_was_calibrated_before_a_shift_that_was_told_does_not_keep_it() {
+        // What has shown it is set aside: what is left of the station is older, and as uncertain as can be.
+        let mut before = imus(1, 0, 5, 0.0);
+        before.iter_mut().for_each(|one| one.deviation[0].as_mut().unwrap().sd = Some(5e-3));
+        let since = |day: f64| ShiftQuestion { fires_since: Some(UtcMicros(0).plus_days(day)), ..asked(true) };
+        assert_eq!(group_shift(&before, &ST_1, 0, &since(0.0)).state, State::Indeterminate);
+        assert_eq!(group_shift(&before, &ST_1, 0, &since(10.0)).value, None, "nothing is left");
+        let mut nearly = before.clone();
+        nearly.extend(imus(1, 10, 1, 0.015).drain(..2));
+        assert_eq!(group_shift(&nearly, &ST_1, 0, &since(10.0)).value, None, "two gyros are too few");
+    }
+
+    #[test]
+    fn a_shift_began_with_the_first_imu_that_shows_it_and_not_with_a_gyro_that_was_off_by_itself() {
+        let imu = |day: f64, imu: u32, by: [f64; 3]| by.map(|by| (UtcMicros(0).plus_days(day), imu, by));
+        let all = [
+            imu(80.0, 2, [0.009, 0.008, 0.007]),
+            imu(90.0, 1, [0.02, 0.001, -0.001]),
+            imu(100.0, 2, [0.006, 0.0052, 0.001]),
+            imu(101.0, 1, [0.025, 0.007, 0.005]),
+            imu(110.0, 2, [0.006, 0.0058, 0.0061]),
+        ];
+        let began = |shift| shift_began(all.into_iter().flatten(), shift);
+        assert_eq!(began(0.006), Some(UtcMicros(0).plus_days(100.0)));
+        assert_eq!(began(-0.006), None, "they lie on the other side");
     }
 
     #[test]

@@ -20,6 +20,7 @@ pub use agreement::{SourcedResult, agreement};
 pub use forecast::{FALSE_ALARMS, Foretold, ForetoldGyro, forecast};
 pub use group_shift::{
     Group, LATELY, NewestCalibration, ShiftQuestion, Suspected, group_shift, has_grown, in_common, is_explained,
+    shift_began,
 };
 pub use imu_shift::{ImuQuestion, imu_shift};
 pub use overdue::overdue;

@@ -1,6 +1,7 @@
 //! What judging a group has found.
 
-use crate::core::judge::{Coefficient, Severity};
+use crate::core::alert_decision::Alert;
+use crate::core::judge::Coefficient;
 use crate::pipeline::prelude::*;
 
 /// Verdicts by record and gyro number.
@@ -18,14 +19,16 @@ pub(crate) struct Judged {
     pub undone: BTreeMap<u32, Undone>,
 }
 
-/// What fires, and how grave it is.
-pub(crate) type Firing = HashMap<(Coefficient, Rule), Severity>;
+/// What fires.
+pub(crate) type Firing = HashMap<(Coefficient, Rule), Alert>;
 
 /// What has become of a gyro's alerts now that something counts no more, and who said so, and why.
 #[derive(Debug)]
 pub(crate) struct Undone {
     /// What would fire if nothing but what counts now had ever come; none where only a bench result was voided.
     pub fires: Option<Firing>,
+    /// Of its records that count no more.
+    pub gone: Vec<UtcMicros>,
     pub author: String,
     pub reason: String,
 }

@@ -20,21 +20,22 @@ impl Replay<'_> {
         for gyro in changes.withdrawn.gyros() {
             let fires = self.replay(gyro, changes).await?;
             let rows = changes.withdrawn.history.iter().filter(|row| row.gyro == gyro);
+            let gone = rows.clone().map(|row| row.figures.at).collect();
             let rows = rows.map(|row| row.figures.record);
             if let Some(said) = said_of(rows.clone(), changes) {
-                judged.undone.insert(gyro, undone(Some(fires), said));
+                judged.undone.insert(gyro, Undone { gone, ..undone(Some(fires), said) });
             } else if let Some(aside) =
                 rows.into_iter().find_map(|record| changes.set_aside.stored.iter().find(|aside| aside.record == record))
             {
                 let (author, reason) = (aside.author.clone(), aside.reason.clone());
-                judged.undone.insert(gyro, Undone { fires: Some(fires), author, reason });
+                judged.undone.insert(gyro, Undone { fires: Some(fires), gone, author, reason });
             }
         }
         for gyro in changes.rejudged.gyros_restated() {
             let fires = Some(self.replay(gyro, changes).await?);
             let said = changes.models.last().map(|model| (model.author.clone(), model.reason.clone()));
             let (author, reason) = said.unwrap_or_default();
-            judged.undone.entry(gyro).or_insert(Undone { fires, author, reason });
+            judged.undone.entry(gyro).or_insert(Undone { fires, gone: Vec::new(), author, reason });
         }
         for (bench, gyro) in &changes.withdrawn.benches {
             if let Some(said) = said_of([*bench].into_iter(), changes) {
@@ -62,8 +63,8 @@ impl Replay<'_> {
                 alerts.extend(decision.alert.map(|alert| (key, alert)));
             }
         }
-        let firing = alerts.into_iter().filter(|(_, alert)| alert.status == Status::Firing);
-        Ok(firing.map(|(key, alert)| (key, alert.severity)).collect())
+        alerts.retain(|_, alert| alert.status == Status::Firing);
+        Ok(alerts)
     }
 }
 
@@ -83,5 +84,5 @@ fn said_of(mut items: impl Iterator<Item = Id>, changes: &Changes) -> Option<&Co
 }
 
 fn undone(fires: Option<Firing>, said: &CorrectionItem) -> Undone {
-    Undone { fires, author: said.author.clone(), reason: said.reason.clone() }
+    Undone { fires, gone: Vec::new(), author: said.author.clone(), reason: said.reason.clone() }
 }

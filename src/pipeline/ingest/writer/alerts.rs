@@ -5,7 +5,7 @@ use super::shared_look::SharedLook;
 use super::shared_shifts::SharedShifts;
 use super::state::WriterState;
 use crate::core::alert_decision::Late;
-use crate::pipeline::alerts::{AlertCache, AlertContext, Causes, Naming, SharedVerdict, follow_group};
+use crate::pipeline::alerts::{AlertCache, AlertContext, Causes, Naming, SharedVerdict, follow_clock, follow_group};
 use crate::pipeline::hooks::{CurrentAlert, OutboxContext};
 use crate::pipeline::ingest::judge::Judged;
 use crate::pipeline::prelude::*;
@@ -131,21 +131,61 @@ impl WriterState {
         Ok(rows.iter().filter_map(standing).collect())
     }
 
-    /// An import has come to its end: what waits for its digest is told.
+    /// Gyros of which the clock may begin or end that they are overdue.
+    pub(super) async fn may_be_overdue(&self, now: UtcMicros) -> Result<BTreeSet<u32>, StoreError> {
+        if !self.judge.has_intervals() {
+            return Ok(BTreeSet::new());
+        }
+        Ok(store::head::newly_overdue_or_not(&self.store, now).await?.into_iter().collect())
+    }
+
+    /// Lets the alerts of these gyros, which are in memory, follow the clock.
+    pub(super) async fn follow_overdue(&mut self, gyros: &[u32], late: Late, now: UtcMicros) -> Result<(), StoreError> {
+        let out_of_use = self.heads().out_of_use(gyros).await?;
+        let newest = store::histories::last(&self.store, gyros).await?;
+        let naming = Naming { tables: &self.store.names().read(), new: None };
+        let mut context = AlertContext { now, writer: &mut self.writer, naming, cause: None, late };
+        for (gyro, newest) in newest {
+            let in_use = |newest: &Figures| out_of_use.get(&gyro).is_none_or(|(at, _)| *at < newest.at);
+            match newest.filter(in_use) {
+                Some(Figures { at, imu, .. }) => {
+                    follow_clock(&mut self.alerts, &self.judge, gyro, at, imu, &mut context);
+                }
+                None => self.alerts.reset(gyro, |row| row.rule == Rule::Overdue, &mut context),
+            }
+        }
+        Ok(())
+    }
+
+    /// An import has come to its end: what waits for its digest is told, with what the clock finds of it.
     pub(super) async fn tell_digest(&mut self) -> Result<(), WriteError> {
         let (now, mut changes) = (self.clock.now(), Changes::default());
-        let told = self.digest(&mut changes, now).await;
+        let told = match self.may_be_overdue(now).await {
+            Ok(overdue) => self.digest(&mut changes, &overdue, now).await,
+            Err(error) => Err(error),
+        };
         self.commit_or_forget(told, &mut changes).await
     }
 
-    pub(super) async fn digest(&mut self, changes: &mut Changes, now: UtcMicros) -> Result<(), StoreError> {
-        let waiting = store::alerts::for_digest(&self.store).await?;
-        let waiting: BTreeSet<AlertOf> = waiting.iter().map(|row| row.of).collect();
+    /// `overdue`: gyros of which the clock has not told yet that they are.
+    pub(super) async fn digest(
+        &mut self,
+        changes: &mut Changes,
+        overdue: &BTreeSet<u32>,
+        now: UtcMicros,
+    ) -> Result<(), StoreError> {
+        let waiting = store::alerts::for_digest(&self.store).await?.into_iter().map(|row| row.of);
+        let waiting: BTreeSet<AlertOf> = waiting.chain(overdue.iter().map(|gyro| AlertOf::Gyro(*gyro))).collect();
+        store::names::look_up_gyros(&self.store, overdue.iter().copied().collect()).await?;
         self.alerts.recall(&self.store, gyros_of(&waiting), now).await?;
-        if !self.change_alerts(now, Late::Clock, |alerts, context| alerts.tell_digest(&waiting, context)) {
+        let fires = |gyro: u32| self.alerts.firing(gyro).any(|row| row.rule == Rule::Overdue);
+        let newly: Vec<u32> = overdue.iter().copied().filter(|gyro| !fires(*gyro)).collect();
+        self.follow_overdue(&newly, Late::Digest, now).await?;
+        self.change_alerts(now, Late::Clock, |alerts, context| alerts.tell_digest(&waiting, context));
+        let news = self.alerts.write(changes);
+        if news.is_empty() {
             return Ok(());
         }
-        let news = self.alerts.write(changes);
         self.hooks.recall(&self.store, &news).await?;
         self.hooks.tell_digest(&news, &mut OutboxContext { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
     }

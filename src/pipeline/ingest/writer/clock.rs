@@ -4,7 +4,7 @@ use super::alerts::gyros_of;
 use super::shared_look::{NothingShared, shared_and_explicable};
 use super::state::WriterState;
 use crate::core::alert_decision::Late;
-use crate::pipeline::alerts::{AlertContext, Naming, SharedVerdict, follow_clock};
+use crate::pipeline::alerts::SharedVerdict;
 use crate::pipeline::prelude::*;
 use crate::store::{AlertOf, Cells};
 
@@ -43,7 +43,7 @@ impl ClockTick<'_> {
     async fn try_tick(&mut self, nothing: Result<Option<NothingShared>, StoreError>) -> Result<(), StoreError> {
         let now = self.now;
         self.follow_shared(nothing).await?;
-        let overdue = self.may_be_overdue().await?;
+        let overdue = self.state.may_be_overdue(now).await?;
         let repeated = now.plus_days(-self.state.config.alerts.repeat_days);
         let due = store::alerts::due(&self.state.store, now, repeated).await?;
         let moved = due.iter().filter(|row| self.state.alerts.is_moved_by_clock(row, now)).map(|row| row.of);
@@ -65,18 +65,10 @@ impl ClockTick<'_> {
         if store::alerts::digest_began(&self.state.store).await?.is_some_and(|since| is_over(since, now)) {
             self.state.begin(&Cells::all()).await?;
             let mut changes = Changes::default();
-            self.state.digest(&mut changes, now).await?;
+            self.state.digest(&mut changes, &BTreeSet::new(), now).await?;
             self.state.commit_with_heads(&mut changes).await?;
         }
         Ok(())
-    }
-
-    /// Gyros of which the clock may begin or end that they are overdue.
-    async fn may_be_overdue(&self) -> Result<BTreeSet<u32>, StoreError> {
-        if !self.state.judge.has_intervals() {
-            return Ok(BTreeSet::new());
-        }
-        Ok(store::head::newly_overdue_or_not(&self.state.store, self.now).await?.into_iter().collect())
     }
 
     async fn tick_in_turn(&mut self, found: &BTreeSet<AlertOf>, overdue: &BTreeSet<u32>) -> Result<(), StoreError> {
@@ -84,30 +76,8 @@ impl ClockTick<'_> {
         let mut changes = Changes::default();
         self.state.alerts.recall(&self.state.store, gyros_of(found), now).await?;
         let gyros: Vec<u32> = gyros_of(found).filter(|gyro| overdue.contains(gyro)).collect();
-        let out_of_use = self.state.heads().out_of_use(&gyros).await?;
-        let newest = store::histories::last(&self.state.store, &gyros).await?;
-        {
-            let naming = Naming { tables: &self.state.store.names().read(), new: None };
-            let mut context =
-                AlertContext { now, writer: &mut self.state.writer, naming, cause: None, late: Late::Clock };
-            for (gyro, newest) in newest {
-                let in_use = |newest: &Figures| out_of_use.get(&gyro).is_none_or(|(at, _)| *at < newest.at);
-                match newest.filter(in_use) {
-                    Some(newest) => {
-                        follow_clock(
-                            &mut self.state.alerts,
-                            &self.state.judge,
-                            gyro,
-                            newest.at,
-                            newest.imu,
-                            &mut context,
-                        );
-                    }
-                    None => self.state.alerts.reset(gyro, |row| row.rule == Rule::Overdue, &mut context),
-                }
-            }
-            self.state.alerts.tick(found, &mut context);
-        }
+        self.state.follow_overdue(&gyros, Late::Clock, now).await?;
+        self.state.change_alerts(now, Late::Clock, |alerts, context| alerts.tick(found, context));
         self.state.note(&mut changes, now).await?;
         self.state.commit_with_heads(&mut changes).await
     }

@@ -49,7 +49,8 @@ impl ForecastAlerts<'_> {
     /// Another model comes into force: what the one before had foretold is over.
     pub async fn end(&mut self, imu: u32, adoption: &Adoption) -> Result<(), StoreError> {
         self.state.alerts.recall(&self.state.store, [], self.now).await?;
-        let undone = Undone { fires: None, author: adoption.author.clone(), reason: adoption.reason.clone() };
+        let undone =
+            Undone { fires: None, gone: Vec::new(), author: adoption.author.clone(), reason: adoption.reason.clone() };
         self.undo((imu, None), &undone);
         Ok(())
     }
@@ -64,7 +65,7 @@ impl ForecastAlerts<'_> {
                 continue;
             };
             let (author, reason) = (said.author.clone(), said.reason.clone());
-            imus.insert(imu, Undone { fires: None, author, reason });
+            imus.insert(imu, Undone { fires: None, gone: Vec::new(), author, reason });
         }
         for (imu, undone) in &imus {
             self.state.alerts.recall(&self.state.store, [], self.now).await?;

@@ -6,16 +6,21 @@
 
 use crate::core::alert_decision::Alert;
 use crate::core::judge::{
-    Coefficient, Group, ImuQuestion, LATELY, Measured, NewestCalibration, Severity, ShiftQuestion, State, group_shift,
-    imu_shift,
+    Coefficient, Finding, Group, ImuQuestion, LATELY, LimitKind, Measured, NewestCalibration, Severity, ShiftQuestion,
+    State, group_shift, imu_shift, in_common, shift_began,
 };
 use crate::pipeline::alerts::{AlertCache, Naming, Origin, SharedVerdict};
+use crate::pipeline::ingest::judge::gyro_window::sample_of;
 use crate::pipeline::ingest::judge::{Judged, Newest};
 use crate::pipeline::prelude::*;
-use crate::store::{AlertOf, AlertRow, ExcessRow};
+use crate::store::{AlertOf, AlertRow, ExcessRow, HistoryRow};
 
 /// Those that gyros may share, by column.
 const COEFFICIENTS: [Coefficient; 2] = [Coefficient::DI, Coefficient::DS];
+
+/// Gyros by which a shift is dated, the newest calibrated, and so many of the newest records of each.
+const DATED_GYROS: usize = 200;
+const DATED_RECORDS: usize = 64;
 
 /// Of the alert of a gyro, what tells whether others exceed the limit too; none where none can by its rule.
 fn excess(row: &AlertRow) -> Option<ExcessRow> {
@@ -33,7 +38,8 @@ pub(super) struct SharedShifts<'a> {
 }
 
 impl SharedShifts<'_> {
-    /// What the gyros of a group share, where one of them begins to exceed a limit, or exceeds it more gravely.
+    /// What the gyros of a group share, where one of them begins to exceed a limit, or exceeds it more gravely, or an
+    /// IMU of it may show that its station has shifted.
     pub async fn of_arrivals(&self, found: &Judged, changes: &Changes) -> Result<Vec<SharedVerdict>, StoreError> {
         let is_news = |newest: &Newest, verdict: &Verdict| {
             let is_known = |row: &AlertRow| {
@@ -48,10 +54,11 @@ impl SharedShifts<'_> {
         let has_news =
             |newest: &&Newest| verdicts(newest).into_iter().flatten().any(|verdict| is_news(newest, verdict));
         let exceeding: Vec<&Newest> = found.newest.iter().filter(has_news).collect();
-        if exceeding.is_empty() {
+        let mut stations = self.may_have_shifted(found);
+        if exceeding.is_empty() && stations.is_empty() {
             return Ok(Vec::new());
         }
-        let stations: BTreeSet<u32> = exceeding.iter().map(|newest| newest.figures.station).collect();
+        stations.extend(exceeding.iter().map(|newest| newest.figures.station));
         let imus: BTreeSet<u32> = exceeding.iter().map(|newest| newest.figures.imu).collect();
         let mut exceed: Vec<ExcessRow> = Vec::new();
         for newest in &found.newest {
@@ -88,7 +95,73 @@ impl SharedShifts<'_> {
         // Of what is over the clock judges, which knows every gyro of an IMU.
         let of_imus = self.of_imus(&calibrated, &imus, &judged, &exceed);
         judged.extend(of_imus.into_iter().filter(|one| one.verdict.severity().is_some()));
+        self.date(&mut judged, &calibrated, &changes.history).await?;
         Ok(judged)
+    }
+
+    /// Stations of which nothing is told and where an IMU of the group has stepped lately, by as much as a shift of theirs
+    /// would make it. To ask wherever one lies off would read a station with every record of a fleet that drifts.
+    fn may_have_shifted(&self, found: &Judged) -> BTreeSet<u32> {
+        let recent = self.now.plus_days(-self.config.alerts.backfill_days);
+        let mut steps: BTreeMap<[u32; 2], [Vec<f64>; 2]> = BTreeMap::new();
+        for Newest { gyro, figures } in found.newest.iter().filter(|newest| newest.figures.at >= recent) {
+            let verdicts = found.verdicts.get(&(figures.record, *gyro)).into_iter().flatten();
+            for verdict in verdicts.filter(|verdict| verdict.rule == Rule::Step) {
+                let column = COEFFICIENTS.iter().position(|one| *one == verdict.coefficient);
+                let Some((column, step)) = column.zip(verdict.value) else { continue };
+                steps.entry([figures.station, figures.imu]).or_default()[column].push(step);
+            }
+        }
+        let limits = self.config.judging.limits("", "");
+        let has_moved = |station: u32, column: usize, steps: &[f64]| {
+            let least = [&limits.d_i, &limits.d_s][column].of(Rule::StationShift);
+            let moved = in_common(steps, 1, 0.0).zip(least).is_some_and(|(step, least)| step.value > least.value);
+            moved && self.alerts.shared().since(AlertOf::Station(station), COEFFICIENTS[column]).is_none()
+        };
+        let moved = steps.iter().filter(|([station, _], steps)| (0..2).any(|k| has_moved(*station, k, &steps[k])));
+        moved.map(|([station, _], _)| *station).collect()
+    }
+
+    /// Dates what is found of stations and batches of which nothing was told: since the first calibration that shows it,
+    /// whenever it is looked at. `new`: what is not stored yet.
+    async fn date(
+        &self,
+        found: &mut [SharedVerdict],
+        newest: &[NewestCalibration],
+        new: &[HistoryRow],
+    ) -> Result<(), StoreError> {
+        let newest: HashMap<u32, &NewestCalibration> = newest.iter().map(|one| (one.gyro, one)).collect();
+        for SharedVerdict { of, verdict, gyros, .. } in found {
+            let Finding::GroupShift { since, shift, .. } = &mut verdict.finding else { continue };
+            let is_told = self.alerts.shared().since(*of, verdict.coefficient).is_some();
+            if verdict.state != State::Exceeded || is_told {
+                continue;
+            }
+            let Some(column) = COEFFICIENTS.iter().position(|one| *one == verdict.coefficient) else { continue };
+            let counts = |one: &&&NewestCalibration| one.deviation[column].is_some();
+            let mut its: Vec<&NewestCalibration> =
+                gyros.iter().filter_map(|gyro| newest.get(gyro)).filter(counts).copied().collect();
+            its.sort_by_key(|one| std::cmp::Reverse(one.at));
+            its.truncate(DATED_GYROS);
+            let numbers: Vec<u32> = its.iter().map(|one| one.gyro).collect();
+            let stored = store::histories::newest_ever(self.store, &numbers, DATED_RECORDS).await?;
+            let mut calibrated: Vec<(UtcMicros, u32, f64)> = Vec::new();
+            for (one, mut rows) in its.iter().zip(stored) {
+                rows.extend(new.iter().filter(|row| row.gyro == one.gyro).map(|row| row.figures));
+                let value = |row: &Figures| sample_of(row, self.config.judging.method).d[column].value;
+                let (Some(last), Some(now)) = (rows.iter().find(|row| row.at == one.at), one.deviation[column]) else {
+                    continue;
+                };
+                let level = value(last) - now.value;
+                // Another station says nothing of this one.
+                let is_its = |row: &&Figures| of.station().is_none_or(|station| row.station == station);
+                let of_it = rows.iter().filter(|row| row.at <= one.at).filter(is_its);
+                calibrated.extend(of_it.map(|row| (row.at, row.imu, value(row) - level)));
+            }
+            let began = shift_began(calibrated, *shift);
+            *since = began.map_or(*since, |began| began.min(*since));
+        }
+        Ok(())
     }
 
     /// Stored calibrations with those of a group in their place.
@@ -129,6 +202,7 @@ impl SharedShifts<'_> {
         judged.extend(self.of_batches(&lately, None));
         let of_imus = self.of_imus(&newest, &imus, &judged, firing);
         judged.extend(of_imus);
+        self.date(&mut judged, &newest, &[]).await?;
         Ok(judged)
     }
 
@@ -173,8 +247,8 @@ impl SharedShifts<'_> {
         for (column, coefficient) in COEFFICIENTS.into_iter().enumerate() {
             let limit = [&limits.d_i, &limits.d_s][column].of(group.rule());
             let Some((limit, budget)) = limit.zip(budgets[column]) else { continue };
-            let fires = self.alerts.shared().since(of, coefficient).is_some();
-            let asked = ShiftQuestion { limit, budget, confidence: limits.confidence, fires };
+            let fires_since = self.alerts.shared().since(of, coefficient);
+            let asked = ShiftQuestion { limit, budget, confidence: limits.confidence, fires_since };
             let verdict = group_shift(newest, group, column, &asked);
             let its = || newest.iter().filter(|one| group.holds(one));
             let (at, gyros) = (its().map(|one| one.at).max().unwrap_or(self.now), its().map(|one| one.gyro).collect());
@@ -209,6 +283,8 @@ impl SharedShifts<'_> {
                 let its = || gyros.iter().filter_map(|one| exceeding.get(&(one.gyro, coefficient))).flatten();
                 let told = self.alerts.shared().since(of, coefficient);
                 let since = told.unwrap_or(at);
+                // Who only drifts keeps its budget.
+                let exceeds = |one: &&ExcessRow| one.rule.limit_kind() == LimitKind::Specification;
                 let shared = |one: &NewestCalibration| {
                     let is_its = |(of, gyros, _): &&Shift| *of == coefficient && gyros.contains(&one.gyro);
                     shifts.iter().filter(is_its).map(|(.., shift)| *shift).collect()
@@ -217,7 +293,7 @@ impl SharedShifts<'_> {
                     limit,
                     confidence: limits.confidence,
                     shared: &shared,
-                    one_did_before: told.is_none() && its().any(|one| one.since < at),
+                    one_did_before: told.is_none() && its().copied().filter(exceeds).any(|one| one.since < at),
                     confirmed: its().any(|one| one.since == since && one.severity == Severity::Critical),
                 };
                 let verdict = imu_shift(&gyros, column, &asked);

@@ -514,7 +514,7 @@ async fn today_tells_what_the_pages_of_stations_and_gyros_tell() {
     }
     // An alert whose figure is within its limit again says why it still fires.
     browser.goto("/alerts?serial=LFG-0008").await;
-    let renewed = "[...document.querySelectorAll('table.alerts tbody tr')].filter((e) => e.textContent.includes('once the figure is in tolerance')) \
+    let renewed = "[...document.querySelectorAll('table.alerts tbody tr')].filter((e) => e.textContent.includes('once the figure is well in tolerance')) \
         .map((e) => e.children[1].textContent)";
     assert_eq!(browser.eval(renewed).await, json!(["DS shift of level"]));
     // A list that goes on is printed as a part of it.

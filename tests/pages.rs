@@ -233,6 +233,19 @@ async fn what_does_not_exist_is_said_on_a_page() {
 }
 
 #[tokio::test]
+async fn where_there_is_nothing_a_browser_is_answered_with_a_page_and_a_program_with_a_problem() {
+    let server = Server::start().await;
+    for path in ["/nowhere", "/v1/nowhere"] {
+        let page = server.call("GET", path, &[("accept", "text/html,*/*;q=0.8")], "").await;
+        assert_eq!((page.status, page.content_type.as_str()), (404, "text/html; charset=utf-8"), "{path}");
+        assert!(page.text().contains("href=\"/fleet\""), "{}", page.text());
+        let problem = server.call("GET", path, &[("accept", "*/*")], "").await;
+        assert_eq!((problem.status, problem.content_type.as_str()), (404, "application/problem+json"), "{path}");
+        assert!(problem.json()["detail"].as_str().unwrap().contains(path));
+    }
+}
+
+#[tokio::test]
 async fn an_address_or_a_form_that_cannot_be_read_is_said_on_a_page_in_words_of_this_service() {
     let server = Server::start().await;
     for (path, words) in
@@ -839,6 +852,7 @@ async fn gyros_that_one_record_has_shown_stand_under_their_imu() {
     let firing = once(async || page(&server, "/alerts", &[]).await, together).await;
     let of_imu = part(&firing, "class=\"together\"", "</section>");
     assert!(of_imu.contains("All 3 gyros of the IMU"), "{firing}");
+    assert!(of_imu.contains("<th>IMU</th>") && !of_imu.contains("<th>Gyro</th>"), "{of_imu}");
     let inhibited = page(&server, "/alerts?state=inhibited", &[]).await;
     let together = &inhibited[place(&inhibited, "class=\"together\"")..];
     assert!(together.matches("<article").count() == 3 && together.contains("3 gyros by one record"), "{inhibited}");
@@ -1227,6 +1241,71 @@ async fn a_gyro_is_headed_by_how_much_of_its_budget_it_takes_since_when_and_what
     assert_eq!(jumping.matches("D_I is 0.0500 deg/(h g0) above its baseline").count(), 1, "said once");
 }
 
+/// Its course has left the budget since its last calibration, which found it at nine tenths of it.
+#[tokio::test]
+async fn what_has_reached_its_budget_by_its_course_is_calibrated_now_and_stays_on_today() {
+    let server = Server::start().await;
+    for week in 0..36 {
+        let noise = [2e-4, -2e-4, 1e-4, -1e-4, 0.0][week as usize % 5];
+        let d_i = 1.5 + 2.6e-4 * f64::from(week) + noise;
+        server.post_json("/v1/records", &record("IMU-A", "ST-1", "AGES", 7 * week, [d_i, -2.25])).await.created();
+    }
+    let report = page(&server, "/gyros/AGES/report", &[]).await;
+    let suggested = part(&report, "<p class=\"suggestion\"", "</p>");
+    assert!(suggested.contains("Calibrate now") && !suggested.contains("2026-"), "{suggested}");
+    assert!(
+        part(&report, "<div class=\"causes\"", "</div>").contains("it reached its budget on 2026-10-2"),
+        "{report}"
+    );
+    let today = page(&server, "/", &[]).await;
+    let reached = part(&today, "Will reach the budget", "</section>");
+    holds(reached, &["AGES", "reached by its course", "Calibrate now", "2026-10-2"]);
+    assert!(!reached.contains("Calibrate by"), "{reached}");
+}
+
+#[tokio::test]
+async fn the_scatter_of_one_step_is_no_want_of_a_level() {
+    let server = Server::start().await;
+    let wander = [0.0, 0.9, 0.2, 1.7, 0.5, 1.4, -0.2, -0.9, -0.5, -1.4, 0.4, 1.6, 2.5, 2.0];
+    for (k, wandered) in wander.into_iter().enumerate() {
+        let d_i = 1.5 + [2e-4, -2e-4, 1e-4, -1e-4, 0.0][k % 5];
+        let step = if k < 12 { 0.0 } else { 0.018 };
+        let noise = 3e-4 * [0.3, -1.0, 0.8, 0.1, -0.6, 1.2, -0.2][k % 7];
+        for (imu, serial, d_s) in [("IMU-B", "STEPS", step + noise), ("IMU-C", "WANDERS", 8e-3 * wandered)] {
+            let sent = record(imu, "ST-1", serial, 10 * k as u32, [d_i, -2.25 + d_s]);
+            server.post_json("/v1/records", &sent).await.created();
+        }
+    }
+    // Both are out of tolerance for certain, and of both the rule of the scatter speaks.
+    for (serial, expected) in [("STEPS", "If it has stepped once"), ("WANDERS", "it has no steady level")] {
+        let report = page(&server, &format!("/gyros/{serial}/report"), &[]).await;
+        let violated = part(&report, "<table class=\"judged cards\"", "</table>");
+        assert!(violated.contains("scatter"), "{violated}");
+        let suggested = part(&report, "<p class=\"suggestion\"", "</p>");
+        assert!(suggested.contains(expected), "{serial}: {suggested}");
+    }
+}
+
+/// It wanders by more than the rule of the level allows for, and each record is as good as ever.
+#[tokio::test]
+async fn a_gyro_that_scatters_needs_no_better_record_and_its_cause_is_told() {
+    let server = Server::start().await;
+    let noise = [0.3, -1.1, 0.8, 0.1, -0.6, 1.2, -0.2, -0.9, 0.5, 0.7, -1.0, 0.4, -0.3, 1.0, -0.8, 0.2, 0.6];
+    for k in 0..31_u32 {
+        let (at, i) = (f64::from(k), k as usize);
+        let wander = 7e-3 * ((0.5 * at).sin() + 0.4 * (1.15 * at).sin());
+        let [n, m] = [i, i + 4].map(|i| 5e-4 * noise[i * 5 % 17]);
+        let mut sent = record("IMU-A", "ST-1", "WANDERS", 10 * k, [1.5 + wander + n, -2.25 + m]);
+        sent["gyros"][0]["g_sd"] = json!([7e-4, 7e-4, 7e-4]);
+        sent["gyros"][0]["e_sd"] = json!([1e-7, 1e-7, 1e-7]);
+        server.post_json("/v1/records", &sent).await.created();
+    }
+    let report = page(&server, "/gyros/WANDERS/report", &[]).await;
+    assert!(part(&report, "<h1>", "</h1>").contains("too uncertain"), "{report}");
+    assert!(part(&report, "<p class=\"suggestion\"", "</p>").contains("Find why it changes"), "{report}");
+    holds(part(&report, "<div class=\"causes\"", "</div>"), &["Unexplained", "It wanders by"]);
+}
+
 #[tokio::test]
 async fn a_decision_is_recorded_with_name_and_reason_and_stands_in_plot_report_and_audit() {
     let server = a_small_fleet().await;
@@ -1237,6 +1316,13 @@ async fn a_decision_is_recorded_with_name_and_reason_and_stands_in_plot_report_a
         "{asked}"
     );
     assert!(!asked.contains("value=\"repair\""), "{asked}");
+    // What it is decided by stands above it, after a fault as well; nothing is decided by other events.
+    let amiss = sends_form(&server, path, &[("event", "decision_release"), ("by", "Li Wei")]).await;
+    assert_eq!(amiss.status, 422);
+    for text in [&asked, &amiss.text()] {
+        holds(part(text, "<h1>", "<form class=\"deed\""), &["badge confirmed", "Take it out. If it has stepped once"]);
+    }
+    assert!(!page(&server, &format!("{path}?event=baseline"), &[]).await.contains("class=\"suggestion\""));
     assert!(!page(&server, path, &[]).await.contains("decision_release"), "a decision has a form of its own");
     let fields = [("event", "decision_remove"), ("by", "Li Wei"), ("reason", "D_I ages")];
     assert_eq!(goes_on_at(&sends_form(&server, path, &fields).await), "/gyros/JUMP%2F1#happenings");

@@ -169,26 +169,60 @@ async fn the_clock_goes_on_beside_alerts_of_a_version_that_did_not_keep_since_wh
     become_so(&lab, |alerts| station_is(alerts, "resolved")).await;
 }
 
-/// As a person sees it, on the clock of this machine.
-#[tokio::test]
-async fn pages_show_the_station_and_what_its_alert_explains() {
+/// A service that holds these records, on the clock of this machine: day 34 is now.
+async fn holding(records: impl Iterator<Item = Value>) -> Server {
     let server = Server::start_with(&[("GYROWATCH_ALERTS__TICK_S", "0.05")]).await;
     let now = Clock::System.now();
     let mut lines = String::new();
-    for mut record in quiet().into_iter().chain(shifted(0..6)) {
+    for mut record in records {
         let at = time::parse(record["calibrated_at"].as_str().unwrap()).unwrap();
         let ago = time::parse(&day(34)).unwrap().days_since(at);
         record["calibrated_at"] = time::format(now.plus_days(-ago)).into();
         lines += &format!("{record}\n");
     }
     assert_eq!(server.post("/v1/import", lab::NDJSON, lines).await.status, 200);
+    server
+}
+
+/// What is the matter with one of its gyros is not to be decided by that gyro alone.
+#[tokio::test]
+async fn that_an_imu_moved_stands_on_the_pages_and_reports_of_its_gyros_and_on_its_own() {
+    let moved = calibrated(1, 28, "ST-2", |slot| [0.02, -0.03, 0.045][slot as usize]);
+    let server = holding(quiet().into_iter().chain([moved])).await;
+    let look = async || server.get("/v1/alerts?rule=imu_shift").await.json()["alerts"][0].clone();
+    once(look, |shift| !shift.is_null()).await;
+    for path in ["/gyros/GYRO-04", "/gyros/GYRO-04/report", "/imus/IMU-1", "/imus/IMU-1/report"] {
+        let text = server.get(path).await.text();
+        assert!(text.contains("All 3 gyros of the IMU have moved at once"), "{path}: {text}");
+    }
+    let other = server.get("/gyros/GYRO-07/report").await.text();
+    assert!(!other.contains("have moved at once"), "{other}");
+}
+
+/// As a person sees it, on the clock of this machine.
+#[tokio::test]
+async fn pages_show_the_station_and_what_its_alert_explains() {
+    let server = holding(quiet().into_iter().chain(shifted(0..6))).await;
     let look = async || server.get("/v1/alerts?rule=station_shift").await.json()["alerts"][0].clone();
     let station = once(look, |station| !station.is_null()).await;
     let id = station["id"].as_str().unwrap();
+    // What another alert explains is not counted with what fires.
+    let counts = async || {
+        let metrics = server.get("/metrics").await.text();
+        let of_severities = metrics.lines().filter(|line| line.starts_with("gyrowatch_alerts_firing{"));
+        let counted: f64 = of_severities.map(|line| line.rsplit(' ').next().unwrap().parse::<f64>().unwrap()).sum();
+        let of = async |state: &str| {
+            let found = server.get(&format!("/v1/alerts?state={state}&limit=1000")).await.json();
+            found["alerts"].as_array().unwrap().len()
+        };
+        (counted as usize, of("firing").await, of("inhibited").await)
+    };
+    once(counts, |(counted, firing, inhibited)| counted == firing && *inhibited >= 17).await;
     for (page, shows) in [
         ("/alerts".to_owned(), ["href=\"/stations/ST-2\"", "shift of a station"]),
         ("/alerts?state=inhibited".to_owned(), ["GYRO-04", "explained by another alert"]),
         (format!("/alerts/{id}"), ["GYRO-04", "inhibited"]),
+        ("/".to_owned(), ["href=\"/stations/ST-2\">ST-2</a>", "shift of a station"]),
         ("/stations/ST-2".to_owned(), ["The median D_I of", "overdue"]),
         ("/stations".to_owned(), ["overdue", "ST-2"]),
     ] {
@@ -235,6 +269,24 @@ async fn records_that_are_suspect_end_the_alert_of_their_station() {
     // And back.
     lab.post("/v1/stations/ST-2/trust", &window).await.ok();
     become_so(&lab, |alerts| station_is(alerts, "firing") && of_gyros(alerts, "inhibited").count() >= 17).await;
+}
+
+/// What is left of the station is older than its shift, and too uncertain to say that there is none.
+#[tokio::test]
+async fn an_uncertain_record_of_before_does_not_keep_the_alert_of_a_station_whose_records_are_suspect() {
+    let lab = lab().await;
+    let mut unsure: Vec<Value> = (0..3).map(|imu| calibrated(imu, 25, "ST-2", |_| 0.0)).collect();
+    for gyro in unsure.iter_mut().flat_map(|record| record["gyros"].as_array_mut().unwrap()) {
+        (gyro["e_sd"], gyro["g_sd"]) = (json!([1e-7, 1e-7, 1e-7]), json!([0.02, 0.02, 0.02]));
+    }
+    sent(&lab, &unsure).await;
+    lab.clock_shows(&day(34));
+    sent(&lab, &shifted(0..6)).await;
+    become_so(&lab, |alerts| station_is(alerts, "firing") && of_gyros(alerts, "inhibited").count() >= 17).await;
+    let window = json!({"from": day(27), "to": day(34), "by": "Li Wei", "reason": "fixture was loose"});
+    lab.post("/v1/stations/ST-2/suspect", &window).await.ok();
+    let found = become_so(&lab, |alerts| station_is(alerts, "resolved")).await;
+    assert_eq!(of_gyros(&found, "inhibited").count(), 0, "{found:#?}");
 }
 
 #[tokio::test]
@@ -343,6 +395,23 @@ async fn an_imu_of_which_every_gyro_moves_is_one_alert_and_what_one_does_later_a
     let is_over = |alert: &&Value| of_imu(alert) && alert["state"] == "resolved";
     become_so(&lab, |alerts| alerts.iter().any(|alert| is_over(&alert))).await;
     assert_eq!(lab.verified().await.faults, []);
+}
+
+#[tokio::test]
+async fn an_imu_of_which_one_gyro_has_drifted_within_its_budget_moves_at_once_all_the_same() {
+    let lab = lab().await;
+    let drifts = |slot: i64| if slot == 0 { 0.005 } else { 0.0 };
+    let quiet = (4..14).map(|week| calibrated(1, 7 * week, "ST-2", |_| 0.0));
+    let drifted = (14..18).map(|week| calibrated(1, 7 * week, "ST-2", drifts));
+    lab.clock_shows(&day(7 * 17));
+    sent(&lab, &quiet.chain(drifted).collect::<Vec<_>>()).await;
+    let before = alerts(&lab).await;
+    let of_d_i: Vec<&Value> = of_gyros(&before, "firing").filter(|alert| alert["coefficient"] == "D_I").collect();
+    assert!(!of_d_i.is_empty() && of_d_i.iter().all(|alert| alert["status"] == "drifting"), "{before:#?}");
+    lab.clock_shows(&day(7 * 18));
+    sent(&lab, &[calibrated(1, 7 * 18, "ST-2", |slot| [0.03, -0.03, 0.045][slot as usize])]).await;
+    let of_imu = |alert: &Value| alert["subject"] == "imu" && alert["state"] == "firing";
+    become_so(&lab, |alerts| alerts.iter().any(of_imu)).await;
 }
 
 async fn is_of(lab: &Lab, gyro: i64, batch: &str) {
@@ -460,4 +529,27 @@ async fn a_station_counts_all_that_it_has_calibrated() {
     assert_eq!(counts(&lab.get("/v1/stations/ST-2").await.ok())[0], Some(129));
     lab.post("/v1/stations/ST-2/trust", &window).await.ok();
     assert_eq!(counts(&lab.get("/v1/stations").await.ok()["stations"][0])[0], Some(139));
+}
+
+/// By less than any gyro's limit: no rule of a gyro speaks.
+#[tokio::test]
+async fn a_small_shift_of_a_station_is_told_with_the_record_that_shows_it_and_since_the_first() {
+    let small = |imu: i64, at: i64| calibrated(imu, at + imu, "ST-2", |_| 0.006);
+    if !cluster::is_wanted() {
+        let lab = lab_whose_clock_looks_every(3600.0).await;
+        for imu in 0..2 {
+            assert_eq!(of_station(&alerts(&lab).await), None, "{imu}");
+            lab.clock_shows(&day(28 + imu));
+            lab.posts(&small(imu, 28)).await;
+        }
+        let found = alerts(&lab).await;
+        let station = of_station(&found).expect("two of the newest three IMUs show it").clone();
+        assert_eq!([&station["state"], &station["since"]], [&json!("firing"), &json!(day(28))]);
+    }
+    // Looked at late: the newest of the same IMUs show it since the second week.
+    let lab = lab().await;
+    lab.clock_shows(&day(41));
+    sent(&lab, &[28, 35].into_iter().flat_map(|at| (0..6).map(move |imu| small(imu, at))).collect::<Vec<_>>()).await;
+    let found = become_so(&lab, |alerts| station_is(alerts, "firing")).await;
+    assert_eq!(of_station(&found).unwrap()["since"], day(28));
 }

@@ -109,7 +109,8 @@ pub struct Gyro {
     state: Option<&'static str>,
     /// The worst of its verdicts and of what its alerts know besides, and whether its calibration is overdue:
     /// `confirmed`, `out_of_tolerance`, `unconfirmed`, `drifting`, `overdue`, `borderline`, `too_uncertain`,
-    /// `not_enough_data` or `in_tolerance`, the worst first. Null for a gyro that only a bench has seen.
+    /// `not_enough_data` or `in_tolerance`, the worst first. The last but one for a gyro that only a bench has seen,
+    /// or of which no calibration counts.
     #[schema(required)]
     status: Option<&'static str>,
     /// `retired` or `in_storage`, until it is calibrated again: it is never overdue.

@@ -76,7 +76,7 @@ pub fn router(app: App, pages: Routes) -> Router {
     let routes = routes(&server).with_state(app.clone()).merge(pages);
     metrics::begin_at_zero(routes.rules());
     let gate = Gate { app, rules: Arc::new(Rules::of(routes.rules())) };
-    routes.into_router().fallback(problem::no_such_path).layer(
+    routes.into_router().layer(
         // The outermost first. Refusals are put into form before they are compressed. As one stack: each layer by
         // itself would be boxed.
         ServiceBuilder::new()

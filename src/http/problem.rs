@@ -1,7 +1,7 @@
 //! Every error leaves as problem details (RFC 9457).
 
 use axum::http::header::{CONTENT_LANGUAGE, CONTENT_LENGTH, CONTENT_TYPE, RETRY_AFTER, VARY};
-use axum::http::{HeaderValue, StatusCode, Uri};
+use axum::http::{HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use http_body_util::{BodyExt, Limited};
 
@@ -39,11 +39,6 @@ impl IntoResponse for Problem {
 /// Something is longer than the configuration allows.
 pub fn too_large(message: Message) -> Problem {
     Problem::new(413, "title_too_large", message)
-}
-
-/// The answer where no route has the path: 404.
-pub async fn no_such_path(uri: Uri) -> Problem {
-    Problem::new(404, "title_no_such_path", message!("no_such_path", path = uri.path().to_owned()))
 }
 
 /// Puts refusals that are not ours (of axum's extractors and of the layers) into the common form. Headers such as

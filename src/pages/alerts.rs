@@ -178,7 +178,8 @@ struct Group {
 /// What gyros have in common that fire together.
 #[derive(Debug, Clone, PartialEq)]
 enum Cause {
-    Record(String),
+    /// And since when it is so: what began with an earlier record is not what this one has shown.
+    Record(String, Option<String>),
     /// No record of this IMU.
     Overdue(String),
 }
@@ -189,7 +190,7 @@ impl Cause {
         if first.rule == Rule::Overdue.name() {
             return first.finding.imu.clone().map(Self::Overdue);
         }
-        first.finding.record.clone().map(Self::Record)
+        first.finding.record.clone().map(|record| Self::Record(record, since(alerts).map(str::to_owned)))
     }
 }
 
@@ -234,6 +235,14 @@ impl Group {
     }
 }
 
+/// As the fleet says it: of what is beyond a specification where something is.
+fn since(alerts: &[AlertBody]) -> Option<&str> {
+    let is_beyond = |alert: &AlertBody| alert.status().is_some_and(|status| BEYOND.contains(&status));
+    let has_worse = alerts.iter().any(is_beyond);
+    let of_worst = alerts.iter().filter(|alert| !has_worse || is_beyond(alert));
+    of_worst.filter_map(|alert| alert.since.as_deref()).min()
+}
+
 /// A gyro on one line, what it is told of folded under it.
 fn of_gyro(viewer: &Viewer, gyro: &Alerted, first_of_page: bool, may: bool, here: &str) -> Markup {
     let t = viewer.text();
@@ -241,11 +250,6 @@ fn of_gyro(viewer: &Viewer, gyro: &Alerted, first_of_page: bool, may: bool, here
     let Some(first) = alerts.first() else { return html! {} };
     let (serial, finding) = (&first.serial, &first.finding);
     let worst = alerts.iter().filter_map(|alert| alert.status()).max();
-    // As the fleet says it: of what is beyond a specification where something is.
-    let is_beyond = |alert: &AlertBody| alert.status().is_some_and(|status| BEYOND.contains(&status));
-    let has_worse = alerts.iter().any(is_beyond);
-    let of_worst = alerts.iter().filter(|alert| !has_worse || is_beyond(alert));
-    let since = of_worst.filter_map(|alert| alert.since.as_deref()).min();
     let open: Vec<Violation> = alerts.iter().filter(|alert| is_open(alert)).filter_map(violation).collect();
     let is_known = |alert: &AlertBody| alert.state != Standing::Firing.name();
     html! {
@@ -258,7 +262,7 @@ fn of_gyro(viewer: &Viewer, gyro: &Alerted, first_of_page: bool, may: bool, here
                     span { a.id href={ "/imus/" (encoded(imu)) } { (imu) } @if let Some(slot) = &finding.slot { " " span.quiet { (slot) } } }
                 }
                 @if let Some(standing) = standing { span.nowrap { (bullet::leading(t, standing, &open)) } }
-                @if let Some(since) = since { span.quiet { (t.since) " " (written_day(since)) } }
+                @if let Some(since) = since(alerts) { span.quiet { (t.since) " " (written_day(since)) } }
                 @if may && !alerts.iter().all(is_known) { (bulk::acknowledge(viewer, serial, here)) }
             }
             details {
@@ -289,7 +293,7 @@ pub(super) fn violation(alert: &AlertBody) -> Option<Violation> {
 
 pub(super) use bulk::{act as act_bulk, ask as ask_bulk, done as done_to_alerts};
 pub(super) use one::page as one;
-pub(super) use table::{is_open, open_ones, table};
+pub(super) use table::{is_open, open_ones, open_ones_of_imu, table};
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]

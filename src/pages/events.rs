@@ -1,7 +1,13 @@
 //! `/gyros/{serial}/events/new`: what was done to a gyro, or a new baseline, on a page that says what that changes.
 
+use tokio::time::Instant;
+
 use super::form::{ActionForm, Word, see_other, typed_time};
+use super::gyro::{PATIENCE, explained};
+use super::gyro_facts::Facts;
+use super::gyro_head;
 use super::prelude::*;
+use super::view::View;
 use crate::core::gyro_event::GyroEvent;
 use crate::core::judge::Event;
 use crate::core::record::Name;
@@ -59,7 +65,24 @@ pub(super) async fn ask(
     Path(serial): Path<String>,
     Query(said): Query<EventForm>,
 ) -> Result<Page, Problem> {
-    Ok(form(viewer.text(), &known(pages, &serial)?, &said).fresh(viewer, &said.word))
+    let (t, name) = (viewer.text(), known(pages, &serial)?);
+    let stands = how_it_stands(pages, t, &serial, &said).await?;
+    Ok(form(t, &name, &said, &stands).fresh(viewer, &said.word))
+}
+
+/// What a decision is made by: status and suggestion, as on the gyro's page. Nothing where none is made.
+async fn how_it_stands(pages: &Pages, t: &Text, serial: &str, said: &EventForm) -> Result<Markup, Problem> {
+    if About::of(Event::from_name(&said.event)) != About::Decision {
+        return Ok(Markup::default());
+    }
+    let number = pages.gyro_number(serial)?;
+    let facts = Facts::of(pages, number, serial, &View::whole(pages.config.judging.method), 0).await?;
+    let explained = explained(pages, number, serial, &facts, Instant::now() + PATIENCE).await?;
+    Ok(html! {
+        p.lead { (facts.badge(t)) }
+        @if let Some(newest) = facts.course.figures.last() { (gyro_head::doubts(t, newest.record, &facts.doubts)) }
+        (gyro_head::suggested(t, &facts, explained.as_ref()))
+    })
 }
 
 fn known(pages: &Pages, serial: &str) -> Result<Name, Problem> {
@@ -92,7 +115,8 @@ pub(super) async fn act(
         read_test(event, at, (filled(&said.to).map(|to| typed_time(&to)), filled(&said.kind)), &mut faults)
     });
     let Some((event, (until, test))) = event.zip(test).filter(|_| faults.is_empty()) else {
-        return Ok(form(viewer.text(), &name, said).again(viewer, &said.word, &faults));
+        let stands = how_it_stands(pages, viewer.text(), serial, said).await?;
+        return Ok(form(viewer.text(), &name, said, &stands).again(viewer, &said.word, &faults));
     };
     let Word { by, reason, .. } = said.word.clone();
     let event = GyroEvent { at, event, until, test, fixed: [None; 2], reason, author: Some(by) };
@@ -108,7 +132,8 @@ pub(super) async fn act(
     }
 }
 
-fn form(t: &Text, serial: &Name, said: &EventForm) -> ActionForm {
+/// `stands`: how the gyro stands, where that matters.
+fn form(t: &Text, serial: &Name, said: &EventForm, stands: &Markup) -> ActionForm {
     let about = About::of(Event::from_name(&said.event));
     let title = about.title(t);
     let path = format!("/gyros/{}", encoded(serial.as_str()));
@@ -130,7 +155,7 @@ fn form(t: &Text, serial: &Name, said: &EventForm) -> ActionForm {
     ActionForm {
         section: Section::Fleet,
         title: format!("{title}: {serial}"),
-        what: what_it_resets(t, about),
+        what: html! { (stands) (what_it_resets(t, about)) },
         fields,
         action: format!("{path}/events/new"),
         button: title,

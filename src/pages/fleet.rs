@@ -36,7 +36,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
     let queries = &pages.pipeline.queries;
     let found = queries.fleet.page(&filters.filter()?, filters.page, ROWS).await?;
     let now = pages.clock.now();
-    let (by_history, undated) = queries.dues.of(&found.gyros, now, PATIENCE).await?;
+    let (by_history, undated) = queries.dues.of(&found.gyros, PATIENCE).await?;
     let gyros: Vec<&Standing> = found.gyros.iter().collect();
     let recent_values = queries.fleet.recent_values(&gyros, VALUES).await?;
     let table = {
@@ -74,7 +74,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
 struct Row<'a> {
     standing: &'a Standing,
     recent: &'a RecentValues,
-    /// When it reaches its budget, as long as it has not.
+    /// When it reaches its budget by its course, as long as it is not known to be beyond.
     due: Option<DueDate>,
     imu: String,
     station: String,

@@ -57,7 +57,7 @@ pub(super) async fn page(
 }
 
 /// How long the page waits for the diagnosis of the history; it has a page of its own.
-const PATIENCE: Duration = Duration::from_millis(400);
+pub(super) const PATIENCE: Duration = Duration::from_millis(400);
 
 /// Why its coefficients changed; none for a gyro without calibrations, and where it is not found by `until`.
 pub(super) async fn explained(

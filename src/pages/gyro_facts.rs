@@ -7,9 +7,11 @@ use super::prelude::*;
 use super::verdicts::SeenVerdict;
 use super::view::View;
 use super::{alerts, status};
+use crate::config::JudgedMethod;
 use crate::core::figures::Figures;
 use crate::core::judge::State;
 use crate::pipeline::{Comparison, Course, Standing, Statuses};
+use crate::wire::note::NoteBody;
 
 /// Records of a run that are told from what is only drifting; an older one began before.
 const LONGEST_RUN: usize = 400;
@@ -20,6 +22,8 @@ pub(super) const MOST_ROWS: usize = 40;
 
 /// All that is known of a gyro, by the method that is shown.
 pub(super) struct Facts {
+    pub now: UtcMicros,
+    pub judged: JudgedMethod,
     pub course: Course,
     /// What its course is held against.
     pub epochs: Epochs,
@@ -30,8 +34,12 @@ pub(super) struct Facts {
     pub statuses: Statuses,
     /// On its newest record.
     pub verdicts: Vec<SeenVerdict>,
+    /// Why its figures in that record may not be its own.
+    pub doubts: Vec<NoteBody>,
     /// Those that are not resolved.
     pub alerts: Vec<AlertBody>,
+    /// That all gyros of its IMU have moved at once, where such an alert is not resolved.
+    pub imu_shifts: Vec<AlertBody>,
     /// The gyro that has been calibrated in its slot since.
     pub successor: Option<Arc<str>>,
 }
@@ -45,7 +53,7 @@ impl Facts {
         let comparison = pipeline.queries.histories.compare_methods(number, None).await?;
         let epochs = history_plot::epochs(&course, method);
         let standing = pipeline.queries.fleet.standings(vec![(number, course.figures.last().copied())]).await?.pop();
-        let mut verdicts = newest_verdicts(pages, serial, &course).await?;
+        let (mut verdicts, doubts) = of_newest(pages, serial, &course).await?;
         for violation in standing.iter().flat_map(|standing| &standing.violations) {
             verdicts.iter_mut().for_each(|said| said.is_known_to_be(violation));
         }
@@ -56,11 +64,31 @@ impl Facts {
         let asked = drawn.chain(listed).chain(run);
         let statuses = pipeline.queries.histories.statuses(number, asked, &[0, 1, 2]).await?;
         let alerts = alerts::open_ones(pages, number).await?;
+        let imu = course.figures.last().map(|newest| pipeline.queries.names().imu(newest.imu).to_owned());
+        let mut imu_shifts = match imu {
+            Some(imu) => alerts::open_ones_of_imu(pages, &imu).await?,
+            None => Vec::new(),
+        };
+        imu_shifts.retain(|alert| alert.rule == Rule::ImuShift.name());
         let successor = match course.figures.last() {
             Some(newest) => pipeline.queries.fleet.seated_in(newest.imu).await?.successor(number),
             None => None,
         };
-        Ok(Self { course, epochs, comparison, standing, statuses, verdicts, alerts, successor })
+        let (now, judged) = (pages.clock.now(), pages.config.judging.method);
+        Ok(Self {
+            now,
+            judged,
+            course,
+            epochs,
+            comparison,
+            standing,
+            statuses,
+            verdicts,
+            doubts,
+            alerts,
+            imu_shifts,
+            successor,
+        })
     }
 
     /// Its status, and that it is out of use where it is.
@@ -80,8 +108,12 @@ pub(super) fn first_row(skip: usize, count: usize) -> usize {
     if skip < count { skip } else { count.saturating_sub(1) / ROWS * ROWS }
 }
 
-async fn newest_verdicts(pages: &Pages, serial: &str, course: &Course) -> Result<Vec<SeenVerdict>, Problem> {
-    let Some(newest) = course.figures.last() else { return Ok(Vec::new()) };
+/// What is said of a gyro in its newest record: verdicts, and notes that doubt its figures.
+async fn of_newest(pages: &Pages, serial: &str, course: &Course) -> Result<(Vec<SeenVerdict>, Vec<NoteBody>), Problem> {
+    let Some(newest) = course.figures.last() else { return Ok(Default::default()) };
     let stored = pages.pipeline.queries.records.record(newest.record).await?;
-    Ok(stored.map_or_else(Vec::new, |stored| SeenVerdict::of_gyro(serial, &stored.answer.verdicts, &stored.seen)))
+    Ok(stored.map_or_else(Default::default, |stored| {
+        let verdicts = SeenVerdict::of_gyro(serial, &stored.answer.verdicts, &stored.seen);
+        (verdicts, stored.answer.notes.into_iter().filter(|note| note.doubts_figures_of(serial)).collect())
+    }))
 }

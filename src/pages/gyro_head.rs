@@ -5,7 +5,7 @@ use super::history::seat;
 use super::history_plot::epoch_of;
 use super::layout::day;
 use super::prelude::*;
-use super::verdicts::{SeenVerdict, seen};
+use super::verdicts::{self, SeenVerdict, seen};
 use super::{bullet, gyro_attributes, status};
 use crate::config::JudgedMethod;
 use crate::core::changes::{ChangeCause, HistoryDiagnosis, NamedCause};
@@ -13,9 +13,12 @@ use crate::core::gyro_event::GyroEvent;
 use crate::core::judge::{Coefficient, Event, Finding, Load, Standpoint, Suggestion, Verdict, suggest};
 use crate::core::message::text;
 use crate::pipeline::{ExplainedHistory, Names, Violation, sample_of};
+use crate::wire::note::NoteBody;
 
 /// Causes of one coefficient's change in the head; all of them are on the page of the diagnosis.
 const MOST_CAUSES: usize = 3;
+/// A coefficient that is as bad as that at least is asked why it changes: what keeps a rule from deciding may be a change.
+const ASKED_WHY: Status = Status::TooUncertain;
 
 /// Since when a coefficient has been as it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,20 +100,31 @@ impl Facts {
         let judged = self.verdicts.iter().filter(|said| said.body.value.is_some());
         let judged = judged.filter_map(|said| Some((Coefficient::from_name(&said.body.coefficient)?, said.status())));
         let told = standing.violations.iter().map(|violation| (violation.coefficient, violation.status));
-        let mut out = self.answers(explained, Status::OutOfTolerance).peekable();
-        let early = |verdict: &Verdict| match verdict.finding {
-            Finding::Trend { until, reach: [Some(early), ..], .. } => Some(early.days_since(until)),
-            _ => None,
+        // A record that was left out is explained by nothing.
+        let holds_now = |answer: &&HistoryDiagnosis| {
+            explained.is_some_and(|explained| answer.newest_left_out(explained.as_of).is_none())
         };
-        let due = self.answers(explained, Status::Drifting).filter_map(|answer| answer.due?.calibrate_by);
+        let mut out = self.answers(explained, Status::OutOfTolerance).peekable();
+        let reaches_at = self.may_reach(explained);
+        let newest = self.course.figures.last().map(|newest| newest.at);
+        // A step scatters by itself, as long as it is among the newest records.
+        let has_stepped = |of: Coefficient| {
+            let mut answers = self.answers(explained, Status::Drifting).filter(holds_now);
+            answers.any(|answer| answer.coefficient == of && answer.is_one_step())
+        };
+        let moves_on = |one: &&Violation| matches!(one.rule, Rule::Trend | Rule::RmsSuccessive);
         suggest(&Standpoint {
-            status: standing.status,
+            // Of one that was never calibrated nothing is to be calibrated again.
+            status: standing.status.filter(|of| standing.newest.is_some() || *of > Status::NotEnoughData),
+            record_in_doubt: !self.doubts.is_empty(),
             verdicts: judged.chain(told).collect(),
-            unsteady: standing.violations.iter().any(|one| matches!(one.rule, Rule::Trend | Rule::RmsSuccessive)),
-            stepped_at_event: out.peek().is_some() && out.all(HistoryDiagnosis::is_one_event),
+            unsteady: standing.violations.iter().filter(moves_on).any(|one| !has_stepped(one.coefficient)),
+            stepped_at_event: out.peek().is_some() && out.all(|answer| answer.is_one_event() && holds_now(&answer)),
             awaits_baseline: self.verdicts.iter().any(SeenVerdict::awaits_baseline),
             overdue: standing.overdue_days.is_some(),
-            reaches_in_days: seen(&self.verdicts).filter_map(early).chain(due).min_by(f64::total_cmp),
+            scatters: self.scatters(),
+            reaches_in_days: reaches_at.zip(newest).map(|(at, newest)| at.days_since(newest)),
+            may_have_reached: reaches_at.is_some_and(|at| at <= self.now),
             interval_days: self.course.limits.interval_days.map(|limit| limit.value),
         })
     }
@@ -118,8 +132,22 @@ impl Facts {
     /// Until when all that drifts is within its budget with 95 %, where its history says so.
     fn calibrate_by(&self, explained: Option<&ExplainedHistory>) -> Option<UtcMicros> {
         let newest = explained?.as_of.newest?;
-        let days = self.answers(explained, Status::Drifting).filter_map(|answer| answer.due?.calibrate_by);
+        let days = self.answers(explained, ASKED_WHY).filter_map(|answer| answer.due?.calibrate_by);
         days.min_by(f64::total_cmp).map(|days| newest.plus_days(days))
+    }
+
+    /// From when on it may be beyond its budget: by its history, and where that says nothing of a coefficient by the
+    /// rule `trend`.
+    fn may_reach(&self, explained: Option<&ExplainedHistory>) -> Option<UtcMicros> {
+        let has_no_date = |verdict: &&Verdict| {
+            let is_it = |answer: &HistoryDiagnosis| answer.coefficient == verdict.coefficient && answer.due.is_some();
+            !self.answers(explained, ASKED_WHY).any(is_it)
+        };
+        let by_trend = seen(&self.verdicts).filter(has_no_date).filter_map(|verdict| match verdict.finding {
+            Finding::Trend { reach: [early, ..], .. } => early,
+            _ => None,
+        });
+        by_trend.chain(self.calibrate_by(explained)).min()
     }
 
     /// When the rule `trend` sees a coefficient reach its budget, where that lies ahead.
@@ -134,8 +162,18 @@ impl Facts {
     }
 
     /// Whether a coefficient is so bad that its cause is asked for.
-    fn drifts(&self) -> bool {
-        self.standing.as_ref().is_some_and(|standing| standing.drift.iter().any(|drift| *drift >= Status::Drifting))
+    fn is_asked_why(&self) -> bool {
+        self.standing.as_ref().is_some_and(|standing| standing.drift.iter().any(|drift| *drift >= ASKED_WHY))
+    }
+
+    /// Whether what is too uncertain of it is so by its own scatter.
+    fn scatters(&self) -> bool {
+        let newest = self.course.figures.last().map(|newest| sample_of(newest, self.judged));
+        let stated = |verdict: &Verdict| newest.as_ref()?.d[verdict.coefficient.column()?].sd;
+        let too_uncertain = |said: &&SeenVerdict| said.status() == Status::TooUncertain;
+        let mut all = self.verdicts.iter().filter(too_uncertain).peekable();
+        let scatters = |said: &SeenVerdict| said.seen.is_some_and(|verdict| verdict.is_too_scattered(stated(&verdict)));
+        all.peek().is_some() && all.all(scatters)
     }
 
     /// What the history says of the coefficients that are so bad at least.
@@ -184,7 +222,7 @@ pub(super) fn head(
         (loads(t, &facts.stands(judged)))
         div.causes {
             (causes(t, facts, explained))
-            @if explained.is_none() && facts.drifts() {
+            @if explained.is_none() && facts.is_asked_why() {
                 p { strong { (t.cause) (t.colon) } a href={ "/gyros/" (encoded(serial)) "/diagnosis" } { (t.cause_elsewhere) } }
             }
         }
@@ -257,17 +295,26 @@ fn load_row(t: &Text, stand: &Stand) -> Markup {
     }
 }
 
-/// Why those coefficients changed of which a rule speaks, the gyro's own causes first; and when they reach their budget.
+/// Why those coefficients changed of which a rule speaks, or cannot decide, the gyro's own causes first; and when they
+/// reach their budget.
 pub(super) fn causes(t: &Text, facts: &Facts, explained: Option<&ExplainedHistory>) -> Markup {
     html! {
-        @for answer in facts.answers(explained, Status::Drifting) {
+        @let drifting: Vec<Coefficient> = facts.answers(explained, Status::Drifting).map(|answer| answer.coefficient).collect();
+        @let is_changed = |answer: &HistoryDiagnosis| explained.is_some_and(|explained| answer.is_changed(explained.as_of));
+        @let is_told = |answer: &&HistoryDiagnosis| is_changed(answer) || drifting.contains(&answer.coefficient);
+        @for alert in &facts.imu_shifts {
+            p {
+                strong { a href={ "/alerts/" (alert.id) } { (alert.name()) ", " (verdicts::violated(t, alert)) } (t.colon) } " "
+                (t.reason(&alert.finding.reason))
+            }
+        }
+        @for answer in facts.answers(explained, ASKED_WHY).filter(is_told) {
             p {
                 strong { (t.cause) " " (symbol(answer.coefficient.name())) (t.colon) } " "
                 (named(t, answer))
-                (t.words(&answer.opening()))
-                @for said in explained.into_iter().flat_map(|explained| answer.ahead(explained.as_of)) { " " (t.words(&said)) }
+                @for said in explained.into_iter().flat_map(|explained| answer.in_brief(explained.as_of)) { (t.words(&said)) " " }
                 @if let Some(at) = answer.due.as_ref().and(facts.reach_by_trend(answer.coefficient)) {
-                    " " (t.words(&message!("history_due_by_trend", day = text(at.date()))))
+                    (t.words(&message!("history_due_by_trend", day = text(at.date()))))
                 }
             }
         }
@@ -312,14 +359,8 @@ fn decided(viewer: &Viewer, serial: &str, facts: &Facts, explained: Option<&Expl
     };
     html! {
         div.decision {
-            @if let Some(suggestion) = suggestion {
-                p.suggestion {
-                    strong { (t.suggested) (t.colon) } " " (t.word(&suggestion.word()))
-                    @if let Some(by) = facts.calibrate_by(explained).filter(|_| suggestion.is_of_drift()) {
-                        " " (t.calibrate_by) " " (day(by)) (t.stop)
-                    }
-                }
-            }
+            @if let Some(newest) = facts.course.figures.last() { (doubts(t, newest.record, &facts.doubts)) }
+            (suggested(t, facts, explained))
             (decision(t, facts))
             p.actions {
                 @if viewer.may(Role::Engineer) {
@@ -329,6 +370,32 @@ fn decided(viewer: &Viewer, serial: &str, facts: &Facts, explained: Option<&Expl
                 }
                 @if !facts.course.figures.is_empty() { a.action href={ (path) "/diagnosis" } { (t.history_diagnosis) } }
                 a.action href={ (path) "/report" } { (t.report) }
+            }
+        }
+    }
+}
+
+/// What the verdicts suggest, and by when.
+pub(super) fn suggested(t: &Text, facts: &Facts, explained: Option<&ExplainedHistory>) -> Markup {
+    html! {
+        @if let Some(suggestion) = facts.suggestion(explained) {
+            p.suggestion {
+                strong { (t.suggested) (t.colon) } " " (t.word(&suggestion.word()))
+                @if let Some(by) = facts.calibrate_by(explained).filter(|_| suggestion.is_of_drift()) {
+                    " " (t.calibrate_by) " " (day(by)) (t.stop)
+                }
+            }
+        }
+    }
+}
+
+/// Why the figures of a record may not be the gyro's.
+pub(super) fn doubts(t: &Text, record: Id, doubts: &[NoteBody]) -> Markup {
+    html! {
+        @if !doubts.is_empty() {
+            p.lead {
+                strong { a href={ "/records/" (record) } { (t.record_doubted) } (t.colon) }
+                @for note in doubts { " " (note.detail) (t.stop) }
             }
         }
     }

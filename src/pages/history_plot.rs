@@ -505,6 +505,12 @@ fn legend(t: &Text, charts: &[(usize, Chart)], drawing: &Drawing<'_>) -> Markup 
             }
             @for rule in Rule::ALL.into_iter().filter(speaks) { li { b { (rule.letter()) } " " (t.rule(rule)) } }
             @for (occurs, shape, word) in lines { @if occurs { li { (mark("", shape)) (word) } } }
+            @for stretch in charts.first().map(|(_, chart)| chart.unnamed()).unwrap_or_default() {
+                li {
+                    (mark("", html! { rect class={ "lane" (stretch.kind % 6) } x="-7" y="-5" width="14" height="10" {} }))
+                    (stretch.label)
+                }
+            }
         }
     }
 }

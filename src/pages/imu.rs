@@ -2,12 +2,11 @@
 
 use std::collections::HashMap;
 
-use super::alerts::{self, is_open};
+use super::alerts;
 use super::layout::query;
 use super::parameters::{self, Parameters};
 use super::prelude::*;
 use super::{bullet, forecast, status};
-use crate::core::alert_filter::AlertFilter;
 use crate::core::effects::Effect;
 use crate::core::kind::{Kind, RecordEntry};
 use crate::pipeline::{Conclusion, Names, Seats, Standing, sample_of};
@@ -26,6 +25,8 @@ pub(super) struct Facts {
     pub records: Vec<RecordEntry>,
     /// The newest, as tables.
     pub parameters: Option<Markup>,
+    /// Of the IMU as a whole, those that are not resolved.
+    pub alerts: Vec<AlertBody>,
 }
 
 impl Facts {
@@ -39,21 +40,19 @@ impl Facts {
             Some(head) => parameters_of(pages, viewer.text(), head.id, None).await?,
             None => None,
         };
-        Ok(Self { seats, records, parameters })
+        let alerts = alerts::open_ones_of_imu(pages, imu).await?;
+        Ok(Self { seats, records, parameters, alerts })
     }
 }
 
 pub(super) async fn page(Visit(ref pages, ref viewer): Visit, Path(ref imu): Path<String>) -> Result<Page, Problem> {
     let t = viewer.text();
-    let Facts { seats, records, parameters } = Facts::of(pages, viewer, imu).await?;
+    let Facts { seats, records, parameters, alerts: open } = Facts::of(pages, viewer, imu).await?;
     let number = pages.pipeline.queries.names().imu_number(imu);
     let forecasts = match number {
         Some(number) => pages.pipeline.diagnoses.forecasts_of_imu(number, FORECASTS).await?,
         None => Vec::new(),
     };
-    let told = pages.pipeline.alerts.of_no_gyro(&AlertFilter::default()).await?;
-    let is_its = |alert: &AlertBody| alert.subject == AlertBody::OF_IMU && alert.name() == imu;
-    let open: Vec<&AlertBody> = told.iter().filter(|alert| is_its(alert) && is_open(alert)).collect();
     let models = pages.pipeline.diagnoses.models(imu).await?.unwrap_or_default();
     let concluded = match number {
         Some(number) => pages.pipeline.diagnoses.conclusions(number).await?,
@@ -68,7 +67,7 @@ pub(super) async fn page(Visit(ref pages, ref viewer): Visit, Path(ref imu): Pat
                 a.action href={ "/compare?" (query(gyros)) } { (t.compare_gyros) }
             }
         }
-        @if !open.is_empty() { (alerts::table(viewer, open.into_iter(), false, None)) }
+        @if !open.is_empty() { (alerts::table(viewer, open.iter(), false, None)) }
         (seated(pages, t, &seats))
         @if let Some(newest) = parameters { section { h2 { (t.newest_parameters) } (newest) } }
         (forecast::versions(viewer, imu, &models))

@@ -60,18 +60,34 @@ mod verdicts;
 mod view;
 mod viewer;
 
+use axum::http::header::ACCEPT;
+use axum::http::{HeaderMap, Uri};
 use axum::middleware::from_fn_with_state;
+use axum::response::{IntoResponse, Response};
 
+use crate::message;
 use crate::routes::{ADMIN, ANYONE, ENGINEER, Routes, STATION, VIEWER};
+use crate::wire::problem::Problem;
 
 pub use diagnosis::{Subject, report as diagnosis_report};
 pub use state::Pages;
 use state::off_the_loop;
 
-/// Every page within its frame, and what they load.
+/// Every page within its frame, and what they load; and the answer where no route has the path.
 pub fn router(of: Pages) -> Routes {
     let frame = from_fn_with_state(of.clone(), layout::framed);
-    routes().map(|router| router.layer(frame)).with_state(of)
+    routes().map(|router| router.fallback(no_such_path).layer(frame)).with_state(of)
+}
+
+/// 404: a page for a browser, a problem document for a program.
+async fn no_such_path(uri: Uri, headers: HeaderMap) -> Response {
+    let path = uri.path().to_owned();
+    let mut answer = Problem::new(404, "title_no_such_path", message!("no_such_path", path)).into_response();
+    let accepted = headers.get(ACCEPT).and_then(|accepted| accepted.to_str().ok()).unwrap_or_default();
+    if !accepted.contains("text/html") {
+        answer.extensions_mut().remove::<Problem>();
+    }
+    answer
 }
 
 /// Every page, and what they load.

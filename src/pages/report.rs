@@ -11,7 +11,7 @@ use super::gyro::{agreement, calibration_table, explained};
 use super::gyro_facts::{Facts, MOST_ROWS};
 use super::prelude::*;
 use super::view::View;
-use super::{before_after, gyro_head, history, history_plot, imu, verdicts};
+use super::{alerts, before_after, gyro_head, history, history_plot, imu, verdicts};
 use crate::core::judge::{Event, Limits};
 use crate::core::kind::Kind;
 use crate::pipeline::{ExplainedHistory, Names};
@@ -127,9 +127,8 @@ async fn hashes(pages: &Pages, t: &Text, facts: &Facts) -> Result<Markup, Proble
 /// What the verdicts suggest, and what was decided.
 fn conclusion(t: &Text, facts: &Facts, explained: Option<&ExplainedHistory>) -> Markup {
     html! {
-        @if let Some(suggestion) = facts.suggestion(explained) {
-            p.suggestion { strong { (t.suggested) (t.colon) } " " (t.word(&suggestion.word())) }
-        }
+        @if let Some(newest) = facts.course.figures.last() { (gyro_head::doubts(t, newest.record, &facts.doubts)) }
+        (gyro_head::suggested(t, facts, explained))
         (gyro_head::decision(t, facts))
     }
 }
@@ -204,6 +203,7 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
                     dt { (t.judged_by) } dd { (t.method_of(view.shown.separation())) }
                 }
             }
+            @if !found.alerts.is_empty() { (alerts::table(viewer, found.alerts.iter(), false, None)) }
             (imu::seated(pages, t, &found.seats))
             @if let Some(newest) = &found.parameters { section { h2 { (t.newest_parameters) } (newest) } }
             @for (serial, facts, explained) in &gyros {

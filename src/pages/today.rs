@@ -13,7 +13,8 @@ use super::fleet::{Filters, as_day, bad_parameter, slopes, violated};
 use super::layout::{day, written_day};
 use super::prelude::*;
 use super::station::changes;
-use super::{bullet, status as badges};
+use super::{bullet, status as badges, verdicts};
+use crate::core::alert_decision;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{FleetStations, Shared};
 use crate::core::first_of::{DueImu, FirstOf};
@@ -22,9 +23,9 @@ use crate::pipeline::{
     CommonShift, DueDate, FleetFilter, FleetPage, LINES, Names, Standing, Today, Together, Violation, today,
 };
 
-/// Gyros that drift whose dates are asked for.
+/// Gyros that drift whose dates are asked for, beside those that their trends carry to the budget.
 const DATED: usize = 12;
-/// How long the page waits for the dates of gyros that drift, and for the stations to be compared.
+/// How long the page waits for the dates of gyros, and for the stations to be compared.
 const PATIENCE: Duration = Duration::from_millis(400);
 /// What is new, unless another day is asked for.
 const DAYS: f64 = 7.0;
@@ -66,9 +67,11 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &TodayQuery) -> Result<Pag
     let shown = fleet.gyros.iter().chain(&today.worse.first);
     let known = known_of(pages, viewer, shown, since).await?;
     let drifting = queries.fleet.worst_of(&[Status::Drifting], DATED).await?;
-    let (dues, undated) = queries.dues.of(&drifting, now, PATIENCE).await?;
+    let is_new = |one: &&Standing| drifting.iter().all(|known| known.number != one.number);
+    let dated: Vec<Standing> = drifting.iter().chain(today.approaching.first.iter().filter(is_new)).cloned().collect();
+    let (dues, undated) = queries.dues.of(&dated, PATIENCE).await?;
     let undated = undated + fleet.of_status[Status::Drifting as usize].saturating_sub(drifting.len());
-    let approaching = Approaching::of(&today.approaching, &drifting, &dues, now);
+    let approaching = Approaching::of(&today.approaching, &dated, &dues);
     let stations = queries.fleet.station_figures_within(PATIENCE).await?;
     let changed = stations.as_deref().map_or_else(Vec::new, |found| station_changes(found, since));
     let gone = no_longer_in_it(pages, &today.overdue.first).await?;
@@ -85,7 +88,7 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &TodayQuery) -> Result<Pag
         div.blocks {
             (worse(viewer, &today.worse, since, &known, &names))
             (still_out(viewer, &fleet, (&today.worse, &out), &known, &names))
-            (approaching.shown(t, undated, &names))
+            (approaching.shown(t, undated, now, &names))
             (due(t, &today, &gone, now, &names))
             div {
                 (several(viewer, &today, &of_groups, &changed, pages.config.judging.budget, &names))
@@ -269,7 +272,7 @@ fn violating<'a>(
     }
 }
 
-/// Gyros on their way to their budgets.
+/// Gyros on their way to their budgets, and those that have reached them by their course and are not out of tolerance.
 struct Approaching<'a> {
     /// The first to reach it first, and when.
     first: Vec<(&'a Standing, DueDate)>,
@@ -278,15 +281,10 @@ struct Approaching<'a> {
 }
 
 impl<'a> Approaching<'a> {
-    /// `by_trend`: what the rule `trend` carries there; `drifting`: of which some have a date by their histories.
-    fn of(
-        by_trend: &'a FirstOf<Standing>,
-        drifting: &'a [Standing],
-        dues: &HashMap<u32, DueDate>,
-        now: UtcMicros,
-    ) -> Self {
-        let dated = drifting.iter().filter_map(|standing| Some((standing, *dues.get(&standing.number)?)));
-        let is_by_history = |(standing, _): &(&Standing, _)| standing.outlook.reach.is_none_or(|reach| reach.at < now);
+    /// `by_trend`: what the rule `trend` carries there; `asked`: of which some have a date by their histories.
+    fn of(by_trend: &'a FirstOf<Standing>, asked: &'a [Standing], dues: &HashMap<u32, DueDate>) -> Self {
+        let dated = asked.iter().filter_map(|standing| Some((standing, *dues.get(&standing.number)?)));
+        let is_by_history = |(standing, _): &(&Standing, _)| standing.outlook.reach.is_none();
         let by_history_alone = dated.clone().filter(is_by_history).count();
         let others = by_trend.first.iter().filter(|standing| !dues.contains_key(&standing.number));
         let others = others.filter_map(|standing| Some((standing, DueDate::by_trend(standing)?)));
@@ -299,24 +297,26 @@ impl<'a> Approaching<'a> {
     }
 
     /// `undated`: how many gyros drift of which no date was asked for.
-    fn shown(&self, t: &Text, undated: usize, names: &Names<'_>) -> Markup {
+    fn shown(&self, t: &Text, undated: usize, now: UtcMicros, names: &Names<'_>) -> Markup {
         let rows = html! {
             div.scroll tabindex="0" { table.lines { tbody { @for (standing, due) in &self.first {
                 tr {
                     td {
                         strong.nowrap { (day(due.at)) @if due.provisional { " ?" } }
-                        div.quiet {
+                        @if due.at < now { div.quiet { (t.reached_by_course) } }
+                        @else { div.quiet {
                             @let [early, late] = due.between;
                             span.nowrap { @if let Some(early) = early { (day(early)) } " …" } " "
                             span.nowrap { @if let Some(late) = late { (day(late)) } @else { (t.never) } }
-                        }
+                        } }
                     }
                     (gyro(standing, false, names))
                     td.nowrap {
                         (bullet::of_coefficient(t, standing, due.coefficient.column().unwrap_or_default()))
                     }
                     td {
-                        @if let Some(by) = due.calibrate_by { (t.calibrate_by) " " (day(by)) }
+                        @if due.calibrate_by.is_some_and(|by| by < now) || due.at < now { (t.calibrate_now) }
+                        @else if let Some(by) = due.calibrate_by { (t.calibrate_by) " " (day(by)) }
                         @else { (slopes(t, standing)) }
                     }
                 }
@@ -422,8 +422,20 @@ fn several(
     };
     let shifts: Vec<&CommonShift> = today.shifts.iter().filter(|found| !is_told(found)).collect();
     let rows = html! {
-        @if !of_groups.is_empty() { (alerts::table(viewer, of_groups.iter().copied(), false, None)) }
         ul.findings {
+            @for alert in of_groups {
+                li {
+                    (badges::badge(t, alert.status())) " "
+                    a.id href=(alert.page()) {
+                        @if alert.subject == AlertBody::OF_BATCH { (t.batch) " " }
+                        (alert.name())
+                    } ", "
+                    a href={ "/alerts/" (alert.id) } { (verdicts::violated(t, alert)) }
+                    @if let Some(since) = &alert.since { " " (t.since_then) " " (written_day(since)) }
+                    @if alert.state != alert_decision::Standing::Firing.name() { ", " (t.standing(&alert.state)) }
+                    (t.colon) " " (t.reason(&alert.finding.reason))
+                }
+            }
             @for moved in &today.moved {
                 @let imu = names.imu(moved.imu);
                 li {

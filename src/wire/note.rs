@@ -41,6 +41,16 @@ impl NoteBody {
         };
         Self { code: note.code().into(), detail: asked().words(&message(note)), parameters }
     }
+
+    /// Whether it says that the figures of a gyro may be another's or in another unit.
+    pub fn doubts_figures_of(&self, serial: &str) -> bool {
+        let named = |member: &str| self.parameters.get(member).and_then(Value::as_array).into_iter().flatten();
+        match self.code.as_ref() {
+            "serials_exchanged" => named("fits").any(|fit| fit["serial"] == serial),
+            "other_unit" | "unit_factor" => named("serials").any(|one| one == serial),
+            _ => false,
+        }
+    }
 }
 
 /// Kept notes for a reader. One that only a later version knows is shown by its code.

@@ -280,6 +280,12 @@ pub struct Outlier {
     pub sd: f64,
 }
 
+impl Outlier {
+    fn message(&self) -> Message {
+        message!("history_outlier", day = text(self.at.date()), deviation = signed(self.deviation, 4))
+    }
+}
+
 /// A coefficient that changes without a cause that records can name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wander {
@@ -388,13 +394,15 @@ impl HistoryDiagnosis {
         }
     }
 
-    /// Whether one step explains all of its change, and nothing else does as well: the gyro's own, or its station's.
-    pub(super) fn is_one_step(&self) -> bool {
+    /// Whether one step explains all of its change that is no station's for certain, and nothing else does as well: the
+    /// gyro's own, or its station's.
+    pub fn is_one_step(&self) -> bool {
         let stepped = |cause: &NamedCause| {
             let may_be = |other: &ChangeCause| other.is_step() || *other == ChangeCause::Station;
             cause.cause.is_step() && cause.class.iter().all(may_be)
         };
-        self.verdict == HistoryVerdict::Explained && matches!(&self.causes[..], [one] if stepped(one))
+        let mut own = self.causes.iter().filter(|cause| cause.class.iter().any(|one| *one != ChangeCause::Station));
+        self.verdict == HistoryVerdict::Explained && own.next().is_some_and(stepped) && own.next().is_none()
     }
 
     /// Whether one recorded event explains all of its change.
@@ -407,22 +415,43 @@ impl HistoryDiagnosis {
         (self.records < records).then(|| message!("history_looked_at", looked_at = self.records, records))
     }
 
+    /// Whether there is a change to be put down to something, or the newest record stands apart from all that is said.
+    pub fn is_changed(&self, as_of: AsOf) -> bool {
+        !matches!(self.verdict, HistoryVerdict::TooFew | HistoryVerdict::NoChange)
+            || self.newest_left_out(as_of).is_some()
+    }
+
+    /// The newest record, where it was left out: what is said is of those before it.
+    pub fn newest_left_out(&self, as_of: AsOf) -> Option<&Outlier> {
+        self.outliers.iter().find(|outlier| Some(outlier.at) == as_of.newest)
+    }
+
+    fn wanders(&self) -> Option<Message> {
+        self.wander.as_ref().map(|wander| {
+            let size = figure(wander.size, 5);
+            match wander.process {
+                Process::RandomWalk => message!("history_wander_random_walk", size),
+                Process::WalkByRecord => message!("history_wander_walk_by_record", size),
+                Process::White | Process::Flicker => message!("history_wander_flicker", size),
+            }
+        })
+    }
+
+    /// What stands beside the causes where there is room for little: how much is explained, how it wanders, whether that
+    /// is said of the newest record, and what lies ahead.
+    pub fn in_brief(&self, as_of: AsOf) -> Vec<Message> {
+        let left_out = self.newest_left_out(as_of).map(Outlier::message);
+        std::iter::once(self.opening()).chain(self.wanders()).chain(left_out).chain(self.ahead(as_of)).collect()
+    }
+
     /// What is said besides the causes: how it wanders, what is left, what lies off, when it reaches its budget.
     pub fn besides(&self, as_of: AsOf) -> Vec<Message> {
         let mut all = Vec::new();
-        let size = |wander: &Wander| figure(wander.size, 5);
-        all.extend(self.wander.iter().map(|wander| match wander.process {
-            Process::RandomWalk => message!("history_wander_random_walk", size = size(wander)),
-            Process::WalkByRecord => message!("history_wander_walk_by_record", size = size(wander)),
-            Process::White | Process::Flicker => message!("history_wander_flicker", size = size(wander)),
-        }));
+        all.extend(self.wanders());
         all.extend(self.excess.iter().map(|excess| {
             message!("history_excess", sd = figure(excess.sd, 5), expected = figure(excess.expected, 5))
         }));
-        let outlier = |outlier: &Outlier| {
-            message!("history_outlier", day = text(outlier.at.date()), deviation = signed(outlier.deviation, 4))
-        };
-        all.extend(self.outliers.iter().map(outlier));
+        all.extend(self.outliers.iter().map(Outlier::message));
         all.extend(self.ahead(as_of));
         all
     }
@@ -505,5 +534,62 @@ mod tests {
             assert_eq!(Language::English.words(&said), format!("a: b, 1 +- 2 {english}"));
             assert_eq!(Language::Chinese.words(&said), format!("a：b，1 ± 2 {chinese}"));
         }
+    }
+
+    fn named(cause: ChangeCause, class: &[ChangeCause]) -> NamedCause {
+        let estimate = CauseEstimate { name: "k", value: 0.018, sd: 7e-4, unit: "deg/(h*g0)" };
+        NamedCause { cause, class: class.to_vec(), tie: Tie::Slope, estimate, held_out: None, p_value_adjusted: 1e-6 }
+    }
+
+    fn explained_by(causes: Vec<NamedCause>) -> HistoryDiagnosis {
+        HistoryDiagnosis {
+            coefficient: Coefficient::DS,
+            verdict: HistoryVerdict::Explained,
+            records: 30,
+            scatter: 7e-4,
+            spread: 5e-3,
+            causes,
+            rejected: Vec::new(),
+            outliers: Vec::new(),
+            is_of_a_day: false,
+            wander: None,
+            excess: None,
+            remaining_p_value: 1.0,
+            due: None,
+            course: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn one_step_is_one_beside_what_the_station_did_and_the_newest_record_says_that_it_was_left_out() {
+        use ChangeCause::{Ageing, ReMounting, Station, Step};
+        let step = || named(Step, &[Step]);
+        for (causes, expected) in [
+            (vec![step()], true),
+            (vec![named(Step, &[Station, Step])], true),
+            (vec![step(), named(Station, &[Station])], true),
+            (vec![named(Station, &[Station])], false),
+            (vec![step(), named(Station, &[Ageing, Station])], false),
+            (vec![step(), named(ReMounting, &[ReMounting])], false),
+            (vec![named(Step, &[Ageing, Step])], false),
+        ] {
+            let answer = explained_by(causes);
+            assert_eq!(answer.is_one_step(), expected, "{:?}", answer.causes);
+        }
+        let wanders = HistoryDiagnosis { verdict: HistoryVerdict::PartlyExplained, ..explained_by(vec![step()]) };
+        assert!(!wanders.is_one_step());
+        let day = |day: i64| UtcMicros(day * UtcMicros::DAY);
+        let apart = Outlier { at: day(40), deviation: 0.016, sd: 7e-4 };
+        let steady = HistoryDiagnosis {
+            verdict: HistoryVerdict::NoChange,
+            outliers: vec![Outlier { at: day(10), ..apart }, apart],
+            ..explained_by(Vec::new())
+        };
+        for (newest, of_it) in [(40, vec![apart.message()]), (50, Vec::new())] {
+            let as_of = AsOf { records: 30, newest: Some(day(newest)), now: day(60) };
+            let said = std::iter::once(message!("history_no_change")).chain(of_it.clone()).collect::<Vec<_>>();
+            assert_eq!((steady.in_brief(as_of), steady.is_changed(as_of)), (said, !of_it.is_empty()), "{newest}");
+        }
+        assert!(explained_by(vec![named(ReMounting, &[ReMounting]), named(Station, &[Station])]).is_one_event());
     }
 }

@@ -11,14 +11,20 @@ pub enum Suggestion("suggestion_") {
     Release = "release",
     /// Nothing could be judged yet, or not against a baseline.
     MoreRecords = "more_records",
+    /// The figures may not be the gyro's.
+    CheckRecord = "check_record",
     /// Its interval is over.
     Calibrate = "calibrate",
     /// The standard deviations are too large to judge by.
     LowerUncertainty = "lower_uncertainty",
+    /// What scatters is the gyro, whatever its records state.
+    FindCause = "find_cause",
     /// One campaign is beyond a limit, or the uncertainty straddles one: another campaign decides.
     Retest = "retest",
     /// It drifts, and may be beyond its budget before its next calibration.
     ShortenInterval = "shorten_interval",
+    /// By its course it may be beyond its budget already.
+    CalibrateNow = "calibrate_now",
     /// It drifts, and stays in its budget beyond its next calibration.
     Watch = "watch",
     /// Nothing but D_O is out of tolerance: the mounting has moved, or something drifts along the output axis.
@@ -44,9 +50,11 @@ impl Suggestion {
 pub struct Standpoint {
     /// The worst of all; none for a gyro that was never calibrated.
     pub status: Option<Status>,
+    /// Whether the newest record may show another gyro's figures, or those in another unit.
+    pub record_in_doubt: bool,
     /// What each rule that could judge says of which coefficient.
     pub verdicts: Vec<(Coefficient, Status)>,
-    /// Whether it moves on or scatters: it has no level that could be accepted.
+    /// Whether it moves on or scatters, by more than one step does: it has no level that could be accepted.
     pub unsteady: bool,
     /// Whether one recorded event explains all that changed of what is out of tolerance: it has a new level.
     pub stepped_at_event: bool,
@@ -54,8 +62,12 @@ pub struct Standpoint {
     pub awaits_baseline: bool,
     /// Whether its interval is over.
     pub overdue: bool,
-    /// Days until a trend may have reached the budget: the early edge of its band.
+    /// Whether what is too uncertain is so by how the gyro scatters, and not by what its records state.
+    pub scatters: bool,
+    /// Days from its newest calibration until it may have reached its budget: the early edge of its band.
     pub reaches_in_days: Option<f64>,
+    /// Whether they are over.
+    pub may_have_reached: bool,
     /// Days from one calibration to the next.
     pub interval_days: Option<f64>,
 }
@@ -63,12 +75,13 @@ pub struct Standpoint {
 /// The most urgent deed; none for a gyro that was never calibrated.
 ///
 /// A trend that may reach the budget within the interval shortens it; where no interval is asked for, a trend only
-/// has to be watched until it has passed the budget.
+/// has to be watched until it may have passed the budget. Then nothing is left to be shortened.
 pub fn suggest(of: &Standpoint) -> Option<Suggestion> {
     let certain = |status: Status| matches!(status, Status::OutOfTolerance | Status::Confirmed);
     let mut out = of.verdicts.iter().filter(|(_, status)| certain(*status)).map(|(coefficient, _)| *coefficient);
     let soon = of.reaches_in_days.is_some_and(|days| days <= of.interval_days.unwrap_or(0.0));
     Some(match of.status? {
+        _ if of.record_in_doubt => Suggestion::CheckRecord,
         status if certain(status) => {
             let any = out.clone().next().is_some();
             let closure_alone = any && out.all(|coefficient| coefficient == Coefficient::DO);
@@ -81,11 +94,14 @@ pub fn suggest(of: &Standpoint) -> Option<Suggestion> {
         }
         Status::Unconfirmed => Suggestion::Retest,
         _ if of.overdue => Suggestion::Calibrate,
+        Status::Drifting if of.may_have_reached => Suggestion::CalibrateNow,
         Status::Drifting if soon => Suggestion::ShortenInterval,
         Status::Drifting => Suggestion::Watch,
         Status::Borderline => Suggestion::Retest,
+        Status::TooUncertain if of.scatters => Suggestion::FindCause,
         Status::TooUncertain => Suggestion::LowerUncertainty,
         Status::NotEnoughData => Suggestion::MoreRecords,
+        _ if of.may_have_reached => Suggestion::CalibrateNow,
         _ if soon => Suggestion::ShortenInterval,
         _ if of.awaits_baseline => Suggestion::MoreRecords,
         _ => Suggestion::Release,
@@ -128,8 +144,12 @@ mod tests {
         assert_eq!(suggest(&moves_on), Some(Suggestion::Remove), "no level to accept");
         let stepped = Standpoint { stepped_at_event: true, ..of(Status::Confirmed, &[(DI, Status::Confirmed)]) };
         assert_eq!(suggest(&stepped), Some(Suggestion::AcceptOrRemove));
+        let scatters = Standpoint { scatters: true, ..of(Status::TooUncertain, &[(DI, Status::TooUncertain)]) };
+        assert_eq!(suggest(&scatters), Some(Suggestion::FindCause), "no smaller uncertainty decides");
         let young = Standpoint { awaits_baseline: true, ..of(Status::InTolerance, &[(DI, Status::InTolerance)]) };
         assert_eq!(suggest(&young), Some(Suggestion::MoreRecords), "two records that agree are no release");
+        let doubtful = Standpoint { record_in_doubt: true, ..stepped.clone() };
+        assert_eq!(suggest(&doubtful), Some(Suggestion::CheckRecord), "whose figures are they?");
         let both = Standpoint { unsteady: true, ..stepped };
         assert_eq!(suggest(&both), Some(Suggestion::Remove), "what scatters about a new level has none");
     }
@@ -148,6 +168,24 @@ mod tests {
         let quiet =
             Standpoint { reaches_in_days: Some(30.0), interval_days: Some(90.0), ..of(Status::InTolerance, &[]) };
         assert_eq!(suggest(&quiet), Some(Suggestion::ShortenInterval));
+    }
+
+    #[test]
+    fn what_may_have_reached_its_budget_is_calibrated_now() {
+        let reached = |status: Status, overdue: bool| {
+            let seen = [(Coefficient::DI, status)];
+            let reaches_in_days = Some(-24.0);
+            suggest(&Standpoint { reaches_in_days, may_have_reached: true, overdue, ..of(status, &seen) })
+        };
+        assert_eq!(reached(Status::Drifting, false), Some(Suggestion::CalibrateNow));
+        assert_eq!(reached(Status::InTolerance, false), Some(Suggestion::CalibrateNow));
+        assert_eq!(reached(Status::Drifting, true), Some(Suggestion::Calibrate), "its interval is over besides");
+        assert_eq!(
+            reached(Status::Unconfirmed, false),
+            Some(Suggestion::Retest),
+            "the record says more than its course"
+        );
+        assert!(!Suggestion::CalibrateNow.is_of_drift(), "no day by which it should have been");
     }
 
     #[test]

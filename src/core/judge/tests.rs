@@ -690,6 +690,11 @@ fn a_shift_that_does_not_matter_raises_nothing_and_noise_widens_the_limit() {
         wild.to_string().contains("; limit_of_three_sd (") && wild.to_string().ends_with("; too_uncertain_for_shift"),
         "{wild}"
     );
+    // By the gyro's scatter where its records state a thirtieth of it or nothing, by theirs where they state as much.
+    let is_scatter = |verdict: Verdict, stated: Option<f64>| verdict.is_too_scattered(stated);
+    assert!(is_scatter(wild, None) && is_scatter(wild, Some(7e-4)) && !is_scatter(wild, Some(2e-2)), "{wild}");
+    let of_stations = Verdict { between: wild.sd, ..wild };
+    assert!(!is_scatter(noisy, Some(7e-4)) && !is_scatter(of_stations, Some(7e-4)), "{noisy} {of_stations}");
 }
 
 #[test]

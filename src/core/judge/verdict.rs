@@ -71,6 +71,10 @@ impl Status {
 /// would still lie beyond it.
 const TOO_UNCERTAIN: f64 = 0.5;
 
+/// A level whose standard deviation is so many of one record's is uncertain by the scatter of the records, however they
+/// are correlated.
+const SCATTERED: f64 = 2.0;
+
 named! {
 /// How grave an alert is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -121,6 +125,15 @@ impl Verdict {
     /// What people are told: state, rule and confirmation in one word.
     pub fn status(&self) -> Status {
         Status::of(self.rule, self.state, self.value, self.limit, self.sd, self.confirmed)
+    }
+
+    /// Whether it is too uncertain by how the gyro scatters from record to record, of which each states this standard
+    /// deviation: a smaller one would not decide either. What its stations differ by is not the gyro's.
+    pub fn is_too_scattered(&self, of_record: Option<f64>) -> bool {
+        let is_by_scatter = matches!(self.rule, Rule::Shift | Rule::Trend) && self.status() == Status::TooUncertain;
+        let between = self.between.unwrap_or(0.0);
+        let own = self.sd.map_or(0.0, |sd| (sd * sd - between * between).max(0.0).sqrt());
+        is_by_scatter && of_record.is_none_or(|stated| own > SCATTERED * stated)
     }
 
     /// With nothing to compare.

@@ -4,6 +4,7 @@ use super::table::table;
 use crate::core::alert_decision::Action;
 use crate::core::gyro_event::GyroEvent;
 use crate::pages::form::who;
+use crate::pages::gyro_head::doubts;
 use crate::pages::history::event_name;
 use crate::pages::prelude::*;
 use crate::pipeline::AlertStep;
@@ -24,10 +25,19 @@ pub(in crate::pages) async fn page(
         Some(gyro) if alert.is_of_gyro() => pages.pipeline.queries.histories.events(gyro).await?,
         _ => Vec::new(),
     };
+    let of_record = alert.finding.record.as_ref().filter(|_| alert.is_of_gyro()).and_then(|id| id.parse::<Id>().ok());
+    let judged = match of_record {
+        Some(id) => pages.pipeline.queries.records.record(id).await?.map(|stored| (id, stored.answer.notes)),
+        None => None,
+    };
+    let doubted = judged.map(|(id, notes)| {
+        (id, notes.into_iter().filter(|note| note.doubts_figures_of(alert.name())).collect::<Vec<_>>())
+    });
     let inhibited = pages.pipeline.alerts.inhibited_by(number).await?;
     let body = html! {
         h1 { (t.alert) " · " span.id { (alert.name()) } " " (symbol(&alert.coefficient)) }
         (table(viewer, std::iter::once(alert), true, Some(&here)))
+        @if let Some((id, notes)) = doubted { (doubts(t, id, &notes)) }
         @if !inhibited.is_empty() {
             h2 { (t.inhibited_by_it) }
             (table(viewer, inhibited.iter(), true, None))

@@ -19,6 +19,13 @@ pub(in crate::pages) async fn open_ones(pages: &Pages, gyro: u32) -> Result<Vec<
     Ok(open)
 }
 
+/// Alerts of an IMU as a whole that are not resolved.
+pub(in crate::pages) async fn open_ones_of_imu(pages: &Pages, imu: &str) -> Result<Vec<AlertBody>, Problem> {
+    let told = pages.pipeline.alerts.of_no_gyro(&AlertFilter::default()).await?;
+    let is_its = |alert: &AlertBody| alert.subject == AlertBody::OF_IMU && alert.name() == imu && is_open(alert);
+    Ok(told.into_iter().filter(is_its).collect())
+}
+
 /// Whether it has not been resolved.
 pub(in crate::pages) fn is_open(alert: &AlertBody) -> bool {
     alert.state != Standing::Resolved.name()
@@ -30,31 +37,38 @@ fn is_back_within(alert: &AlertBody) -> bool {
     of_one_limit && alert.finding.value.is_some_and(|value| value <= alert.finding.limit)
 }
 
-/// `gyros`: whether each line names its gyro. `here`: where to come back to from what is done; none where nothing can
+/// `named`: whether each line names its gyro, or what else it is of: all of them the same kind. `here`: where to come back to from what is done; none where nothing can
 /// be.
 pub(in crate::pages) fn table<'a>(
     viewer: &Viewer,
     alerts: impl Iterator<Item = &'a AlertBody>,
-    gyros: bool,
+    named: bool,
     here: Option<&str>,
 ) -> Markup {
     let t = viewer.text();
+    let mut alerts = alerts.peekable();
+    let of_what = match alerts.peek().map(|alert| &*alert.subject) {
+        Some(AlertBody::OF_STATION) => t.station,
+        Some(AlertBody::OF_BATCH) => t.batch,
+        Some(AlertBody::OF_IMU) => t.imu,
+        _ => t.serial,
+    };
     html! {
         (wide_table("alerts", html! {
             th { (t.status_word) }
-            @if gyros { th { (t.serial) } }
+            @if named { th { (of_what) } }
             th { (t.violates) } th { (t.reason_word) } th { (t.since) } th { (t.fired) } th { (t.handling) }
-        }, html! { @for alert in alerts { (line(viewer, alert, gyros, here)) } }))
+        }, html! { @for alert in alerts { (line(viewer, alert, named, here)) } }))
     }
 }
 
-fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> Markup {
+fn line(viewer: &Viewer, alert: &AlertBody, named: bool, here: Option<&str>) -> Markup {
     let t = viewer.text();
     let open = is_open(alert);
     html! {
         tr {
             td { (status::badge(t, alert.status())) }
-            @if gyros { th scope="row" { a.id href=(alert.page()) { (alert.name()) } } }
+            @if named { th scope="row" { a.id href=(alert.page()) { (alert.name()) } } }
             td.nowrap { (violated(t, alert)) }
             td.words {
                 (t.reason(&alert.finding.reason))

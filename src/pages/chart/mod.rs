@@ -24,10 +24,9 @@ const LANE: f64 = 15.0;
 const LINE: f64 = 12.0;
 /// A picture shows the budget and a little more, whatever was measured.
 const LEAST_RANGE: f64 = 1.15;
-/// What lies so many times as far off as nearly all else is drawn at the edge.
-const FAR: f64 = 2.5;
-/// The part of the points that may be far off.
-const FEW: usize = 20;
+/// Of how few points (one in so many, and at least so many) is what lies so many times as far off as all others, or as
+/// the budget, drawn at the edge: a few that are far off, and a few more that would leave nothing to be seen of the rest.
+const EDGES: [(usize, usize, f64); 2] = [(20, 1, 2.5), (8, 2, 10.0)];
 /// Places across a picture that a pointer tells apart; each leads to one point.
 const COLUMNS: f64 = 320.0;
 /// More points than this have no bars: they would cover one another.
@@ -168,10 +167,11 @@ impl Chart {
             return f64::INFINITY;
         }
         all.sort_unstable_by(f64::total_cmp);
-        let few = (all.len() / FEW).max(1);
-        let nearly_all = all.len().checked_sub(few + 1).map_or(0.0, |place| all[place]);
-        let usual = (FAR * nearly_all).max(FAR * self.around);
-        if all[all.len() - 1] > usual { usual } else { f64::INFINITY }
+        let mut usual = EDGES.into_iter().map(|(part, least, far)| {
+            let few = (all.len() / part).max(least);
+            far * all.len().checked_sub(few + 1).map_or(0.0, |place| all[place]).max(self.around)
+        });
+        usual.find(|usual| all[all.len() - 1] > *usual).unwrap_or(f64::INFINITY)
     }
 
     /// Both ends of the y axis. What is drawn at the edge does not widen it.
@@ -344,8 +344,10 @@ impl Chart {
         let mut free = f64::INFINITY;
         let mut lettered = vec![false; track.dots.len()];
         for (k, dot) in track.dots.iter().enumerate().rev() {
-            let width = LETTER * (dot.letters.chars().count() as f64 + 0.3) / NARROWEST * (self.x.1 - self.x.0);
-            if !dot.letters.is_empty() && dot.x + 0.5 * width < free {
+            let letters =
+                if scale.is_off(dot, reach) { value_of(dot).chars().count() } else { dot.letters.chars().count() };
+            let width = LETTER * (letters as f64 + 0.3) / NARROWEST * (self.x.1 - self.x.0);
+            if letters > 0 && dot.x + 0.5 * width < free {
                 lettered[k] = true;
                 free = dot.x - 0.5 * width;
             }
@@ -362,15 +364,14 @@ impl Chart {
     fn dot(&self, scale: &Scale, dot: &Dot, lettered: bool, bars: bool, reach: f64) -> Markup {
         let x = scale.x(dot.x);
         let class = dot.status.map_or("plain", Status::name);
-        let off = dot.y.abs() > reach || dot.y < scale.y.0 || dot.y > scale.y.1;
-        if off {
+        if scale.is_off(dot, reach) {
             let up = dot.y > scale.y.1;
             let y = if up { 3.0 } else { self.height - 3.0 };
             let (arrow, at) = if up { ("M0-3l5 8h-10z", 16.0) } else { ("M0 3l5-8h-10z", -9.0) };
-            let text = format!("{:+}", short(dot.y));
             return html! {
                 svg.mark x=(x) y=(place(y)) {
-                    path class={ "off " (class) } d=(arrow) {} text.halo y=(at) text-anchor="middle" { (text) }
+                    path class={ "off " (class) } d=(arrow) {}
+                    @if lettered { text.halo y=(at) text-anchor=(scale.anchor(dot.x)) { (value_of(dot)) } }
                 }
             };
         }
@@ -389,17 +390,45 @@ impl Chart {
         }
     }
 
-    /// At the foot of the budget, or under its head where points are in the way.
+    /// At the foot of the budget; where points are in the way under its head, or beyond either.
     fn place_of_label(&self, level: &Level, scale: &Scale) -> f64 {
-        let within = |y: f64| y.clamp(LINE, self.height - 2.0);
         let Some(budget) = level.budget else { return self.height - 4.0 };
-        let foot = within(scale.y(level.at - budget) - 4.0);
-        let head = within(scale.y(level.at + budget) + LINE);
-        let is_free = |label: f64| {
-            let is_near = |dot: &Dot| (label - LINE / 2.0 - scale.y(dot.y)).abs() < LINE;
-            !self.dots().any(|dot| (level.from..=level.until).contains(&dot.x) && is_near(dot))
+        let (foot, head) = (scale.y(level.at - budget), scale.y(level.at + budget));
+        let places = [foot - 4.0, head + LINE, foot + 2.0 * LINE, head - LINE];
+        let places = places.map(|y| y.clamp(LINE, self.height - 2.0));
+        let long = wide(&level.label) / NARROWEST * (self.x.1 - self.x.0);
+        let stretch = if scale.share(level.from) > 0.5 {
+            level.until - long..=level.until
+        } else {
+            level.from..=level.from + long
         };
-        if is_free(foot) || !is_free(head) { foot } else { head }
+        let is_free = |label: &f64| {
+            let is_near = |dot: &Dot| (label - LINE / 2.0 - scale.y(dot.y)).abs() < LINE;
+            !self.dots().any(|dot| stretch.contains(&dot.x) && is_near(dot))
+        };
+        places.into_iter().find(is_free).unwrap_or(places[0])
+    }
+
+    /// Stretches of lanes of which nowhere in the picture all of the name is to be read, however narrow it is.
+    pub fn unnamed(&self) -> Vec<&Segment> {
+        let is_named = |segment: &&Segment| self.room(segment, NARROWEST);
+        let mut found: Vec<&Segment> = Vec::new();
+        for lane in &self.lanes {
+            for segment in lane {
+                let same = |other: &&Segment| other.kind == segment.kind;
+                let is_known = found.iter().any(|other| other.label == segment.label);
+                if !is_known && !lane.iter().filter(same).any(|one| is_named(&one)) {
+                    found.push(segment);
+                }
+            }
+        }
+        found
+    }
+
+    /// Whether the name of a stretch fits into it where the picture is as wide as that.
+    fn room(&self, segment: &Segment, width: f64) -> bool {
+        let share = (segment.until - segment.from) / (self.x.1 - self.x.0);
+        share * width >= 0.88 * wide(&segment.label) + 4.0
     }
 
     /// What stands over the points: names of the lines, flags.
@@ -447,16 +476,16 @@ impl Chart {
                     svg.lane x=(x) y=(place(y)) width=(width) height=(LANE - 3.0) {
                         title { (segment.label) }
                         rect class={ "lane" (segment.kind % 6) } width="100%" height="100%" {}
-                        text x="3" y="9.5" { (segment.label) }
+                        @if self.room(segment, DESK) {
+                            text.roomy[!self.room(segment, NARROWEST)] x="3" y="9.5" { (segment.label) }
+                        }
                     }
                 }
             }
             @match &self.across {
                 Across::Time => @for (x, label) in dates(self.x) {
                     line.tick x1=(scale.x(x)) x2=(scale.x(x)) y1=(self.height) y2=(self.height + 3.0) {}
-                    // Half a date does not fit beyond the last one.
-                    @let anchor = if scale.share(x) > 0.94 { "end" } else { "middle" };
-                    text.date x=(scale.x(x)) y=(foot) text-anchor=(anchor) { (label) }
+                    text.date x=(scale.x(x)) y=(foot) text-anchor=(scale.anchor(x)) { (label) }
                 },
                 Across::Figure(name) => {
                     @let (figures, decimals) = round_steps(self.x, 6.0);
@@ -466,8 +495,7 @@ impl Chart {
                     @for (k, (x, word)) in figures.into_iter().zip(words).enumerate() {
                         line.tick x1=(scale.x(x)) x2=(scale.x(x)) y1=(self.height) y2=(self.height + 3.0) {}
                         @if k % every as usize == 0 {
-                            @let anchor = if scale.share(x) > 0.94 { "end" } else { "middle" };
-                            text x=(scale.x(x)) y=(foot) text-anchor=(anchor) { (word) }
+                            text x=(scale.x(x)) y=(foot) text-anchor=(scale.anchor(x)) { (word) }
                         }
                     }
                     text x="100%" y=(foot + LINE) text-anchor="end" { (name) }
@@ -512,12 +540,26 @@ struct Scale {
 }
 
 impl Scale {
+    /// Whether a point stands at the edge, with its value.
+    fn is_off(&self, dot: &Dot, reach: f64) -> bool {
+        dot.y.abs() > reach || dot.y < self.y.0 || dot.y > self.y.1
+    }
+
     fn share(&self, x: f64) -> f64 {
         ((x - self.x.0) / (self.x.1 - self.x.0)).clamp(0.0, 1.0)
     }
 
     fn x(&self, x: f64) -> String {
         format!("{:.2}%", 100.0 * self.share(x))
+    }
+
+    /// How a text stands at `x`: half of it does not fit beyond an end.
+    fn anchor(&self, x: f64) -> &'static str {
+        match self.share(x) {
+            share if share < 0.06 => "start",
+            share if share > 0.94 => "end",
+            _ => "middle",
+        }
     }
 
     /// From and width.
@@ -532,8 +574,10 @@ impl Scale {
     }
 }
 
-/// Area of the narrowest picture, and a letter of a rule in it, pixels.
+/// Area of the narrowest picture, and of one of two beside one another on a desk, where the style sheet shows what is
+/// `roomy`; and a letter of a rule in it, pixels.
 const NARROWEST: f64 = 225.0;
+const DESK: f64 = 448.0;
 const LETTER: f64 = 7.0;
 
 /// Pixels that a text under an axis takes, roughly: Chinese letters are twice as wide.
@@ -590,10 +634,10 @@ fn place(pixels: f64) -> String {
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
 }
 
-/// Three digits.
-fn short(value: f64) -> f64 {
-    let power = 10_f64.powf(2.0 - value.abs().max(1e-12).log10().floor());
-    (value * power).round() / power
+/// Three digits of it, with its sign.
+fn value_of(dot: &Dot) -> String {
+    let power = 10_f64.powf(2.0 - dot.y.abs().max(1e-12).log10().floor());
+    format!("{:+}", (dot.y * power).round() / power)
 }
 
 #[cfg(test)]

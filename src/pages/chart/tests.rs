@@ -75,12 +75,34 @@ fn one_blunder_stands_at_the_edge_with_its_value_and_a_drift_is_drawn_to_its_end
     assert!(drawn.contains("class=\"off confirmed\"") && drawn.contains(">+5.19</text>"), "{drawn}");
     assert!(drawn.contains(">+100 %</text>") && !drawn.contains(">+50000 %<"), "the others keep their scale");
     assert!(drawn.contains("href=\"/records/12\""), "and it still leads to its record");
+    // So do two of one day, which are too many for that unless they leave nothing to be seen of the others.
+    (values[28], values[29]) = (-1.49, -1.48);
+    values[12] = 0.001;
+    let drawn = chart(&values).markup().into_string();
+    assert!(drawn.matches("class=\"off").count() == 2 && drawn.contains(">+100 %</text>"), "{drawn}");
+    let mut stepped = [0.001; 30];
+    stepped[28..].copy_from_slice(&[0.05, 0.051]);
+    let drawn = chart(&stepped).markup().into_string();
+    assert!(!drawn.contains("class=\"off"), "five budgets are to be seen: {drawn}");
     let drift: Vec<f64> = (0..30).map(|k| 0.001 * f64::from(k)).collect();
     let drawn = chart(&drift).markup().into_string();
     assert!(!drawn.contains("class=\"off"), "{drawn}");
     // The newest of few is no less to be seen.
     let drawn = chart(&[0.0, 0.001, 0.0, 7.5]).markup().into_string();
     assert!(drawn.contains(">+7.5</text>") && drawn.contains("href=\"/records/3\""), "{drawn}");
+}
+
+#[test]
+fn values_at_the_edge_stand_apart_and_within_the_picture() {
+    let mut values = vec![0.001; 200];
+    values[99..102].copy_from_slice(&[5.17, 5.18, 5.19]);
+    values[0] = -7.5;
+    let mut chart = chart(&values);
+    chart.x = (0.0, 199.0 * 864e5);
+    let drawn = chart.markup().into_string();
+    assert_eq!(drawn.matches("class=\"off").count(), 4);
+    assert!(drawn.contains(">+5.19</text>") && !drawn.contains(">+5.18</text>"), "one of three that touch: {drawn}");
+    assert!(drawn.contains("text-anchor=\"start\">-7.5</text>"), "{drawn}");
 }
 
 #[test]
@@ -156,6 +178,28 @@ fn what_took_time_is_shaded_and_lanes_say_where_a_gyro_was() {
 }
 
 #[test]
+fn a_name_that_its_lane_has_no_room_for_is_left_out_and_stands_in_the_legend() {
+    let mut all = chart(&[0.001; 100]);
+    let day = 864e5;
+    let part = |from: f64, until: f64, label: &str, kind| Segment {
+        from: from * day,
+        until: until * day,
+        label: label.into(),
+        kind,
+    };
+    // A day of a hundred has room for nothing, eight for a name on a desk, and ninety everywhere.
+    let stations = vec![part(0.0, 90.0, "ST-1", 0), part(90.0, 98.0, "ST-2", 1), part(98.0, 99.0, "ST-3", 2)];
+    all.lanes = vec![vec![part(0.0, 99.0, "IMU-02 G1", 0)], stations];
+    let drawn = all.markup().into_string();
+    let written =
+        |label: &str, class: &str| drawn.contains(&format!("<text class=\"{class}\" x=\"3\" y=\"9.5\">{label}</text>"));
+    assert!(written("IMU-02 G1", "") && written("ST-1", "") && written("ST-2", "roomy"), "{drawn}");
+    assert!(!drawn.contains(">ST-3</text>") && drawn.contains("<title>ST-3</title>"), "{drawn}");
+    let unnamed: Vec<&str> = all.unnamed().iter().map(|segment| &*segment.label).collect();
+    assert_eq!(unnamed, ["ST-2", "ST-3"]);
+}
+
+#[test]
 fn the_name_of_a_level_is_in_the_way_of_no_point_and_of_no_axis() {
     let place = |values: &[f64], from: f64| {
         let mut all = chart(values);
@@ -167,6 +211,13 @@ fn the_name_of_a_level_is_in_the_way_of_no_point_and_of_no_axis() {
     };
     let ((foot, is_at_end), (head, _)) = (place(&[0.0, 0.0, 0.0], 0.0), place(&[-0.009, -0.009, -0.009], 0.0));
     assert!(head < 60.0 && foot > 100.0 && !is_at_end, "{head} {foot}");
-    assert_eq!(place(&[-0.009, 0.009, 0.009], 0.0).0, foot, "where points are at both");
+    // Beyond the budget there is room where points are at its foot and head; none where they are there as well.
+    let both = place(&[-0.009, 0.009].repeat(20), 0.0).0;
+    assert!(both < 16.0 || both > foot + 4.0, "{both}");
+    let everywhere = place(&[-0.009, 0.009, -0.0112, 0.0112].repeat(10), 0.0).0;
+    assert!(everywhere > 100.0 && everywhere < foot, "{everywhere}");
+    // The budget is a line where much lies far off; its name stands beside it.
+    let squeezed = place(&[[0.0; 20], [-1.5; 20]].concat(), 0.0).0;
+    assert!(squeezed > 26.0 && squeezed < 60.0, "{squeezed}");
     assert!(place(&[0.0, 0.0, 0.0], 0.6).1, "a level that begins late ends at the end");
 }

@@ -8,6 +8,7 @@ use super::prelude::*;
 use crate::core::bench::BenchMethod;
 use crate::core::effects::Effect;
 use crate::core::judge::{Coefficient, Event};
+use crate::wire::diagnosis::sign_word;
 use crate::wire::reason::Reason;
 use crate::wire::unit;
 
@@ -124,8 +125,7 @@ impl Text {
 
     /// What shows that more remains, by its name on the wire: of a test, or of a competing hypothesis.
     pub fn sign<'n>(&self, kind: &'n str) -> &'n str {
-        let words = ["sign_", "effect_"].map(|prefix| self.language().word(&format!("{prefix}{kind}")));
-        words.into_iter().find(|word| !word.is_empty()).unwrap_or(kind)
+        sign_word(kind, self.language())
     }
 
     /// What noise is known from, by its name on the wire.

@@ -91,7 +91,7 @@ words_of_pages! {
     separates notes
 
     // An IMU; stations.
-    gyros_in_it none_in_it never_in_it gyros_before gyros_before_note seat_taken last_calibrated_in_it newest_parameters
+    gyros_in_it none_in_it never_in_it gyros_before gyros_before_note seat_taken last_calibrated_in_it newest_parameters record_doubted
     records kind kind_record kind_campaign stations_note scatter
 
     // Import.
@@ -132,7 +132,7 @@ words_of_pages! {
     too_many_tokens
 
     // Today, and the fleet on one scale.
-    today_title worse_since since_day show_word still_out nothing_else_out nothing_worse will_cross nothing_crosses calibrate_by dates_of_others reach_note
+    today_title worse_since since_day show_word still_out nothing_else_out nothing_worse will_cross nothing_crosses calibrate_by calibrate_now reached_by_course dates_of_others reach_note
     never overdue_and_due nothing_due none_selected due_word due_more in_days days_word several_at_once
     nothing_together several_note stations_not_compared outside_forecast_title outside_note forecast forecasts forecasts_note
     forecast_error forecast_ladder model_6 as_foretold forecast_indeterminate outside_forecast not_foretold

@@ -57,7 +57,8 @@ station_shift = The median { $name } of { $gyros } gyros of { $imus } IMUs is { 
 batch_shift = The median { $name } of { $gyros } gyros of { $imus } IMUs of the batch is { $value } { $side ->
     [below] below
    *[above] above
-} their baselines ({ $since } to { $until }). Other gyros have not moved.
+} their baselines ({ $since } to { $until }).
+batch_beside_others = Other gyros calibrated within { $days } days are less than half as far off by their median.
 imu_shift = All { $gyros } gyros of the IMU have moved at once from their baselines in { $name }, by { $value } or more. It is the IMU, its mounting or that calibration, rather than one gyro.
 forecast = { $slot } is furthest from the forecast of the adopted model, by an rms of { $value } (p { $p } over all gyros).
 forecast_dwell = Dwell { $dwell } is furthest, by { $z } standard deviations.
@@ -98,6 +99,9 @@ too_uncertain = Too uncertain to judge: standard deviation { $sd } against a lim
 too_uncertain_for_shift = Too uncertain to judge: three standard deviations are more than the budget.
 probability_beyond = P(out of tolerance) { $percent } %.
 no_standard_deviation = No standard deviation is known: compared as it stands.
+held_within = Within its limit again: the alert ends once a campaign is below { $below } ({ $percent } % of it), or after { $campaigns } campaigns within.
+held_requirement = Within again: the alert ends after { $campaigns } campaigns within.
+held_undecided = No longer certain: the alert ends once a campaign is within its limit.
 
 # Of a stored verdict.
 decided_before = As it was decided when the record was judged; the limits or the history have changed since.
@@ -134,10 +138,13 @@ in_days = in { $days } days
 # What the verdicts suggest. A person decides.
 suggestion_release = Release: in tolerance by every rule that could judge.
 suggestion_more_records = Calibrate again: there are too few records to judge by, or no baseline yet.
+suggestion_check_record = Check the newest record first, and revise or void it where it is wrong: its figures may be another gyro's or in another unit.
 suggestion_calibrate = Calibrate: its interval is over.
 suggestion_lower_uncertainty = Calibrate again with a smaller uncertainty: nothing can be decided with this one.
+suggestion_find_cause = Find why it changes: the gyro scatters by more than its records are uncertain, and a smaller uncertainty decides nothing.
 suggestion_retest = Re-test: one more campaign decides.
 suggestion_shorten_interval = Calibrate sooner: it may reach its budget before its next calibration.
+suggestion_calibrate_now = Calibrate now: by its course it is no longer within its budget with 95 %.
 suggestion_watch = Keep watching: it drifts within its budget.
 suggestion_check_mounting = Check the mounting: only D_O is out of tolerance. Note a re-installation if there was one; otherwise re-test.
 suggestion_remove = Take it out: it has no steady level.

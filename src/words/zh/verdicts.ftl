@@ -54,7 +54,8 @@ station_shift = { $imus }个IMU { $gyros }个陀螺的{ $name }中位数比各�
 batch_shift = 本批次{ $imus }个IMU { $gyros }个陀螺的{ $name }中位数比各自基线{ $side ->
     [below] 低
    *[above] 高
-}{ $value }（{ $since }至{ $until }）。其他陀螺没有移动。
+}{ $value }（{ $since }至{ $until }）。
+batch_beside_others = { $days }天内标定的其他陀螺，中位数偏离不到其一半。
 imu_shift = IMU的全部{ $gyros }个陀螺的{ $name }同时偏离各自基线，至少{ $value }。原因在IMU、其安装或该次标定，而不在某一个陀螺。
 forecast = { $slot }与已采用模型的预报相差最大，均方根为{ $value }（全部陀螺 p { $p }）。
 forecast_dwell = 偏离最大的是第{ $dwell }个测点，{ $z }倍标准差。
@@ -82,6 +83,9 @@ too_uncertain = 不确定度过大，无法判断：标准差{ $sd }，限值{ $
 too_uncertain_for_shift = 不确定度过大，无法判断：三倍标准差大于允许范围。
 probability_beyond = 超差概率{ $percent } %。
 no_standard_deviation = 标准差未知，按数值直接比较。
+held_within = 已回到限值之内：一次标定低于{ $below }（限值的{ $percent } %），或{ $campaigns }次标定在限值之内，告警才结束。
+held_requirement = 已回到要求之内：{ $campaigns }次标定符合要求，告警才结束。
+held_undecided = 已不能确定：一次标定在限值之内，告警才结束。
 forecast_unseen = 无法判断：模型未见过{ $what }。
 forecast_wide = 无法判断：D_I、D_S的阶跃达到{ $step }才必然可见。
 forecast_says_nothing = 无法判断：D_I、D_S的任何阶跃都不可见。
@@ -126,10 +130,13 @@ in_days = { $days }天后
 # 由判定得出的建议，由人决定。
 suggestion_release = 放行：凡可判定的规则均合格。
 suggestion_more_records = 再次标定：记录过少，无法判定，或尚无基线。
+suggestion_check_record = 先核对最新记录，有误则修订或作废：其数值可能属于另一只陀螺，或采用了别的单位。
 suggestion_calibrate = 标定：已超过标定间隔。
 suggestion_lower_uncertainty = 以更小的不确定度再次标定：目前无法判定。
+suggestion_find_cause = 查明变化原因：陀螺的离散大于各次记录的不确定度，减小不确定度也无法判定。
 suggestion_retest = 复测：再做一次标定即可判定。
 suggestion_shorten_interval = 提前标定：下次标定前可能达到允许范围。
+suggestion_calibrate_now = 立即标定：按其变化，不再以95 %的概率处于允许范围内。
 suggestion_watch = 继续观察：在允许范围内漂移。
 suggestion_check_mounting = 检查安装：仅D_O超差。若曾重新安装，请记录；否则复测。
 suggestion_remove = 拆下：没有稳定的水平。

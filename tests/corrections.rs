@@ -244,7 +244,7 @@ async fn an_alert_that_other_records_bear_out_goes_on_firing() {
 }
 
 #[tokio::test]
-async fn an_alert_that_a_voided_record_ended_goes_on_since_the_same_day_and_is_known_to_whoever_knew_of_it() {
+async fn an_alert_that_a_voided_record_ended_goes_on_since_the_same_day_and_is_known_to_those_who_knew_of_it() {
     let lab = Lab::open().await;
     station_posts(&lab, &[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02), (160, 1.021)]).await;
     let step = async || lab.alerts("serial=A&coefficient=D_I&rule=step").await.remove(0);

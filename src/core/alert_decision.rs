@@ -274,8 +274,8 @@ pub fn reset(alert: &Alert, now: UtcMicros) -> Decision {
     }
 }
 
-/// What ended the alert counts no more, and by what is `left` it fires: it goes on, known to whoever knew of it, where it
-/// is the same episode. What it began with may be `gone`, too.
+/// What ended the alert counts no more, and by what is `left` it fires: it goes on, known to those who knew of it, where
+/// it is the same episode. What it began with may be `gone`, too.
 pub fn resume(alert: &Alert, left: &Alert, gone: bool) -> Alert {
     let since = if gone { left.since } else { alert.since };
     match alert.status {

@@ -395,7 +395,7 @@ pub(super) fn doubts(t: &Text, record: Id, doubts: &[NoteBody]) -> Markup {
         @if !doubts.is_empty() {
             p.lead {
                 strong { a href={ "/records/" (record) } { (t.record_doubted) } (t.colon) }
-                @for note in doubts { " " (note.detail) (t.stop) }
+                @for note in doubts { " " (note.detail) }
             }
         }
     }

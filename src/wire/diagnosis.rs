@@ -452,8 +452,8 @@ bodies! {
     EffectBody of core::NamedEffect: effect, class, wider_in, gyros, acts_in, estimates, held_out, p_value_adjusted,
         detectability, drift;
     RemainingBody of core::Remaining: rms_deg_per_h, reduced_chi2, p_value, signs;
-    SignBody of core::Sign: kind, gyros = slots, pointers: |sign| sign.dwells.iter().map(|k| format!("/dwells/{k}")).collect(),
-        p_value;
+    SignBody of core::Sign: kind, gyros = slots, p_value,
+        pointers: |sign| sign.dwells.iter().map(|k| format!("/dwells/{k}")).collect();
     ImpactBody of core::Impact: slot, coefficient, plain, plain_sd, augmented, augmented_sd, shift, of_budget;
     ResidualBody of core::Residual: index, slot, before_deg_per_h, after_deg_per_h, sd_deg_per_h;
     DescribedBody of core::Described: by, evidence;

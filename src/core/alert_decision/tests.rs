@@ -339,7 +339,7 @@ fn what_ended_by_a_record_that_counts_no_more_goes_on_as_it_was() {
     let goes_on = resume(&ended, &Alert { record_at: day(20.0), ..fires }, false);
     assert_eq!(goes_on, Alert { record_at: day(20.0), told: None, ..known });
     let told = heard(Some(&goes_on), &exceeded(), 20.0, 31.0, Late::Told);
-    assert_eq!(told.action, Action::Fire, "whoever heard of its end hears that it fires");
+    assert_eq!(told.action, Action::Fire, "those who heard of its end hear that it fires");
     assert!(told.alert.unwrap().acknowledged);
     // What is left begins after the record that ended it: another episode.
     assert_eq!(resume(&ended, &Alert { since: day(40.0), ..fires }, false), ended);

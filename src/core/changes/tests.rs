@@ -422,7 +422,7 @@ fn the_record_before_a_station_was_off_is_not_taken_for_one_of_it_where_the_gyro
 
 /// The gyro was there last of all: what its record shows is the station's as much as what the others' do.
 #[test]
-fn a_station_that_is_off_up_to_now_is_so_for_whoever_was_there_last() {
+fn a_station_that_is_off_up_to_now_is_so_for_the_gyro_that_was_there_last() {
     let right = |seed: &u64| {
         let gyros = of_one_station(2300 + seed, [672, 10_000]);
         let own = of(&gyros[17], &gyros[..15], Coefficient::DI);

@@ -37,8 +37,8 @@ fn is_back_within(alert: &AlertBody) -> bool {
     of_one_limit && alert.finding.value.is_some_and(|value| value <= alert.finding.limit)
 }
 
-/// `named`: whether each line names its gyro, or what else it is of: all of them the same kind. `here`: where to come back to from what is done; none where nothing can
-/// be.
+/// `named`: whether each line names its gyro, or what else it is of: all of them the same kind. `here`: where to come
+/// back to from what is done; none where nothing can be.
 pub(in crate::pages) fn table<'a>(
     viewer: &Viewer,
     alerts: impl Iterator<Item = &'a AlertBody>,

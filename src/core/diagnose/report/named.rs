@@ -59,13 +59,14 @@ pub(crate) fn named(search: &Search, found: &[Choice]) -> (Vec<Named>, Vec<Sign>
             continue;
         }
         let members = indistinguishable::members(search, found, i);
-        if effect.entry().is_one_dwell() && !alone {
+        let shape = search.bank.hypotheses[choice.hypothesis].shape;
+        if let Shape::Dwell(dwell) = shape
+            && !alone
+        {
             let of_dwell = sign(search, apart, &members, choice.evidence);
-            let Shape::Dwell(dwell) = search.bank.hypotheses[choice.hypothesis].shape else { continue };
             add_dwells(&mut crowded, Sign { dwells: vec![dwell], ..of_dwell });
             continue;
         }
-        let shape = search.bank.hypotheses[choice.hypothesis].shape;
         let again = |n: &Named| n.part.effect == effect && (n.part.shape != shape || shared(&n.part.members, &members));
         if named.iter().any(again) {
             // Two steps, or two periods: the cause is neither.

@@ -348,6 +348,19 @@ async fn a_time_ahead_of_the_clock_is_noted() {
     assert_eq!(lab.post("/v1/records", &of("2026-11-23T12:00:00Z", 2.0)).await.refused(422), ["/calibrated_at"]);
 }
 
+#[tokio::test]
+async fn a_year_that_makes_a_record_old_and_another_that_makes_it_the_newest_is_asked_about() {
+    let lab = Lab::open().await;
+    let of = |at: &str, d: f64| record("IMU-1", at, &[("G1", "A", d, 1.0)]);
+    for (k, at) in ["2025-05-20T08:00:00Z", "2026-09-20T08:00:00Z", "2026-10-20T08:00:00Z"].into_iter().enumerate() {
+        assert_eq!(codes(&lab.posts(&of(at, 2.0 + 1e-4 * k as f64)).await), [""; 0], "{at}");
+    }
+    let slipped = lab.posts(&of("2025-11-20T08:00:00Z", 2.0005)).await;
+    assert_eq!(codes(&slipped), ["year_in_doubt"]);
+    assert_eq!(noted(&slipped, "year_in_doubt")["year"], 2026);
+    assert_eq!(codes(&lab.posts(&of("2025-08-20T08:00:00Z", 2.0006)).await), [""; 0], "a late record of another day");
+}
+
 /// A record of one gyro, whose figures follow from a number.
 fn of_m2(at: &str, k: i64, d: f64) -> Value {
     record("IMU-M2", at, &[("G1", "M2", d + 1e-5 * k as f64, 1.0)])

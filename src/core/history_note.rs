@@ -2,7 +2,7 @@
 //! edge.
 
 use super::mounting::Slot;
-use super::time::UtcMicros;
+use super::time::{UtcDate, UtcMicros};
 use crate::core::named::named;
 
 /// What stands out in a calibration beside the history of its IMU, gyros and station.
@@ -17,6 +17,8 @@ pub enum HistoryNote {
     Suspect { station: String, author: String, reason: String },
     /// Ahead of the service's clock, hours.
     AheadOfNow { hours: f64 },
+    /// Far before its gyros' newest record, and with this year just after it.
+    YearInDoubt { year: i64 },
     /// A slot in which another gyro was has a gyro that nobody knows.
     NewSerial { slot: Slot, serial: String, had: String, nearest: Option<String> },
     /// A new name looks like one that is known.
@@ -87,6 +89,7 @@ impl HistoryNote {
             Self::OthersSetAside { .. } => "others_set_aside",
             Self::Suspect { .. } => "suspect",
             Self::AheadOfNow { .. } => "ahead_of_now",
+            Self::YearInDoubt { .. } => "year_in_doubt",
             Self::NewSerial { .. } => "new_serial",
             Self::LookAlike { .. } => "look_alike",
             Self::SerialsExchanged { .. } => "serials_exchanged",
@@ -126,6 +129,26 @@ pub fn doubt(at: UtcMicros, epochs: &[UtcMicros], nearest: Option<UtcMicros>) ->
     nearest.filter(|_| away.is_some_and(|days| days > FAR_DAYS)).map(|nearest| TimeDoubt::FarFromOthers { nearest })
 }
 
+/// A year is in doubt only so many days before the newest record, and where another makes it no older than this.
+const SLIPPED_DAYS: f64 = 180.0;
+const FRESH_DAYS: f64 = 31.0;
+const SLIPPED_YEARS: std::ops::RangeInclusive<i64> = 1..=10;
+
+/// The year with which `at` is between the newest record of the same gyros and `now`, within a month of it, where that
+/// record is half a year after `at`: a station's calendar, or a hand in January, is behind by whole years.
+pub fn slipped_year(at: UtcMicros, newest: UtcMicros, now: UtcMicros) -> Option<i64> {
+    if newest.days_since(at) < SLIPPED_DAYS {
+        return None;
+    }
+    let date = at.date();
+    let of_day = at.days_since(date.midnight());
+    let is_fresh = |year: &i64| {
+        let then = UtcDate { year: *year, ..date }.midnight().plus_days(of_day);
+        then > newest && (0.0..FRESH_DAYS).contains(&now.days_since(then))
+    };
+    SLIPPED_YEARS.map(|years| date.year + years).find(is_fresh)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -159,5 +182,22 @@ mod tests {
         assert_eq!(doubt(day(1.0), &[], None), None);
         let unset = [-0.9, 0.0, 399.9, -1.1, 400.1].map(|days| is_unset(UtcMicros(0).plus_days(days)));
         assert_eq!(unset, [true, true, true, false, false]);
+    }
+
+    #[test]
+    fn a_year_is_in_doubt_where_another_makes_a_record_the_newest() {
+        // 2000-01-10 is now, the newest record is of 1999-12-20.
+        let (now, newest) = (day(9.0), day(-12.0));
+        for (at, year) in [
+            (day(8.0 - 365.0), Some(2000)),
+            (day(8.0 - 365.0 - 1461.0), Some(2000)),
+            (day(-15.0 - 365.0), None),
+            (day(9.5 - 365.0), None),
+            (day(8.0 - 11.0 * 365.25), None),
+            (day(8.0), None),
+        ] {
+            assert_eq!(slipped_year(at, newest, now), year, "{}", at.date());
+        }
+        assert_eq!(slipped_year(day(8.0 - 365.0), day(-300.0), now), None, "the newest is as old");
     }
 }

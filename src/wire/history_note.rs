@@ -19,6 +19,7 @@ enum Coded {
     OthersSetAside { records: Vec<NamedBody> },
     Suspect { station: String, author: String, reason: String },
     AheadOfNow { hours: f64 },
+    YearInDoubt { year: i64 },
     NewSerial { slot: Slot, serial: String, had: String, nearest: Option<String> },
     LookAlike { of: NameKind, name: String, known: String },
     SerialsExchanged { fits: Vec<FitBody> },
@@ -79,6 +80,7 @@ impl From<HistoryNote> for Coded {
             }
             HistoryNote::Suspect { station, author, reason } => Self::Suspect { station, author, reason },
             HistoryNote::AheadOfNow { hours } => Self::AheadOfNow { hours },
+            HistoryNote::YearInDoubt { year } => Self::YearInDoubt { year },
             HistoryNote::NewSerial { slot, serial, had, nearest } => Self::NewSerial { slot, serial, had, nearest },
             HistoryNote::LookAlike { of, name, known } => Self::LookAlike { of, name, known },
             HistoryNote::SerialsExchanged { fits } => {
@@ -180,6 +182,7 @@ impl Coded {
             }
             Self::Suspect { station, author, reason } => message!("suspect", station, author, reason),
             Self::AheadOfNow { hours } => message!("ahead_of_now", hours = figure(hours, 1)),
+            Self::YearInDoubt { year } => message!("year_in_doubt", year = format_args!("{year}")),
             Self::NewSerial { slot, serial, had, nearest } => {
                 let slot = slot.name();
                 match nearest {
@@ -236,6 +239,7 @@ mod tests {
             HistoryNote::OthersSetAside { records: vec![named("r1"), named("r2")] },
             HistoryNote::Suspect { station: "ST-1".into(), author: "Li Wei".into(), reason: "loose fixture".into() },
             HistoryNote::AheadOfNow { hours: 3.25 },
+            HistoryNote::YearInDoubt { year: 2027 },
             HistoryNote::NewSerial { slot: Slot::G2, serial: "B".into(), had: "8".into(), nearest: Some("8".into()) },
             HistoryNote::NewSerial { slot: Slot::G2, serial: "B".into(), had: "8".into(), nearest: None },
             HistoryNote::LookAlike { of: NameKind::Imu, name: "I".into(), known: "1".into() },

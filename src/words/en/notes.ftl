@@ -51,6 +51,7 @@ others_set_aside = earlier records are decades before this one and were set asid
 record_of_day = { $record } ({ $day })
 suspect = what { $station } measured at that time is suspect ({ $author }: { $reason }): set aside until somebody confirms it
 ahead_of_now = the time is { $hours } hours ahead of the service's clock: is the station's clock right?
+year_in_doubt = it lies long before the newest record of its gyros; in { $year } it would be the newest: is the year right?
 new_serial = { $serial } is new in { $slot }, which had { $had } before
 new_serial_like = { $serial } is new in { $slot }, which had { $had } before; the nearest known serial is { $nearest }
 look_alike = the new { $of ->

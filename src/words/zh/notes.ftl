@@ -47,6 +47,7 @@ others_set_aside = 更早的记录比本记录早数十年，已暂不计入，�
 record_of_day = { $record }（{ $day }）
 suspect = { $station }在该时段的测量存疑（{ $author }：{ $reason }）：暂不计入，待人工确认
 ahead_of_now = 时间比服务时钟超前{ $hours }小时：测试站时钟是否正确？
+year_in_doubt = 时间远早于其陀螺的最新记录；若为{ $year }年则为最新：年份是否正确？
 new_serial = { $serial }首次出现于{ $slot }，该位置此前为{ $had }
 new_serial_like = { $serial }首次出现于{ $slot }，该位置此前为{ $had }；最接近的已知编号为{ $nearest }
 look_alike = { $of ->

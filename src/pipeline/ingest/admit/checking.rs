@@ -6,7 +6,7 @@ use super::group::Group;
 use super::lookup::Lookup;
 use super::memory::{Around, Remembered};
 use crate::core::history_note::{
-    EARLIER_IN_DOUBT, FAR_DAYS, HistoryNote, NameKind, NamedRecord, SERVICE, Seat, TimeDoubt, doubt,
+    EARLIER_IN_DOUBT, FAR_DAYS, HistoryNote, NameKind, NamedRecord, SERVICE, Seat, TimeDoubt, doubt, slipped_year,
 };
 use crate::core::note::Note;
 use crate::core::own_history::{LEVEL_RECORDS, Looked, Shown, against_histories};
@@ -126,6 +126,9 @@ impl<'c> Check<'c> {
         if at.days_since(admission.now) > AHEAD_DAYS {
             self.notes.push(HistoryNote::AheadOfNow { hours: at.days_since(admission.now) * 24.0 });
         }
+        let newest = self.gyros.iter().filter_map(|gyro| admission.memory.newest_of(gyro.number?)).max();
+        let slipped = newest.and_then(|newest| slipped_year(at, newest, admission.now));
+        self.notes.extend(slipped.map(|year| HistoryNote::YearInDoubt { year }));
         Ok(in_doubt)
     }
 

@@ -24,6 +24,12 @@ impl Choice {
     }
 }
 
+pub(crate) fn without(choices: &[Choice], i: usize) -> Vec<Choice> {
+    let mut others = choices.to_vec();
+    others.remove(i);
+    others
+}
+
 /// More columns than these make a competitor smooth.
 const MOST_COLUMNS: usize = 4;
 

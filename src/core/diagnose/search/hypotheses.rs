@@ -66,12 +66,14 @@ impl Block {
     }
 }
 
+/// An effect and the range of its hypotheses in the bank.
+pub(crate) type KindRange = (Effect, Range<usize>);
+
 #[derive(Debug)]
 pub(crate) struct Bank {
     /// Sorted by kind; contract entries before competitors.
     pub hypotheses: Vec<Hypothesis>,
-    /// Ranges of `hypotheses` of one kind each.
-    pub kinds: Vec<(Effect, Range<usize>)>,
+    pub kinds: Vec<KindRange>,
     /// Per gyro: dwells x columns.
     pub columns: Vec<DMatrix<f64>>,
     /// Number of leading columns that belong to contract entries, per gyro.
@@ -101,19 +103,26 @@ struct Raw {
     columns: Vec<Vec<Vec<f64>>>,
 }
 
-impl Bank {
+/// What is asked of a campaign and its model in use, whatever the noise.
+pub(crate) struct Candidates {
+    raws: Vec<Raw>,
+    /// Number of leading ones that are contract entries.
+    contract: usize,
+}
+
+impl Candidates {
     /// Contract entries that could be a cause for this model, each with the shapes of its grid and those of `more`,
     /// and all competitors.
     pub fn of(frame: &Frame, more: &[(Effect, Shape)]) -> Self {
-        Self::against(frame, more, &|entry| !entry.only_closer)
+        Self::against(frame, more, |entry| !entry.only_closer)
     }
 
     /// The same with competitors that are asked only where something would be named.
     pub fn closer(frame: &Frame, more: &[(Effect, Shape)]) -> Self {
-        Self::against(frame, more, &|_| true)
+        Self::against(frame, more, |_| true)
     }
 
-    fn against(frame: &Frame, more: &[(Effect, Shape)], asked: &dyn Fn(&Entry) -> bool) -> Self {
+    fn against(frame: &Frame, more: &[(Effect, Shape)], asked: impl Fn(&Entry) -> bool) -> Self {
         let mut raws: Vec<Raw> = Vec::new();
         for entry in frame.nameable().filter(|entry| could_be_a_cause(frame, entry)) {
             push_shapes(&mut raws, frame, entry, more);
@@ -129,10 +138,14 @@ impl Bank {
             raws.truncate(contract);
             raws.extend(kept);
         }
-        Self::projected(frame, raws, contract)
+        Self { raws, contract }
     }
+}
 
-    fn projected(frame: &Frame, raws: Vec<Raw>, contract: usize) -> Self {
+impl Bank {
+    /// `candidates` under the noise of `frame`.
+    pub fn of(frame: &Frame, candidates: &Candidates) -> Self {
+        let Candidates { raws, contract } = candidates;
         let mut hypotheses: Vec<Hypothesis> = raws
             .iter()
             .map(|raw| Hypothesis {
@@ -150,8 +163,8 @@ impl Bank {
         let mut columns = Vec::new();
         let mut contract_columns = Vec::new();
         for j in 0..frame.gyros.len() {
-            let (matrix, blocks) = project_gyro(frame, j, &raws);
-            contract_columns.push(blocks[..contract].last().map_or(0, |block| block.start + block.len));
+            let (matrix, blocks) = project_gyro(frame, j, raws);
+            contract_columns.push(blocks[..*contract].last().map_or(0, |block| block.start + block.len));
             for (hypothesis, block) in hypotheses.iter_mut().zip(blocks) {
                 hypothesis.blocks.push(block);
             }
@@ -176,6 +189,13 @@ impl Bank {
         });
         self.products.borrow_mut().insert((j, factor), Rc::clone(&products));
         products
+    }
+
+    /// Indices of a kind's columns in the matrix of gyro `j`.
+    pub fn columns_of(&self, (_, range): &KindRange, j: usize) -> Range<usize> {
+        let blocks = self.hypotheses[range.clone()].iter().map(|hypothesis| &hypothesis.blocks[j]);
+        let (start, end) = (blocks.clone().map(|block| block.start).min(), blocks.map(|b| b.start + b.len).max());
+        start.unwrap_or(0)..end.unwrap_or(0)
     }
 
     /// One projected, whitened column of a gyro, n long; `index` counts in its matrix.
@@ -362,8 +382,8 @@ fn make_orthogonal(block: &mut Block, columns: &mut DMatrix<f64>) {
     block.len = order.len();
 }
 
-fn kinds_of(hypotheses: &[Hypothesis]) -> Vec<(Effect, Range<usize>)> {
-    let mut kinds: Vec<(Effect, Range<usize>)> = Vec::new();
+fn kinds_of(hypotheses: &[Hypothesis]) -> Vec<KindRange> {
+    let mut kinds: Vec<KindRange> = Vec::new();
     for (i, hypothesis) in hypotheses.iter().enumerate() {
         match kinds.last_mut() {
             Some((kind, range)) if *kind == hypothesis.kind => range.end = i + 1,
@@ -411,7 +431,7 @@ mod tests {
             ("hysteresis", own_of("own_set", "k * a_O_before", "deg/(h g0)")),
         ];
         let frame = frame(twins.iter().map(|(_, own)| *own).collect());
-        let bank = Bank::of(&frame, &[]);
+        let bank = Bank::of(&frame, &Candidates::of(&frame, &[]));
         let state = state(&frame, vec![Extra::default(); frame.gyros.len()]);
         let scores = scores(&bank, &state);
         let evidence = |id: &str| scores.iter().find(|score| score.kind.id() == id).unwrap().log_evidence;
@@ -426,7 +446,11 @@ mod tests {
     fn a_competitor_that_somebody_asks_for_by_name_competes_no_more() {
         let kinds = |hypotheses: Vec<Effect>| {
             let frame = frame(hypotheses);
-            Bank::of(&frame, &[]).hypotheses.iter().map(|h| (h.kind.id(), h.shape)).collect::<Vec<_>>()
+            Bank::of(&frame, &Candidates::of(&frame, &[]))
+                .hypotheses
+                .iter()
+                .map(|h| (h.kind.id(), h.shape))
+                .collect::<Vec<_>>()
         };
         let slope = |kinds: &[(&str, Shape)]| kinds.iter().filter(|(id, _)| *id == "temperature_rate").count();
         let (plain, asked) = (kinds(Vec::new()), kinds(vec![own_of("own_slope", "k * dT/dt", "deg/K")]));

@@ -10,8 +10,8 @@
 //! so that a name owes nothing to a noise that is not there. Alternatives only ever take names away: they are asked
 //! where something would be named, and those that neither with nor without the names weigh anything are left out.
 
-use super::choice::{Choice, designs};
-use super::hypotheses::Bank;
+use super::choice::{Choice, designs, without};
+use super::hypotheses::{Bank, Candidates};
 use super::projections::{State, each_by_itself};
 use super::shared_noise::Shared;
 use super::temperature_odds::odds_of_temperature;
@@ -21,7 +21,7 @@ use crate::core::calibrate::noise_found::{MemoryFound, NoiseFound};
 use crate::core::diagnose::residuals::noise_growth::spanned;
 use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::effects::{Effect, Setting, Shape};
+use crate::core::effects::Setting;
 use crate::core::numerics::basis::dot;
 use crate::core::numerics::log_sum::LogSum;
 use crate::core::numerics::median::median_of;
@@ -126,19 +126,15 @@ pub(crate) fn likelier_law(frame: &Frame, bank: &Bank, found: &[Choice]) -> Opti
 }
 
 impl NoiseModels {
-    /// Those that weigh something beside the noise of `frame`, with `found` in the model or without. `more` are the
-    /// shapes of the bank beyond the grid.
-    pub fn of(frame: &Frame, bank: &Bank, found: &[Choice], more: &[(Effect, Shape)]) -> Self {
+    /// Those of which one weighs something beside the likeliest and the noise of `frame`: with all of `found` in the
+    /// model, with all but one, or with nothing.
+    pub fn of(frame: &Frame, bank: &Bank, found: &[Choice], candidates: &Candidates) -> Self {
         let s = &frame.setting;
-        let with = designs(frame, bank, found);
-        let designs = [&with, &frame.designs];
-        let plain: Vec<(bool, f64)> = designs
-            .iter()
-            .map(|columns| {
-                let pooled = is_pooled(frame, columns);
-                (pooled, log_likelihood(frame, columns, pooled))
-            })
-            .collect();
+        let mut in_model = vec![found.to_vec(), Vec::new()];
+        if found.len() > 1 {
+            in_model.extend((0..found.len()).map(|i| without(found, i)));
+        }
+        let designs: Vec<_> = in_model.iter().map(|choices| designs(frame, bank, choices)).collect();
         let mut tried: Vec<(NoiseDeparture, f64, Frame)> = Vec::new();
         if frame.noise.stated {
             let laws = Law::all(&course(s));
@@ -157,11 +153,19 @@ impl NoiseModels {
                 tried.extend(framed);
             }
         }
-        let gain = |framed: &Frame, i: usize| log_likelihood(framed, designs[i], plain[i].0) - plain[i].1;
-        let weighs =
-            |(_, odds, framed): &(NoiseDeparture, f64, Frame)| (0..2).any(|i| odds + gain(framed, i) > NOTHING);
-        let models = tried.into_iter().filter(weighs).map(|(kind, log_odds, frame)| {
-            let bank = Bank::closer(&frame, more);
+        let mut weighs = vec![false; tried.len()];
+        for columns in &designs {
+            let pooled = is_pooled(frame, columns);
+            let plain = log_likelihood(frame, columns, pooled);
+            let weigh = |(_, odds, framed): &(NoiseDeparture, f64, Frame)| {
+                odds + log_likelihood(framed, columns, pooled) - plain
+            };
+            let weights: Vec<f64> = tried.iter().map(weigh).collect();
+            let likeliest = weights.iter().copied().fold(0.0, f64::max);
+            weighs.iter_mut().zip(weights).for_each(|(weighs, weight)| *weighs |= weight - likeliest > NOTHING);
+        }
+        let models = tried.into_iter().zip(weighs).filter(|(_, weighs)| *weighs).map(|((kind, log_odds, frame), _)| {
+            let bank = Bank::of(&frame, candidates);
             Model { kind, frame, bank, log_odds }
         });
         let mut all = Self { models: models.collect(), shared: None };

@@ -13,14 +13,14 @@ use crate::core::diagnose::diagnosis::Variable;
 use crate::core::diagnose::residuals::augmented_fit::{self, Part};
 use crate::core::diagnose::residuals::noise_growth::{GROWTHS, profile};
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::diagnose::search::choice::{Choice, designs};
+use crate::core::diagnose::search::choice::{Choice, designs, without};
 use crate::core::diagnose::search::components::{Component, components, of_single_dwells};
-use crate::core::diagnose::search::hypotheses::Bank;
+use crate::core::diagnose::search::hypotheses::{Bank, Candidates};
 use crate::core::diagnose::search::noise_models::{Found, NoiseModels, likelier_law};
 use crate::core::diagnose::search::null_distribution::Null;
 use crate::core::diagnose::search::projections::each_by_itself;
-use crate::core::diagnose::search::refined_shape::{STRONG, sharpened};
-use crate::core::diagnose::search::stepwise::{Known, Search, Threshold, without};
+use crate::core::diagnose::search::refined_shape::sharpened;
+use crate::core::diagnose::search::stepwise::{Known, Search, Threshold};
 use crate::core::effects::{Effect, Entry, Refusal, Shape};
 use crate::core::numerics::basis::dot;
 use crate::core::numerics::log_sum::LogSum;
@@ -37,6 +37,9 @@ const ROUNDS: usize = 4;
 /// Steps of the growth's grid by which a search that found nothing lowers it: an effect that is not in the model yet
 /// looks like growing noise and hides in it.
 const LOWER: usize = 2;
+
+/// ln of evidence from which on an effect is strong: what hangs on its size is then fitted about it.
+const STRONG: f64 = 60.0;
 
 pub(crate) struct Settled {
     pub frame: Frame,
@@ -66,7 +69,7 @@ impl Settled {
     pub fn of(mut frame: Frame) -> Result<Self, Refusal> {
         let mut first = None;
         for round in 1.. {
-            let bank = Bank::of(&frame, &[]);
+            let bank = Bank::of(&frame, &Candidates::of(&frame, &[]));
             let null = Null::of(&frame, &bank);
             let threshold =
                 Threshold { alone: null.threshold(FALSE_ALARM), beside: null.threshold(FALSE_ALARM_BESIDE) };
@@ -75,7 +78,7 @@ impl Settled {
             // A handful of shapes more: what noise alone scores is as good as the same.
             let sharper = sharpened(&settled.search(), &found);
             if !sharper.is_empty() {
-                settled.bank = Bank::of(&settled.frame, &sharper);
+                settled.bank = Bank::of(&settled.frame, &Candidates::of(&settled.frame, &sharper));
                 (settled.more, settled.known) = (sharper, Known::default());
                 found = settled.search().run();
             }
@@ -166,13 +169,18 @@ impl Settled {
             rebased = Some(Self { components: Rc::clone(&self.components), ..Self::of(frame)? });
         }
         let plain = rebased.as_ref().unwrap_or(self);
-        let bank = Bank::closer(&plain.frame, &plain.more);
+        let candidates = Candidates::closer(&plain.frame, &plain.more);
         let mut closer = Self {
-            noise: NoiseModels::of(&plain.frame, &plain.bank, &plain.found, &plain.more),
+            noise: NoiseModels::of(&plain.frame, &plain.bank, &plain.found, &candidates),
             more: plain.more.clone(),
             laws,
             components: Rc::clone(&self.components),
-            ..Self::before_search(plain.frame.clone(), bank, plain.null.clone(), plain.threshold)
+            ..Self::before_search(
+                plain.frame.clone(),
+                Bank::of(&plain.frame, &candidates),
+                plain.null.clone(),
+                plain.threshold,
+            )
         };
         if !plain.found.is_empty() {
             let search = closer.search();

@@ -1,8 +1,8 @@
-//! Shapes between those of the grid, for effects so strong that what the grid misses of them would show.
+//! Shapes between those of the grid, for effects of which the grid misses what would show.
 //!
 //! Time constants, periods and directions of a field are tried on a grid. What the nearest of them leaves of an
-//! effect is some hundredths of it: nothing at the limit of detection, but at a hundred times the noise it passes for
-//! an effect of its own.
+//! effect is a tenth of it, or half where the design hides a part of the field: nothing at the limit of detection, but
+//! from twice that on it passes for an effect of its own, or two neighbours of the grid for a pair.
 
 use crate::core::diagnose::residuals::augmented_fit;
 use crate::core::diagnose::residuals::augmented_fit::Part;
@@ -12,8 +12,9 @@ use crate::core::diagnose::search::stepwise::Search;
 use crate::core::effects::{Effect, Shape};
 use crate::core::numerics::basis::dot;
 
-/// ln of evidence from which on the grid is too coarse.
-pub(super) const STRONG: f64 = 60.0;
+/// ln of evidence from which on shapes between those of the grid are tried, and ln of likelihood that one must gain.
+const CLEAR: f64 = 10.0;
+const LEAST_GAIN: f64 = 2.0;
 
 /// The same for instants, of which the grid holds every tenth dwell or so.
 const STRONG_INSTANT: f64 = 8.0;
@@ -29,7 +30,7 @@ const STEPS: usize = 20;
 /// grid.
 pub(crate) fn sharpened(search: &Search, found: &[Choice]) -> Vec<(Effect, Shape)> {
     let mut shapes = Vec::new();
-    for score in search.scores(&[]).iter().filter(|score| score.log_evidence > STRONG) {
+    for score in search.scores(&[]).iter().filter(|score| score.log_evidence > CLEAR) {
         shapes.extend(search.part(&search.choice(score)).and_then(|alone| best(search, &[alone], 0)));
     }
     for score in search.scores(&[]).iter() {
@@ -46,7 +47,7 @@ pub(crate) fn sharpened(search: &Search, found: &[Choice]) -> Vec<(Effect, Shape
     // A dwell set aside may be what the nearest instant of the grid leaves of a change.
     let lasting: Vec<Part> = parts.iter().filter(|part| part.dwell().is_none()).cloned().collect();
     shapes.extend((0..lasting.len()).filter_map(|i| best_instant(search.frame, &lasting, i, 0.0)));
-    for (i, _) in named.iter().enumerate().filter(|(_, choice)| choice.evidence > STRONG) {
+    for (i, _) in named.iter().enumerate().filter(|(_, choice)| choice.evidence > CLEAR) {
         shapes.extend(best(search, &parts, i));
     }
     shapes
@@ -63,18 +64,22 @@ fn best_instant(frame: &Frame, parts: &[Part], i: usize, least: f64) -> Option<(
     let time = &frame.setting.time;
     let between = (2..frame.dwells().saturating_sub(1)).map(|k| Shape::Instant(0.5 * (time[k - 1] + time[k])));
     let best = between.map(|shape| (left(shape), shape)).min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let outputs = (frame.gyros.len() * frame.dwells()) as f64;
-    (0.5 * outputs * (left(shape) / best.0).ln() > least).then_some((effect, best.1))
+    (gain(frame, left(shape), best.0) > least).then_some((effect, best.1))
 }
 
-/// The best shape of part `i` between its neighbours on the grid, with all parts fitted.
+/// ln of likelihood by which a fit that leaves the sum of squares `after` is better than one that leaves `before`.
+fn gain(frame: &Frame, before: f64, after: f64) -> f64 {
+    0.5 * (frame.gyros.len() * frame.dwells()) as f64 * (before / after).ln()
+}
+
+/// The best shape of part `i` between its neighbours on the grid, with all parts fitted, where it gains enough.
 fn best(search: &Search, parts: &[Part], i: usize) -> Option<(Effect, Shape)> {
     let Part { effect, shape, .. } = parts[i];
     let at = value(shape)?;
     let (low, high) = neighbours(search, effect, at)?;
     let left = |x: f64| chi2(search.frame, parts, i, with_value(shape, x), &vec![1.0; search.frame.gyros.len()]);
     let x = golden_section(low, high, left);
-    (left(x) < left(at)).then(|| (effect, with_value(shape, x)))
+    (gain(search.frame, left(at), left(x)) > LEAST_GAIN).then(|| (effect, with_value(shape, x)))
 }
 
 /// Standard deviation of the value that the shape of part `i` hangs on, from the curvature of the sum of squares

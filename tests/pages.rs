@@ -1341,6 +1341,19 @@ async fn a_decision_is_recorded_with_name_and_reason_and_stands_in_plot_report_a
     let steady = page(&server, "/gyros/STEADY", &[]).await;
     assert!(part(&steady, "<p class=\"decided\"", "</p>").contains("records since: 5"), "{steady}");
     assert!(steady.contains("2026-01-20 decision: re-test</title>"), "a flag in the pictures");
+    // In error: it is withdrawn, and stands in the history alone.
+    assert!(page(&server, "/gyros/JUMP%2F1", &[]).await.contains("events/new?event=decision_withdrawn"));
+    let form = page(&server, &format!("{path}?event=decision_withdrawn"), &[]).await;
+    holds(&form, &["value=\"decision_withdrawn\" selected", "By its verdicts this gyro is out of tolerance"]);
+    let fields = [("event", "decision_withdrawn"), ("by", "Li Wei"), ("reason", "wrong gyro")];
+    goes_on_at(&sends_form(&server, path, &fields).await);
+    for path in ["/gyros/JUMP%2F1", "/gyros/JUMP%2F1/report"] {
+        let shown = page(&server, path, &[]).await;
+        assert!(!shown.contains("<p class=\"decided\"") && shown.contains("wrong gyro"), "{shown}");
+        assert!(!shown.contains("events/new?event=decision_withdrawn"), "nothing is left to be withdrawn");
+    }
+    let today = page(&server, "/", &[]).await;
+    assert!(!today.contains("decision: take out"), "{today}");
 }
 
 #[tokio::test]

@@ -166,7 +166,7 @@ impl Looked<'_> {
         let stated = |shown: &Shown| shown.sd.map_or(0.0, |sd| sd[column]);
         // What is stated in another unit measures nothing.
         let now = if self.uncertainty_factor().is_some() { 0.0 } else { stated(&self.now) };
-        let sd = history.iter().map(stated).fold(now, f64::max);
+        let sd = median_of(history.iter().map(stated)).map_or(now, |before| before.max(now));
         self.budget.max(of_scatter * scatter(history, column)).max(of_scatter * sd)
     }
 

@@ -785,6 +785,23 @@ async fn over_tls_a_new_certificate_is_shown_without_a_restart_and_a_bad_one_nev
     assert!(one.get(&url).send().await.is_err());
 }
 
+#[tokio::test(flavor = "multi_thread")]
+async fn an_authoritys_own_certificate_is_given_up_at_once_and_said_in_words() {
+    let [certificate, key] = ["crt", "key"].map(|kind| support::data_path(&format!("tls/authority.{kind}")));
+    let server = Server::start_with(&[
+        ("GYROWATCH_SERVER__TLS_CERTIFICATE", certificate.to_str().unwrap()),
+        ("GYROWATCH_SERVER__TLS_KEY", key.to_str().unwrap()),
+    ])
+    .await;
+    let begun = std::time::Instant::now();
+    let mut import = gyrowatch();
+    import.args(["import", "--url", &format!("https://{}", server.address()), "--ca-file"]).arg(&certificate);
+    let output = import.arg(root().join("docs/examples/record.json")).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && said.contains("certificate of an authority (CA:TRUE)"), "{said}");
+    assert!(begun.elapsed() < Duration::from_secs(5), "{:?}", begun.elapsed());
+}
+
 #[test]
 fn a_certificate_that_cannot_be_used_stops_the_start_and_is_named() {
     let dir = tempfile::tempdir().unwrap();

@@ -87,6 +87,22 @@ async fn a_hook_whose_filter_changes_hears_what_it_lets_through_from_now_on_and_
 }
 
 #[tokio::test]
+async fn a_hook_with_another_address_tells_there_what_fires() {
+    let lab = Lab::open().await;
+    let (old, new) = (Receiver::start().await, Receiver::start().await);
+    let id = lab.tells(&old, json!({})).await;
+    steps(&lab, "A").await;
+    steps(&lab, "B").await;
+    recovers(&lab, "B").await;
+    let heard = told(&lab, &id, &old).await.len();
+    // The same address again is no other.
+    lab.patch(&format!("/v1/hooks/{id}"), &json!({ "url": old.url() })).await.ok();
+    lab.patch(&format!("/v1/hooks/{id}"), &json!({ "url": new.url() })).await.ok();
+    assert_eq!(told(&lab, &id, &new).await, [all_of("A", "alert.fired")]);
+    assert_eq!(told(&lab, &id, &old).await.len(), heard);
+}
+
+#[tokio::test]
 async fn a_hook_that_is_enabled_again_hears_how_things_stand_and_not_what_it_missed() {
     let lab = Lab::open().await;
     let target = Receiver::start().await;

@@ -257,6 +257,64 @@ async fn wrong_units_are_noted_with_the_factor() {
 }
 
 #[tokio::test]
+async fn stated_uncertainties_in_another_unit_are_noted() {
+    let (lab, units, mut rng) = with_history(41, 0).await;
+    let stating = |at: i64, factors: [f64; 3], rng: &mut ChaCha8Rng| {
+        let mut record = measured("IMU-1", &day(at), &units, rng);
+        for (gyro, factor) in record["gyros"].as_array_mut().unwrap().iter_mut().zip(factors) {
+            (gyro["g_sd"], gyro["e_sd"]) = (vec![4e-4 * factor; 3].into(), vec![2e-6; 3].into());
+        }
+        record
+    };
+    for k in 0..4 {
+        // A method that is three times as exact is no other unit.
+        let factor = [1.0, 3.0][k as usize % 2];
+        assert_eq!(codes(&lab.posts(&stating(10 * k, [factor; 3], &mut rng)).await), [""; 0]);
+    }
+    let answer = lab.posts(&stating(50, [1000.0, 1.0, 1.0], &mut rng)).await;
+    assert_eq!(codes(&answer), ["uncertainty_factor"]);
+    let note = noted(&answer, "uncertainty_factor");
+    assert_eq!(note["serials"], json!([units[0].serial]));
+    let factor = note["factor"].as_f64().unwrap();
+    assert!((300.0..1100.0).contains(&factor), "{note}");
+    let smaller = lab.posts(&stating(60, [1.0, 1.0, 1e-3], &mut rng)).await;
+    assert!(noted(&smaller, "uncertainty_factor")["factor"].as_f64().unwrap() < 1.0 / 30.0, "{smaller}");
+    // What G is multiplied by, its standard deviation is too: one note.
+    let mut minutes = stating(70, [60.0; 3], &mut rng);
+    minutes["gyros"].as_array_mut().unwrap().iter_mut().for_each(|gyro| scaled(gyro, "g_pulse_per_s_g0", 60.0));
+    assert_eq!(codes(&lab.posts(&minutes).await), ["unit_factor"]);
+}
+
+#[tokio::test]
+async fn one_gyros_g_in_another_unit_is_noted_but_not_after_a_repair() {
+    let (lab, mut units, mut rng) = with_history(42, 0).await;
+    units[1].scale = 1.5;
+    for k in 0..5 {
+        assert_eq!(codes(&lab.posts(&measured("IMU-1", &day(10 * k), &units, &mut rng)).await), [""; 0]);
+    }
+    let sent = |at: i64, factor: f64, rng: &mut ChaCha8Rng| {
+        let mut record = measured("IMU-1", &day(at), &units, rng);
+        scaled(&mut record["gyros"][1], "g_pulse_per_s_g0", factor);
+        record
+    };
+    // Divided by its scale factor already: in deg/(h g0).
+    let scale = units[1].scale;
+    for (at, factor, words) in [(60, scale.recip(), "is it in deg/(h g0)?"), (80, 7.0, "is it in another unit?")] {
+        let answer = lab.posts(&sent(at, factor, &mut rng)).await;
+        assert_eq!(codes(&answer), ["unit_factor"], "{factor}");
+        let note = noted(&answer, "unit_factor");
+        assert_eq!((&note["quantity"], &note["serials"]), (&json!("G"), &json!([units[1].serial])));
+        assert!((note["factor"].as_f64().unwrap() / factor - 1.0).abs() < 0.02, "{note}");
+        assert!(note["detail"].as_str().unwrap().contains(words), "{note}");
+        assert_eq!(codes(&lab.posts(&sent(at + 10, 1.0, &mut rng)).await), [""; 0], "the next one is good");
+    }
+    // What a repair explains is no unit.
+    let repair = json!({"event": "repair", "reason": "new motor", "at": day(95)});
+    lab.post(&format!("/v1/gyros/{}/events", units[1].serial), &repair).await.created();
+    assert_eq!(codes(&lab.posts(&sent(100, 7.0, &mut rng)).await), [""; 0]);
+}
+
+#[tokio::test]
 async fn the_same_figures_with_another_time_name_the_record_they_are_identical_to() {
     let (lab, units, mut rng) = with_history(31, 3).await;
     let first = measured("IMU-1", &day(40), &units, &mut rng);
@@ -310,6 +368,7 @@ async fn a_new_serial_in_a_slot_names_who_was_there_and_the_nearest_known() {
         ("LFG-O101", Some("LFG-0101"), true),
         ("LFG-0l01", Some("LFG-0101"), true),
         ("LFG-\u{41e}101", Some("LFG-0101"), true),
+        ("lfg 0101", Some("LFG-0101"), true),
         ("LFG-0110", Some("LFG-0101"), false),
         ("QX-77", None, false),
     ]
@@ -332,6 +391,10 @@ async fn a_new_serial_in_a_slot_names_who_was_there_and_the_nearest_known() {
     assert_eq!(codes(&answer), ["look_alike", "look_alike"]);
     assert_eq!((&answer["notes"][0]["of"], &answer["notes"][0]["known"]), (&json!("imu"), &json!("IMU-1")));
     assert_eq!((&answer["notes"][1]["of"], &answer["notes"][1]["known"]), (&json!("station"), &json!("ST-1")));
+    let mut spelt = record("IMU1", &day(250), &[("G1", "NEW-2", 2.0, 1.0)]);
+    spelt["station"] = "ST-1".into();
+    let answer = lab.posts(&spelt).await;
+    assert_eq!((codes(&answer), &answer["notes"][0]["of"]), (vec!["look_alike"], &json!("imu")));
     // Within one import, where nothing is stored before the next line is looked at.
     let two = [("S0", 300), ("SO", 310)].map(|(serial, at)| record("A-1", &day(at), &[("G1", serial, 2.0, 1.0)]));
     assert_eq!(codes(&lab.imports(&two).await[1]), ["look_alike", "new_serial"]);

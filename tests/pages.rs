@@ -1307,6 +1307,42 @@ async fn a_gyro_that_scatters_needs_no_better_record_and_its_cause_is_told() {
 }
 
 #[tokio::test]
+async fn a_record_in_another_unit_or_under_a_misspelt_name_is_checked_first() {
+    let server = Server::start().await;
+    let stating = |serial: &str, day: u32, factor: f64, sd: f64| {
+        let d_i = 1.5 + 1e-4 * f64::from(day % 5);
+        let mut sent = record("IMU-A", "ST-1", serial, day, [factor * d_i, factor * -2.25]);
+        sent["gyros"][0]["g_sd"] = vec![sd; 3].into();
+        sent["gyros"][0]["e_sd"] = vec![1e-7; 3].into();
+        sent
+    };
+    for day in 0..5 {
+        server.post_json("/v1/records", &stating("LFG-01", 7 * day, 1.0, 7e-4)).await.created();
+    }
+    const CHECK: &str = "Check the newest record first";
+    server.post_json("/v1/records", &stating("LFG-01", 35, 7.0, 7e-4)).await.created();
+    holds(&page(&server, "/gyros/LFG-01", &[]).await, &["is it in another unit?", CHECK]);
+    // The next one is good, and what was odd before is still told of.
+    server.post_json("/v1/records", &stating("LFG-01", 42, 1.0, 7e-4)).await.created();
+    for path in ["/gyros/LFG-01", "/gyros/LFG-01/report"] {
+        let shown = page(&server, path, &[]).await;
+        holds(
+            &shown,
+            &["The record of 2026-02-08 was out of tolerance and the newest is not", "is it in another unit?"],
+        );
+        assert!(!shown.contains(CHECK), "{shown}");
+    }
+    server.post_json("/v1/records", &stating("LFG-01", 49, 1.0, 0.7)).await.created();
+    holds(&page(&server, "/gyros/LFG-01", &[]).await, &["are e_sd or g_sd in another unit?", CHECK]);
+    // The few records of a misspelt name name the known one; its own doubt nothing.
+    for day in [56, 63] {
+        server.post_json("/v1/records", &stating("lfg01", day, 1.0, 7e-4)).await.created();
+        holds(&page(&server, "/gyros/lfg01", &[]).await, &["looks like the known serial LFG-01", CHECK]);
+    }
+    assert!(!page(&server, "/gyros/LFG-01", &[]).await.contains("looks like the known"));
+}
+
+#[tokio::test]
 async fn a_decision_is_recorded_with_name_and_reason_and_stands_in_plot_report_and_audit() {
     let server = a_small_fleet().await;
     let path = "/gyros/JUMP%2F1/events/new";
@@ -1341,6 +1377,19 @@ async fn a_decision_is_recorded_with_name_and_reason_and_stands_in_plot_report_a
     let steady = page(&server, "/gyros/STEADY", &[]).await;
     assert!(part(&steady, "<p class=\"decided\"", "</p>").contains("records since: 5"), "{steady}");
     assert!(steady.contains("2026-01-20 decision: re-test</title>"), "a flag in the pictures");
+    // In error: it is withdrawn, and stands in the history alone.
+    assert!(page(&server, "/gyros/JUMP%2F1", &[]).await.contains("events/new?event=decision_withdrawn"));
+    let form = page(&server, &format!("{path}?event=decision_withdrawn"), &[]).await;
+    holds(&form, &["value=\"decision_withdrawn\" selected", "By its verdicts this gyro is out of tolerance"]);
+    let fields = [("event", "decision_withdrawn"), ("by", "Li Wei"), ("reason", "wrong gyro")];
+    goes_on_at(&sends_form(&server, path, &fields).await);
+    for path in ["/gyros/JUMP%2F1", "/gyros/JUMP%2F1/report"] {
+        let shown = page(&server, path, &[]).await;
+        assert!(!shown.contains("<p class=\"decided\"") && shown.contains("wrong gyro"), "{shown}");
+        assert!(!shown.contains("events/new?event=decision_withdrawn"), "nothing is left to be withdrawn");
+    }
+    let today = page(&server, "/", &[]).await;
+    assert!(!today.contains("decision: take out"), "{today}");
 }
 
 #[tokio::test]

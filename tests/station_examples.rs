@@ -1,6 +1,12 @@
 //! What a station copies: each example is run where Debian has its program, and each template fits.
 
+use std::sync::Mutex;
+
+use tokio::io::AsyncWriteExt;
+
 use crate::prelude::*;
+use crate::receiver;
+
 fn example(name: &str) -> PathBuf {
     root().join("examples/stations").join(name)
 }
@@ -55,6 +61,66 @@ async fn python_and_curl_send_templates_twice_and_hear_of_faults() {
     assert!(lost.status.code() == Some(1) && said.contains("is no address") && said.lines().count() == 1, "{said}");
     let (sent, said) = run(curl("wrong.json", "records", "application/json"), &server);
     assert!(!sent && (said.contains("refused (422)") || said.contains("refused (400)")), "{said}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn examples_ask_for_the_language_of_the_station() {
+    let server = Server::start().await;
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("wrong.json"), r#"{"gyros": []}"#).unwrap();
+    for (program, example_of) in [("sh", "post.sh"), ("python3", "post.py")] {
+        let said = |language: &str| {
+            let mut command = Command::new(program);
+            command.arg(example(example_of)).arg(dir.path().join("wrong.json"));
+            command.args((program == "sh").then_some("records")).env("LC_ALL", language);
+            run(command, &server)
+        };
+        let (sent, words) = said("zh_CN.UTF-8");
+        assert!(!sent && !words.is_ascii(), "{words}");
+        let (sent, words) = said("C.UTF-8");
+        assert!(!sent && words.contains("missing"), "{words}");
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn curl_sends_again_where_the_line_drops_and_waits_as_it_is_told() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("record.json");
+    template("record", "json", &file);
+    let tries = Arc::new(Mutex::new(Vec::new()));
+    let times = Arc::clone(&tries);
+    let (address, _serving) = receiver::raw(move |mut stream| {
+        let times = Arc::clone(&times);
+        async move {
+            let before = {
+                let mut times = times.lock().unwrap();
+                times.push(Instant::now());
+                times.len()
+            };
+            match before {
+                // Hangs up without a word.
+                1 => Ok(()),
+                2 => {
+                    let busy = "HTTP/1.1 503 Busy\r\nretry-after: 3\r\ncontent-length: 0\r\nconnection: close\r\n\r\n";
+                    stream.write_all(busy.as_bytes()).await
+                }
+                _ => {
+                    let stored =
+                        "HTTP/1.1 201 Created\r\ncontent-length: 11\r\nconnection: close\r\n\r\n{\"id\":\"r1\"}";
+                    stream.write_all(stored.as_bytes()).await
+                }
+            }
+        }
+    })
+    .await;
+    let mut command = Command::new("sh");
+    command.arg(example("post.sh")).arg(&file).arg("records").env("GYROWATCH_URL", format!("http://{address}"));
+    let output = command.output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success() && output.stdout.starts_with(br#"{"id":"r1"}"#), "{said}");
+    let tries = tries.lock().unwrap();
+    assert_eq!(tries.len(), 3, "{said}");
+    assert!(tries[2].duration_since(tries[1]) > Duration::from_millis(2900), "as Retry-After says");
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -119,6 +119,10 @@ async fn a_campaign_that_the_model_in_force_does_not_state_is_named() {
     run(&server, adopt).await;
     let (code, said) = on_database(&["verify"], server.dir());
     assert!(code == Some(1) && said.contains("not stated by the model in force"), "{said}");
+    assert!(
+        said.contains("differ from what is computed again") && said.contains("restore the newest backup"),
+        "{said}"
+    );
 }
 
 #[tokio::test]

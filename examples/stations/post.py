@@ -3,6 +3,7 @@
 
     GYROWATCH_URL=http://127.0.0.1:8080 GYROWATCH_TOKEN=... python3 post.py campaign.json
 
+LC_ALL or LANG (zh_CN.UTF-8) choose the language of what is refused.
 Ends with 0 where the service has it (sending twice is harmless), with 1 where the file, the address or the
 token is at fault, with 2 where the service was not reached or never took it. What is wrong is one line on standard error.
 """
@@ -29,7 +30,9 @@ def kind_of(text):
 
 def send(url, token, body, path, content_type):
     """Status, answer, and for how many seconds the service asks to wait."""
-    request = urllib.request.Request(url + path, data=body, headers={"Content-Type": content_type})
+    language = (os.environ.get("LC_ALL") or os.environ.get("LANG") or "en")[:2]
+    headers = {"Content-Type": content_type, "Accept-Language": language if language.isalpha() else "en"}
+    request = urllib.request.Request(url + path, data=body, headers=headers)
     if token:
         request.add_header("Authorization", "Bearer " + token)
     try:

@@ -4,6 +4,7 @@
 //! ([`Sent::Refused`]), or something else is ([`Trouble`]): then the document stays where it is.
 
 use std::fmt::Display;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use bytes::Bytes;
@@ -78,10 +79,44 @@ pub struct ImportLineAnswer {
     pub notes: Vec<NoteBody>,
 }
 
+/// What the service is shown, and the file that it was read from.
+#[derive(Debug, Clone, Default)]
+struct Token {
+    now: Arc<Mutex<Option<String>>>,
+    file: Option<PathBuf>,
+}
+
+impl Token {
+    fn given(token: Option<String>) -> Self {
+        Self { now: Arc::new(Mutex::new(token)), file: None }
+    }
+
+    fn in_file(path: &Path) -> std::io::Result<Self> {
+        let token = read_token(path)?;
+        Ok(Self { file: Some(path.to_owned()), ..Self::given(Some(token)) })
+    }
+
+    fn now(&self) -> Option<String> {
+        self.now.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Whether the file holds another one than the service has refused, which is shown from now on.
+    fn read_again(&self, refused: Option<&str>) -> bool {
+        let Some(token) = self.file.as_deref().and_then(|file| read_token(file).ok()) else { return false };
+        let is_other = refused != Some(&token);
+        *self.now.lock().unwrap_or_else(PoisonError::into_inner) = Some(token);
+        is_other
+    }
+}
+
+fn read_token(path: &Path) -> std::io::Result<String> {
+    Ok(String::from_utf8_lossy(&std::fs::read(path)?).trim().to_owned())
+}
+
 #[derive(Debug, Clone)]
 pub struct Service {
     base: String,
-    token: Option<String>,
+    token: Token,
     http: reqwest::Client,
     /// The query of what is sent: who is told of what is found late.
     telling: &'static str,
@@ -122,8 +157,8 @@ impl Connection {
     pub fn service(&self) -> anyhow::Result<Service> {
         let read = |path: &PathBuf| std::fs::read(path).with_context(|| path.display().to_string());
         let token = match &self.token_file {
-            Some(path) => Some(String::from_utf8_lossy(&read(path)?).trim().to_owned()),
-            None => self.token.clone(),
+            Some(path) => Token::in_file(path).with_context(|| path.display().to_string())?,
+            None => Token::given(self.token.clone()),
         };
         let authorities = match &self.ca_file {
             Some(path) => {
@@ -142,14 +177,14 @@ impl Connection {
 impl Service {
     /// `address`: `http://host:port`, or `host:port` alone as `GYROWATCH_LISTEN` gives it.
     pub fn at(address: &str, token: Option<String>) -> anyhow::Result<Self> {
-        Self::by_way_of(&Proxies::None, address, token, Vec::new())
+        Self::by_way_of(&Proxies::None, address, Token::given(token), Vec::new())
     }
 
     /// As [`Service::at`], trusting also what these authorities have signed.
     fn by_way_of(
         proxies: &Proxies,
         address: &str,
-        token: Option<String>,
+        token: Token,
         authorities: Vec<Certificate>,
     ) -> anyhow::Result<Self> {
         let with_port = address.rsplit_once(':').is_some_and(|(_, port)| port.parse::<u16>().is_ok());
@@ -233,11 +268,7 @@ impl Service {
 
     fn request(&self, method: Method, route: &str) -> reqwest::RequestBuilder {
         let request = self.http.request(method, format!("{}{route}", self.base));
-        let request = request.header(ACCEPT_LANGUAGE, words::asked().tag());
-        match &self.token {
-            Some(token) => request.bearer_auth(token),
-            None => request,
-        }
+        request.header(ACCEPT_LANGUAGE, words::asked().tag())
     }
 
     async fn call(
@@ -254,10 +285,34 @@ impl Service {
         .await
     }
 
+    /// Where the token is refused and its file holds another one by now, it is asked once more with that.
     async fn answer(&self, request: reqwest::RequestBuilder) -> Result<(StatusCode, Option<Duration>, Bytes), Trouble> {
+        let (again, token) = (request.try_clone(), self.token.now());
+        let answer = self.answer_to(request, token.as_deref()).await?;
+        match again.filter(|_| answer.0 == StatusCode::UNAUTHORIZED && self.token.read_again(token.as_deref())) {
+            Some(again) => {
+                let file = self.token.file.as_deref().unwrap_or(Path::new("")).display().to_string();
+                eprintln!("{}", said(message!("terminal_token_read_again", file)));
+                self.answer_to(again, self.token.now().as_deref()).await
+            }
+            None => Ok(answer),
+        }
+    }
+
+    async fn answer_to(
+        &self,
+        request: reqwest::RequestBuilder,
+        token: Option<&str>,
+    ) -> Result<(StatusCode, Option<Duration>, Bytes), Trouble> {
+        let request = match token {
+            Some(token) => request.bearer_auth(token),
+            None => request,
+        };
         let away = |error: reqwest::Error| {
             let why = if error.is_timeout() { message!("no_answer_in_time") } else { cause::root_of(&error) };
-            Trouble::Away(said(message!("terminal_cannot_reach", address = self.base.clone(), why)))
+            let why = said(message!("terminal_cannot_reach", address = self.base.clone(), why));
+            // A certificate is mended by a person.
+            if cause::is_of_certificate(&error) { Trouble::stop(None, why) } else { Trouble::Away(why) }
         };
         let answer = request.send().await.map_err(away)?;
         let status = answer.status();

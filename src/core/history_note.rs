@@ -29,10 +29,12 @@ pub enum HistoryNote {
     OtherUnit { serials: Vec<String>, budgets: f64 },
     /// The very figures of another record.
     IdenticalFigures { serials: Vec<String>, record: NamedRecord },
-    /// E or G is so many times what it was before.
-    UnitFactor { serials: Vec<String>, quantity: Quantity, factor: f64 },
+    /// E or G is so many times what it was before; `by_scale`: as by the gyro's own |E|.
+    UnitFactor { serials: Vec<String>, quantity: Quantity, factor: f64, by_scale: bool },
     /// The gyro was elsewhere in its last record.
     Moved { serial: String, from: Seat, to: Seat },
+    /// The stated standard deviations are so many times those before.
+    UncertaintyFactor { serials: Vec<String>, factor: f64 },
 }
 
 /// Why a time is in doubt.
@@ -97,6 +99,7 @@ impl HistoryNote {
             Self::IdenticalFigures { .. } => "identical_figures",
             Self::UnitFactor { .. } => "unit_factor",
             Self::Moved { .. } => "moved",
+            Self::UncertaintyFactor { .. } => "uncertainty_factor",
         }
     }
 }

@@ -89,11 +89,30 @@ fn is_unseen(c: char) -> bool {
 
 /// The keys under which a name is known to its look-alikes: two names look alike where they share one. The first is
 /// how it looks (Unicode TS 39, so that O and 0, l and 1, Latin and Cyrillic are one), the second how it reads in
-/// small letters.
+/// small letters. Hyphens, spaces and underscores count in neither but between digits: 1-11 is not 11-1.
 pub fn look_keys(name: &str) -> [String; 2] {
     // What looks like 1 is kept apart from a capital L, whose small form it is.
-    let looks = skeleton(name).map(|c| if c == 'l' { '\u{1}' } else { c }).collect::<String>().to_lowercase();
-    [format!("\u{2}{looks}"), name.to_lowercase()]
+    let looks =
+        without_gaps(skeleton(name).map(|c| if c == 'l' { '\u{1}' } else { c }), &['O', '\u{1}']).to_lowercase();
+    [format!("\u{2}{looks}"), without_gaps(name.chars(), &[]).to_lowercase()]
+}
+
+/// Without hyphens, spaces and underscores; between digits, and what looks like them, there is one for each run.
+fn without_gaps(name: impl Iterator<Item = char>, like_digits: &[char]) -> String {
+    let is_digit = |c: char| c.is_ascii_digit() || like_digits.contains(&c);
+    let (mut kept, mut gap) = (String::new(), false);
+    for c in name {
+        if matches!(c, '-' | '_' | ' ') {
+            gap = true;
+            continue;
+        }
+        if gap && is_digit(c) && kept.chars().next_back().is_some_and(is_digit) {
+            kept.push('-');
+        }
+        gap = false;
+        kept.push(c);
+    }
+    kept
 }
 
 /// How many characters are to be changed, put in, left out or exchanged with their neighbour to make `a` of `b`; none
@@ -194,10 +213,17 @@ mod tests {
             ("AB-1", "\u{391}\u{392}-1"),
             ("LFG-0101", "lfg-0101"),
             ("LFG-0101", "LFG\u{2010}0101"),
+            ("IMU-10", "IMU10"),
+            ("IMU-10", "imu 10"),
+            ("ST_2", "ST-2"),
+            ("ST_2", "ST2"),
+            ("A0-1", "AO_1"),
         ] {
             assert!(alike(a, b), "{a} {b}");
         }
-        for (a, b) in [("LFG-0101", "LFG-0102"), ("GL-1", "G1-1"), ("ST-2", "ST-Z"), ("A8", "AB"), ("G5", "GS")] {
+        for (a, b) in
+            [("LFG-0101", "LFG-0102"), ("GL-1", "G1-1"), ("ST-2", "ST-Z"), ("A8", "AB"), ("G5", "GS"), ("1-11", "11-1")]
+        {
             assert!(!alike(a, b), "{a} {b}");
         }
     }

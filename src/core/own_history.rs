@@ -18,6 +18,14 @@ pub struct Shown {
     pub scale: Option<f64>,
 }
 
+impl Shown {
+    /// Of D_I and D_S in one figure: the root of the sum of their stated variances, deg/(h g0); none where none is
+    /// stated.
+    pub fn uncertainty(&self) -> Option<f64> {
+        self.sd.map(|[d_i, d_s]| d_i.hypot(d_s))
+    }
+}
+
 /// A gyro of a record that is looked at.
 #[derive(Debug, Clone, Copy)]
 pub struct Looked<'a> {
@@ -43,30 +51,72 @@ const UNIT_TOLERANCE: f64 = 0.02;
 /// |E| that moved by more has another unit, or is another gyro's.
 const SAME_SCALE: f64 = 0.2;
 
+/// Standard deviations that are so many times those before, or such a part of them, are stated in another unit.
+pub const UNCERTAINTY_FACTOR: f64 = 30.0;
+/// A gyro alone whose drift has grown by a factor that is no unit's is off by so many budgets,
+const FAR_BUDGETS: f64 = 100.0;
+/// and all of its drift has, within this part of it.
+const ONE_FACTOR: f64 = 0.01;
+
 /// Factors between units that are mistaken for one another: minutes, hours or degrees, radians, g0 and m/s2.
 const FACTORS: [f64; 5] = [60.0, 3600.0, 206_264.806, 57.295_779_5, 9.806_65];
 
-/// What is to be noted. `OtherUnit` is for the caller to drop where something was done to one of the gyros.
+/// What is to be noted. `OtherUnit`, and a `UnitFactor` that is no unit's, are for the caller to drop where something
+/// was done to one of the gyros.
 pub fn against_histories(gyros: &[Looked<'_>]) -> Vec<HistoryNote> {
+    let mut notes = of_figures(gyros);
+    let has_factor = |serial: &str| {
+        notes.iter().any(
+            |note| matches!(note, HistoryNote::UnitFactor { serials, .. } if serials.iter().any(|one| one == serial)),
+        )
+    };
+    let stated: Vec<(&str, f64)> =
+        gyros.iter().filter_map(|gyro| Some((gyro.serial, gyro.uncertainty_factor()?))).collect();
+    // What G is multiplied by, its standard deviation is too.
+    let stated = stated.into_iter().filter(|(serial, _)| !has_factor(serial));
+    let (larger, smaller): (Vec<_>, Vec<_>) = stated.partition(|(_, factor)| *factor > 1.0);
+    for same in [larger, smaller] {
+        if let Some(factor) = median_of(same.iter().map(|(_, factor)| *factor)) {
+            let serials = same.into_iter().map(|(serial, _)| serial.to_owned()).collect();
+            notes.push(HistoryNote::UncertaintyFactor { serials, factor });
+        }
+    }
+    notes
+}
+
+fn of_figures(gyros: &[Looked<'_>]) -> Vec<HistoryNote> {
     let mut notes = Vec::new();
     let known = gyros.iter().filter(|gyro| !gyro.before.is_empty()).count();
-    let found: Vec<(&str, Quantity, f64)> = gyros
+    let found: Vec<(&Looked<'_>, Quantity, f64)> = gyros
         .iter()
         .flat_map(|gyro| {
-            wrong_units(gyro).into_iter().flatten().map(|(quantity, factor)| (gyro.serial, quantity, factor))
+            wrong_units(gyro).into_iter().flatten().map(move |(quantity, factor)| (gyro, quantity, factor))
         })
         .collect();
+    let note = |same: &[(&Looked<'_>, f64)], quantity, factor| HistoryNote::UnitFactor {
+        serials: same.iter().map(|(gyro, _)| gyro.serial.to_owned()).collect(),
+        quantity,
+        factor,
+        by_scale: same.iter().all(|(gyro, factor)| gyro.is_by_scale(*factor)),
+    };
+    // By a factor that is no unit's, of one gyro alone.
+    let mut alone = Vec::new();
     for quantity in [Quantity::E, Quantity::G] {
-        let mut left: Vec<(&str, f64)> =
+        let mut left: Vec<(&Looked<'_>, f64)> =
             found.iter().filter(|one| one.1 == quantity).map(|one| (one.0, one.2)).collect();
-        while let Some(&(_, factor)) = left.first() {
+        while let Some(&(gyro, factor)) = left.first() {
             let (same, others): (Vec<_>, Vec<_>) = left.into_iter().partition(|one| is_about(one.1, factor));
             left = others;
-            // A factor that is no unit's, or a sense the other way round, is believed only where all gyros have it.
-            let is_units = factor > 0.0 && unit_of(factor).is_some();
-            if is_units || same.len() >= 2 && same.len() == known {
-                let serials = same.into_iter().map(|(serial, _)| serial.to_owned()).collect();
-                notes.push(HistoryNote::UnitFactor { serials, quantity, factor });
+            // A factor that is no unit's, or a sense the other way round, is believed only where all gyros have it, or
+            // where it is the gyro's own scale factor.
+            let is_by_scale = quantity == Quantity::G && gyro.is_by_scale(factor) && gyro.grew_by(factor);
+            if is_of_units(factor) || is_by_scale || same.len() >= 2 && same.len() == known {
+                notes.push(note(&same, quantity, factor));
+            } else if quantity == Quantity::G {
+                let far = |(gyro, factor): &(&Looked<'_>, f64)| {
+                    *factor > 0.0 && gyro.off_by() >= FAR_BUDGETS && gyro.grew_by(*factor)
+                };
+                alone.extend(same.into_iter().filter(far).map(|one| note(&[one], quantity, one.1)));
             }
         }
     }
@@ -75,6 +125,8 @@ pub fn against_histories(gyros: &[Looked<'_>]) -> Vec<HistoryNote> {
     }
     if let Some(fits) = exchanged(gyros) {
         notes.push(HistoryNote::SerialsExchanged { fits });
+    } else if !alone.is_empty() {
+        notes = alone;
     } else if gyros.len() >= 2 && gyros.iter().all(|gyro| gyro.off_by() > OFF_BUDGETS) {
         let least = gyros.iter().map(Looked::off_by).fold(f64::INFINITY, f64::min);
         let serials = gyros.iter().map(|gyro| gyro.serial.to_owned()).collect();
@@ -112,8 +164,33 @@ impl Looked<'_> {
     fn tolerance(&self, history: &[Shown], column: usize) -> f64 {
         let of_scatter = OFF_SCATTERS / OFF_BUDGETS;
         let stated = |shown: &Shown| shown.sd.map_or(0.0, |sd| sd[column]);
-        let sd = history.iter().map(stated).fold(stated(&self.now), f64::max);
+        // What is stated in another unit measures nothing.
+        let now = if self.uncertainty_factor().is_some() { 0.0 } else { stated(&self.now) };
+        let sd = median_of(history.iter().map(stated)).map_or(now, |before| before.max(now));
         self.budget.max(of_scatter * scatter(history, column)).max(of_scatter * sd)
+    }
+
+    /// How many times those of its last records its stated standard deviations are, where that is more than any
+    /// station's change of method makes; dimensionless.
+    fn uncertainty_factor(&self) -> Option<f64> {
+        let last = &self.before[self.before.len().saturating_sub(LEVEL_RECORDS)..];
+        let before = median_of(last.iter().filter_map(Shown::uncertainty)).filter(|before| *before > 0.0)?;
+        let factor = self.now.uncertainty().filter(|now| *now > 0.0)? / before;
+        (factor.max(factor.recip()) >= UNCERTAINTY_FACTOR).then_some(factor)
+    }
+
+    /// Whether a factor is that of its |E|: of G that was divided by it already, or multiplied once more.
+    fn is_by_scale(&self, factor: f64) -> bool {
+        let is = |scale: f64| (factor / scale - 1.0).abs() < UNIT_TOLERANCE;
+        self.now.scale.is_some_and(|scale| is(scale) || is(scale.recip()))
+    }
+
+    /// Whether nothing but a factor tells its drift from its level.
+    fn grew_by(&self, factor: f64) -> bool {
+        let level = level(self.before);
+        let off = norm([0, 1, 2].map(|i| self.now.d[i] / factor - level[i]));
+        let tolerance = (0..2).map(|i| self.tolerance(self.before, i)).fold(0.0, f64::max);
+        off <= ONE_FACTOR * norm(level) + tolerance
     }
 }
 
@@ -206,6 +283,11 @@ fn drift_factor(now: [f64; 3], level: [f64; 3], tolerance: f64) -> Option<f64> {
 fn unit_of(ratio: f64) -> Option<f64> {
     let signed = FACTORS.into_iter().flat_map(|f| [f, -f, f.recip(), -f.recip()]).chain([-1.0]);
     signed.into_iter().find(|factor| (ratio / factor - 1.0).abs() < UNIT_TOLERANCE)
+}
+
+/// Whether a factor is one between units, in the same sense.
+pub fn is_of_units(factor: f64) -> bool {
+    factor > 0.0 && unit_of(factor).is_some()
 }
 
 fn is_about(a: f64, b: f64) -> bool {

@@ -14,7 +14,7 @@ pub struct EventBody {
     id: String,
     at: String,
     /// `baseline`, `repair`, `reinstallation`, `transport`, `firmware`, `note`, `environmental_test`, `retired`,
-    /// `in_storage`, `decision_release`, `decision_retest` or `decision_remove`.
+    /// `in_storage`, `decision_release`, `decision_retest`, `decision_remove` or `decision_withdrawn`.
     event: &'static str,
     /// Which environmental test it was.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -73,7 +73,7 @@ pub async fn get_events(app: App, Path(serial): Path<String>) -> Answer<Json<Eve
 #[serde(deny_unknown_fields)]
 struct NewEvent {
     /// `repair`, `reinstallation`, `transport`, `firmware`, `note`, `environmental_test`, `retired`, `in_storage`,
-    /// `decision_release`, `decision_retest`, `decision_remove` or `baseline`.
+    /// `decision_release`, `decision_retest`, `decision_remove`, `decision_withdrawn` or `baseline`.
     event: String,
     /// In words.
     #[schema(min_length = 1, max_length = 4096)]

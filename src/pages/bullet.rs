@@ -6,6 +6,8 @@ use crate::pipeline::{Standing, Violation};
 
 /// Loads beyond this stand at the edge, as an arrow.
 const EDGE: f64 = 1.5;
+/// Loads beyond this are told in budgets.
+const MOST_IN_PERCENT: f64 = 10.0;
 const WIDTH: f64 = 90.0;
 const HEIGHT: f64 = 16.0;
 /// Room for the arrow.
@@ -28,6 +30,21 @@ pub(super) fn percent(load: Measured) -> String {
     }
 }
 
+/// `+251 ± 7 %`; of ten budgets and more `+265 budgets`.
+pub(super) fn share(t: &Text, load: Measured) -> String {
+    in_budgets(t, load).unwrap_or_else(|| format!("{}{}", percent(load), t.percent_sign))
+}
+
+/// As [`share`], in a column of percentages.
+pub(super) fn in_column(t: &Text, load: Measured) -> String {
+    in_budgets(t, load).unwrap_or_else(|| percent(load))
+}
+
+fn in_budgets(t: &Text, load: Measured) -> Option<String> {
+    let budgets = (load.value.abs() >= MOST_IN_PERCENT).then(|| format!("{:+.0}", load.value))?;
+    Some(t.words(&message!("page_load_in_budgets", budgets)))
+}
+
 /// `+251`, %: where there is room for no more.
 pub(super) fn rounded(load: Measured) -> String {
     percent(Measured { value: (100.0 * load.value).round() / 100.0, sd: Some(0.01) }).replace(" ± 1", "")
@@ -37,7 +54,7 @@ pub(super) fn rounded(load: Measured) -> String {
 pub(super) fn of_coefficient(t: &Text, standing: &Standing, column: usize) -> Markup {
     html! {
         @if let Some(load) = standing.outlook.load[column] {
-            span.leading { (symbol(DRIFTS[column])) } (bar(load, standing.drift[column])) " " span.n { (percent(load)) (t.percent_sign) }
+            span.leading { (symbol(DRIFTS[column])) } (bar(load, standing.drift[column])) " " span.n { (share(t, load)) }
         }
     }
 }
@@ -93,6 +110,7 @@ pub(super) fn bar(load: Measured, status: Status) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::words::Language;
 
     fn load(value: f64, sd: Option<f64>) -> Measured {
         Measured { value, sd }
@@ -111,6 +129,12 @@ mod tests {
         ] {
             assert_eq!(percent(load(value, sd)), text, "{value}");
         }
+    }
+
+    #[test]
+    fn a_load_of_ten_budgets_and_more_is_told_in_budgets() {
+        let said = |value| share(Language::English.text(), load(value, Some(0.05)));
+        assert_eq!([said(9.99), said(-264.68)], ["+999 ± 5 %".to_owned(), "-265 budgets".to_owned()]);
     }
 
     #[test]

@@ -78,10 +78,14 @@ async fn how_it_stands(pages: &Pages, t: &Text, serial: &str, said: &EventForm) 
     let number = pages.gyro_number(serial)?;
     let facts = Facts::of(pages, number, serial, &View::whole(pages.config.judging.method), 0).await?;
     let explained = explained(pages, number, serial, &facts, Instant::now() + PATIENCE).await?;
+    let status = facts.standing.as_ref().and_then(|standing| standing.status);
+    let is_out = status.is_some_and(|status| status > Status::Drifting);
     Ok(html! {
         p.lead { (facts.badge(t)) }
-        @if let Some(newest) = facts.course.figures.last() { (gyro_head::doubts(t, newest.record, &facts.doubts)) }
+        (gyro_head::doubted(t, &facts))
         (gyro_head::suggested(t, &facts, explained.as_ref()))
+        (gyro_head::decision(t, &facts))
+        @if is_out { p.lead { strong { (t.release_though_out) } } }
     })
 }
 

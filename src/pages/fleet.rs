@@ -166,7 +166,7 @@ fn load(
     let value = figure::drift(newest.value, newest.sd);
     html! {
         @if let Some(load) = load {
-            @let percent = bullet::percent(load);
+            @let percent = bullet::in_column(t, load);
             (spark::line(&values, span, recent.level[column], recent.budget[column]))
             (bullet::bar(load, status))
             span.n title=(value) { (percent) }

@@ -16,9 +16,15 @@ use crate::wire::note::NoteBody;
 /// Records of a run that are told from what is only drifting; an older one began before.
 const LONGEST_RUN: usize = 400;
 
+/// A gyro of so few records may be another one under a misspelt name.
+const FEW: usize = 3;
+
 /// Calibrations in one table, on the page and in a report.
 pub(super) const ROWS: usize = 30;
 pub(super) const MOST_ROWS: usize = 40;
+
+/// A record, and the notes that doubt its figures.
+type Doubted<R> = (R, Vec<NoteBody>);
 
 /// All that is known of a gyro, by the method that is shown.
 pub(super) struct Facts {
@@ -34,8 +40,10 @@ pub(super) struct Facts {
     pub statuses: Statuses,
     /// On its newest record.
     pub verdicts: Vec<SeenVerdict>,
-    /// Why its figures in that record may not be its own.
-    pub doubts: Vec<NoteBody>,
+    /// Why its figures in that record, or in its first, may not be its own.
+    pub doubted: Option<Doubted<Id>>,
+    /// The record before, where it was out of tolerance and the newest is not; why its figures may not be its own.
+    pub odd_before: Option<Doubted<Figures>>,
     /// Those that are not resolved.
     pub alerts: Vec<AlertBody>,
     /// That all gyros of its IMU have moved at once, where such an alert is not resolved.
@@ -53,7 +61,7 @@ impl Facts {
         let comparison = pipeline.queries.histories.compare_methods(number, None).await?;
         let epochs = history_plot::epochs(&course, method);
         let standing = pipeline.queries.fleet.standings(vec![(number, course.figures.last().copied())]).await?.pop();
-        let (mut verdicts, doubts) = of_newest(pages, serial, &course).await?;
+        let (mut verdicts, doubted) = of_newest(pages, serial, &course).await?;
         for violation in standing.iter().flat_map(|standing| &standing.violations) {
             verdicts.iter_mut().for_each(|said| said.is_known_to_be(violation));
         }
@@ -63,6 +71,7 @@ impl Facts {
         let run = course.figures.iter().rev().take_while(beyond).take(LONGEST_RUN);
         let asked = drawn.chain(listed).chain(run);
         let statuses = pipeline.queries.histories.statuses(number, asked, &[0, 1, 2]).await?;
+        let odd_before = odd_before(pages, serial, &course, &statuses).await?;
         let alerts = alerts::open_ones(pages, number).await?;
         let imu = course.figures.last().map(|newest| pipeline.queries.names().imu(newest.imu).to_owned());
         let mut imu_shifts = match imu {
@@ -84,7 +93,8 @@ impl Facts {
             standing,
             statuses,
             verdicts,
-            doubts,
+            doubted,
+            odd_before,
             alerts,
             imu_shifts,
             successor,
@@ -109,11 +119,50 @@ pub(super) fn first_row(skip: usize, count: usize) -> usize {
 }
 
 /// What is said of a gyro in its newest record: verdicts, and notes that doubt its figures.
-async fn of_newest(pages: &Pages, serial: &str, course: &Course) -> Result<(Vec<SeenVerdict>, Vec<NoteBody>), Problem> {
+async fn of_newest(
+    pages: &Pages,
+    serial: &str,
+    course: &Course,
+) -> Result<(Vec<SeenVerdict>, Option<Doubted<Id>>), Problem> {
     let Some(newest) = course.figures.last() else { return Ok(Default::default()) };
-    let stored = pages.pipeline.queries.records.record(newest.record).await?;
-    Ok(stored.map_or_else(Default::default, |stored| {
-        let verdicts = SeenVerdict::of_gyro(serial, &stored.answer.verdicts, &stored.seen);
-        (verdicts, stored.answer.notes.into_iter().filter(|note| note.doubts_figures_of(serial)).collect())
-    }))
+    let Some(stored) = pages.pipeline.queries.records.record(newest.record).await? else {
+        return Ok(Default::default());
+    };
+    let verdicts = SeenVerdict::of_gyro(serial, &stored.answer.verdicts, &stored.seen);
+    let mut doubted = (newest.record, doubting(serial, stored.answer.notes));
+    // The name was new in the first record: the few of a misspelt name are all another gyro's.
+    if let Some(first) = course.figures.first().filter(|_| doubted.1.is_empty() && course.figures.len() <= FEW) {
+        let mut notes = notes_of(pages, serial, first.record).await?;
+        notes.retain(|note| note.code == "look_alike");
+        doubted = (first.record, notes);
+    }
+    Ok((verdicts, Some(doubted).filter(|(_, notes)| !notes.is_empty())))
+}
+
+/// The record before the newest, where a drift was out of tolerance in it and is not now.
+async fn odd_before(
+    pages: &Pages,
+    serial: &str,
+    course: &Course,
+    statuses: &Statuses,
+) -> Result<Option<Doubted<Figures>>, Problem> {
+    let [.., before, newest] = &*course.figures else { return Ok(None) };
+    let is_odd = |column: usize| {
+        statuses.get(before, column) > Status::Drifting && statuses.get(newest, column) < Status::Drifting
+    };
+    Ok(match (0..2).any(is_odd) {
+        true => Some((*before, notes_of(pages, serial, before.record).await?)),
+        false => None,
+    })
+}
+
+fn doubting(serial: &str, mut notes: Vec<NoteBody>) -> Vec<NoteBody> {
+    notes.retain(|note| note.doubts_figures_of(serial));
+    notes
+}
+
+/// The notes that doubt the gyro's figures in a record.
+async fn notes_of(pages: &Pages, serial: &str, record: Id) -> Result<Vec<NoteBody>, Problem> {
+    let stored = pages.pipeline.queries.records.record(record).await?;
+    Ok(stored.map_or_else(Vec::new, |stored| doubting(serial, stored.answer.notes)))
 }

@@ -9,7 +9,7 @@ use super::verdicts::{self, SeenVerdict, seen};
 use super::{bullet, gyro_attributes, status};
 use crate::config::JudgedMethod;
 use crate::core::changes::{ChangeCause, HistoryDiagnosis, NamedCause};
-use crate::core::gyro_event::GyroEvent;
+use crate::core::gyro_event::{GyroEvent, standing_decision};
 use crate::core::judge::{Coefficient, Event, Finding, Load, Standpoint, Suggestion, Verdict, suggest};
 use crate::core::message::text;
 use crate::pipeline::{ExplainedHistory, Names, Violation, sample_of};
@@ -116,7 +116,7 @@ impl Facts {
         suggest(&Standpoint {
             // Of one that was never calibrated nothing is to be calibrated again.
             status: standing.status.filter(|of| standing.newest.is_some() || *of > Status::NotEnoughData),
-            record_in_doubt: !self.doubts.is_empty(),
+            record_in_doubt: self.doubted.is_some(),
             verdicts: judged.chain(told).collect(),
             unsteady: standing.violations.iter().filter(moves_on).any(|one| !has_stepped(one.coefficient)),
             stepped_at_event: out.peek().is_some() && out.all(|answer| answer.is_one_event() && holds_now(&answer)),
@@ -188,8 +188,8 @@ impl Facts {
     }
 
     /// What was decided last, and how many records have come since.
-    fn decision(&self) -> Option<(&GyroEvent, usize)> {
-        let last = self.course.events.iter().rev().find(|event| event.event.is_decision())?;
+    pub fn decision(&self) -> Option<(&GyroEvent, usize)> {
+        let last = standing_decision(self.course.events.iter())?;
         Some((last, self.course.figures.iter().filter(|row| row.at > last.at).count()))
     }
 }
@@ -266,7 +266,7 @@ fn load_row(t: &Text, stand: &Stand) -> Markup {
                 (symbol(name))
             }
             @if let Some(load) = &stand.load {
-                td.n.load { (bullet::percent(load.share())) " %" }
+                td.n.load { (bullet::share(t, load.share())) }
                 td.bars { (bullet::bar(load.share(), stand.status)) }
             } @else { td.n.load { "–" } td.bars {} }
             td.stands {
@@ -359,12 +359,15 @@ fn decided(viewer: &Viewer, serial: &str, facts: &Facts, explained: Option<&Expl
     };
     html! {
         div.decision {
-            @if let Some(newest) = facts.course.figures.last() { (doubts(t, newest.record, &facts.doubts)) }
+            (doubted(t, facts))
             (suggested(t, facts, explained))
             (decision(t, facts))
             p.actions {
                 @if viewer.may(Role::Engineer) {
                     a.action.primary href={ (path) "/events/new?event=" (first.name()) } { (t.record_decision) }
+                    @if facts.decision().is_some() {
+                        a.action href={ (path) "/events/new?event=decision_withdrawn" } { (t.withdraw_decision) }
+                    }
                     a.action href={ (path) "/events/new" } { (t.add_event) }
                     a.action href={ (path) "/events/new?event=baseline" } { (t.start_baseline) }
                 }
@@ -384,6 +387,21 @@ pub(super) fn suggested(t: &Text, facts: &Facts, explained: Option<&ExplainedHis
                 @if let Some(by) = facts.calibrate_by(explained).filter(|_| suggestion.is_of_drift()) {
                     " " (t.calibrate_by) " " (day(by)) (t.stop)
                 }
+            }
+        }
+    }
+}
+
+/// Why the newest records may not be the gyro's.
+pub(super) fn doubted(t: &Text, facts: &Facts) -> Markup {
+    html! {
+        @if let Some((record, notes)) = &facts.doubted { (doubts(t, *record, notes)) }
+        @if let Some((before, notes)) = &facts.odd_before {
+            p.lead {
+                a href={ "/records/" (before.record) } {
+                    (t.words(&message!("page_record_before_out", day = text(before.at.date()))))
+                }
+                @for note in notes { " " (note.detail) }
             }
         }
     }

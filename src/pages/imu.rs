@@ -137,7 +137,7 @@ fn standings(pages: &Pages, t: &Text, gyros: &[Standing], when: &str) -> Markup 
                         td.n {
                             (label("", DRIFTS[column]))
                             @if let Some(load) = gyro.outlook.load[column] {
-                                strong { (bullet::percent(load)) (t.percent_sign) } br;
+                                strong { (bullet::share(t, load)) } br;
                                 span.quiet { (figure::drift(measured.value, measured.sd)) }
                             } @else { (figure::drift(measured.value, measured.sd)) }
                         }

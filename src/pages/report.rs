@@ -127,7 +127,7 @@ async fn hashes(pages: &Pages, t: &Text, facts: &Facts) -> Result<Markup, Proble
 /// What the verdicts suggest, and what was decided.
 fn conclusion(t: &Text, facts: &Facts, explained: Option<&ExplainedHistory>) -> Markup {
     html! {
-        @if let Some(newest) = facts.course.figures.last() { (gyro_head::doubts(t, newest.record, &facts.doubts)) }
+        (gyro_head::doubted(t, facts))
         (gyro_head::suggested(t, facts, explained))
         (gyro_head::decision(t, facts))
     }

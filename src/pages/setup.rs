@@ -10,6 +10,46 @@ use crate::core::mounting::Slot;
 /// Lines of the audit trail that are shown.
 const LINES: u32 = 50;
 
+/// What the audit trail calls what was done, and the code of its words.
+const ACTIONS: [(&str, &str); 30] = [
+    ("store", "audit_store"),
+    ("revise", "audit_revise"),
+    ("void", "audit_void"),
+    ("confirm", "audit_confirm"),
+    ("suspect", "audit_suspect"),
+    ("suspect window", "audit_suspect_window"),
+    ("trust window", "audit_trust_window"),
+    ("mark event", "audit_mark_event"),
+    ("set attributes", "audit_set_attributes"),
+    ("adopt model", "audit_adopt_model"),
+    ("acknowledge", "audit_acknowledge"),
+    ("unacknowledge", "audit_unacknowledge"),
+    ("silence", "audit_silence"),
+    ("unsilence", "audit_unsilence"),
+    ("comment", "audit_comment"),
+    ("begin silence", "audit_begin_silence"),
+    ("end silence", "audit_end_silence"),
+    ("create hook", "audit_create_hook"),
+    ("change hook", "audit_change_hook"),
+    ("delete hook", "audit_delete_hook"),
+    ("test hook", "audit_test_hook"),
+    ("redeliver", "audit_redeliver"),
+    ("sign in", "audit_sign_in"),
+    ("sign out", "audit_sign_out"),
+    ("create token", "audit_create_token"),
+    ("revoke token", "audit_revoke_token"),
+    ("start diagnoses", "audit_start_diagnoses"),
+    ("cancel diagnoses", "audit_cancel_diagnoses"),
+    ("add hypothesis", "audit_add_hypothesis"),
+    ("end hypothesis", "audit_end_hypothesis"),
+];
+
+/// What was done, in the viewer's language; as the trail has it where there are no words for it.
+fn action<'a>(t: &Text, done: &'a str) -> &'a str {
+    let known = ACTIONS.iter().find(|(action, _)| *action == done);
+    known.map_or(done, |(_, code)| t.language().word(code))
+}
+
 pub(super) async fn page(Visit(ref pages, ref viewer): Visit) -> Result<Page, Problem> {
     let t = viewer.text();
     let access = match viewer.may(Role::Admin) {
@@ -139,10 +179,26 @@ fn trail(t: &Text, lines: &[AuditEntry]) -> Markup {
             }, html! { @for line in lines { tr {
                 td { (instant(line.at)) }
                 td translate="no" { (line.who) }
-                td translate="no" { (line.action) }
+                td { (action(t, &line.action)) }
                 td translate="no" { code { (line.subject) } }
                 td translate="no" { (line.source) }
             } } }))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::words::Language;
+
+    #[test]
+    fn the_trail_is_told_in_the_language_of_the_page() {
+        let [english, chinese] = [Language::English, Language::Chinese].map(Language::text);
+        for (done, _) in ACTIONS {
+            assert_eq!(action(english, done), done);
+            assert!(!action(chinese, done).is_empty() && !action(chinese, done).is_ascii(), "{done}");
+        }
+        assert_eq!(action(chinese, "of tomorrow"), "of tomorrow");
     }
 }

@@ -18,7 +18,7 @@ use crate::core::alert_decision;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{FleetStations, Shared};
 use crate::core::first_of::{DueImu, FirstOf};
-use crate::core::gyro_event::GyroEvent;
+use crate::core::gyro_event::{GyroEvent, standing_decision};
 use crate::pipeline::{
     CommonShift, DueDate, FleetFilter, FleetPage, LINES, Names, Standing, Today, Together, Violation, today,
 };
@@ -129,8 +129,8 @@ async fn known_of(
     let mut all = HashMap::new();
     for Standing { number, since, .. } in gyros {
         let events = pages.pipeline.queries.histories.events(*number).await?;
-        let is_decision = |done: &&GyroEvent| done.event.is_decision() && since.is_none_or(|since| since <= done.at);
-        let decision = events.iter().rev().map(|(_, done)| done).find(is_decision);
+        let is_newer = |done: &&GyroEvent| since.is_none_or(|since| since <= done.at);
+        let decision = standing_decision(events.iter().map(|(_, done)| done)).filter(is_newer);
         let alerts = open_ones(pages, *number).await?;
         let known: Option<Vec<_>> = alerts.iter().map(|alert| alert.acknowledged.as_ref()).collect();
         let said = match (decision, known.and_then(|known| known.into_iter().max_by_key(|known| known.at.clone()))) {

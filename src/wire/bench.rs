@@ -31,7 +31,7 @@ pub struct BenchBody {
 
 /// Reads and checks a bench result; `max_drift` is the largest accepted |D|, deg/(h*g0).
 pub fn parse_bench_result(bytes: &[u8], max_drift: f64) -> Result<BenchResult, Faults> {
-    json::parse::<BenchBody>(bytes)?.to_core(max_drift)
+    json::parse_and_read(bytes, |body: &BenchBody| body.to_core(max_drift))
 }
 
 impl BenchBody {

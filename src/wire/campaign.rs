@@ -141,7 +141,7 @@ pub struct CampaignBody {
 /// # Errors
 /// Of a document with the wrong shape, the first fault; otherwise all, by JSON pointer.
 pub fn parse_json(bytes: &[u8]) -> Result<Campaign, Faults> {
-    json::parse::<CampaignBody>(bytes)?.to_core()
+    json::parse_and_read(bytes, CampaignBody::to_core)
 }
 
 /// As [`parse_json`], of a campaign that comes in: what was commanded must be what the Earth allows.

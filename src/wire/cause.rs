@@ -8,13 +8,29 @@ use rustls::CertificateError as Certificate;
 use crate::core::message::{Message, text};
 use crate::message;
 
+/// What a certificate is refused with that is an authority's own.
+const AN_AUTHORITYS: &str = "CaUsedAsEndEntity";
+
 /// The innermost error: what a person can act on.
 pub fn root_of(error: &(dyn Error + 'static)) -> Message {
+    said(innermost(error))
+}
+
+/// Whether it is the certificate of the other side that is not taken: no other try helps.
+pub fn is_of_certificate(error: &(dyn Error + 'static)) -> bool {
+    let mut cause = innermost(error);
+    while let Some(inner) = cause.downcast_ref::<io::Error>().and_then(io::Error::get_ref) {
+        cause = inner;
+    }
+    matches!(cause.downcast_ref(), Some(rustls::Error::InvalidCertificate(_)))
+}
+
+fn innermost<'a>(error: &'a (dyn Error + 'static)) -> &'a (dyn Error + 'static) {
     let mut cause = error;
     while let Some(inner) = cause.source() {
         cause = inner;
     }
-    said(cause)
+    cause
 }
 
 fn said(error: &(dyn Error + 'static)) -> Message {
@@ -61,6 +77,10 @@ fn by_tls(error: &rustls::Error) -> Option<Message> {
         rustls::Error::InvalidCertificate(
             Certificate::NotValidForName | Certificate::NotValidForNameContext { .. },
         ) => message!("certificate_for_other_name"),
+        // Of the verifier, which has no type of its own for it.
+        rustls::Error::InvalidCertificate(Certificate::Other(other)) if other.to_string() == AN_AUTHORITYS => {
+            message!("certificate_of_an_authority")
+        }
         rustls::Error::InvalidMessage(_) => message!("no_tls_there"),
         _ => return None,
     })
@@ -99,6 +119,8 @@ mod tests {
         ] {
             assert_eq!(root_of(&error).code, code, "{error}");
         }
+        let certificate = tls(rustls::Error::InvalidCertificate(Certificate::NotValidForName));
+        assert!(is_of_certificate(&certificate) && !is_of_certificate(&io::Error::from_raw_os_error(111)));
         let lookup = |why: &str| of_lookup(&io::Error::other(format!("failed to lookup address information: {why}")));
         assert_eq!(lookup("Name or service not known").code, "no_such_name");
         assert_eq!(lookup("Temporary failure in name resolution").code, "no_name_server");

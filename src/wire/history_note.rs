@@ -4,7 +4,7 @@ use serde_json::Map;
 
 use super::time;
 use crate::core::history_note::{HistoryNote, NameKind, NamedRecord, Quantity, Seat, TimeDoubt};
-use crate::core::message::{figure, list, text};
+use crate::core::message::{Parameter, figure, list, text};
 use crate::core::note::Note;
 use crate::wire::prelude::*;
 
@@ -27,6 +27,7 @@ enum Coded {
     IdenticalFigures { serials: Vec<String>, record: String, calibrated_at: String },
     UnitFactor { serials: Vec<String>, quantity: Quantity, factor: f64, unit: Option<String> },
     Moved { serial: String, from: SeatBody, to: SeatBody },
+    UncertaintyFactor { serials: Vec<String>, factor: f64 },
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -92,11 +93,13 @@ impl From<HistoryNote> for Coded {
                 let NamedBody { record, calibrated_at } = named(record);
                 Self::IdenticalFigures { serials, record, calibrated_at }
             }
-            HistoryNote::UnitFactor { serials, quantity, factor } => {
-                let unit = likely_unit(quantity, factor).map(str::to_owned);
+            HistoryNote::UnitFactor { serials, quantity, factor, by_scale } => {
+                let of_drift = (by_scale && quantity == Quantity::G && factor.abs() < 1.0).then_some("deg/(h g0)");
+                let unit = likely_unit(quantity, factor).or(of_drift).map(str::to_owned);
                 Self::UnitFactor { serials, quantity, factor, unit }
             }
             HistoryNote::Moved { serial, from, to } => Self::Moved { serial, from: seat(from), to: seat(to) },
+            HistoryNote::UncertaintyFactor { serials, factor } => Self::UncertaintyFactor { serials, factor },
         }
     }
 }
@@ -167,6 +170,14 @@ fn day(time: &str) -> &str {
     time.split('T').next().unwrap_or(time)
 }
 
+/// A factor with so many digits; below 1 as a fraction.
+fn times(factor: f64, digits: usize) -> Parameter {
+    let written =
+        if factor.abs() > 1.0 { format!("{factor:.digits$}") } else { format!("1/{:.digits$}", factor.recip()) };
+    let is_decimal = written.contains('.');
+    text(if is_decimal { written.trim_end_matches('0').trim_end_matches('.') } else { &written })
+}
+
 impl Coded {
     fn message(self) -> Message {
         match self {
@@ -206,9 +217,7 @@ impl Coded {
                 if factor == -1.0 {
                     return message!("sign_reversed", quantity, serials);
                 }
-                let times =
-                    if factor.abs() > 1.0 { format!("{factor:.6}") } else { format!("1/{:.6}", factor.recip()) };
-                let times = text(times.trim_end_matches('0').trim_end_matches('.'));
+                let times = times(factor, 6);
                 match unit {
                     None => message!("unit_factor", quantity, serials, times),
                     Some(unit) => message!("unit_factor_of", quantity, serials, times, unit),
@@ -217,6 +226,9 @@ impl Coded {
             Self::Moved { serial, from, to } => {
                 let (from_slot, to_slot) = (from.slot.name(), to.slot.name());
                 message!("moved", serial, from_imu = from.imu, from_slot, to_imu = to.imu, to_slot)
+            }
+            Self::UncertaintyFactor { serials, factor } => {
+                message!("uncertainty_factor", serials = list(serials), times = times(factor, 0))
             }
         }
     }
@@ -232,7 +244,12 @@ mod tests {
         let named = |record: &str| NamedRecord { record: record.to_owned(), at: UtcMicros(1_767_254_400_000_000) };
         let seat = |imu: &str, slot| Seat { imu: imu.to_owned(), slot };
         let serials = vec!["A".to_owned(), "B".to_owned()];
-        let unit = |quantity, factor| HistoryNote::UnitFactor { serials: vec!["A".to_owned()], quantity, factor };
+        let unit = |quantity, factor| HistoryNote::UnitFactor {
+            serials: vec!["A".to_owned()],
+            quantity,
+            factor,
+            by_scale: factor == 0.625,
+        };
         let kinds = [
             HistoryNote::TimeInDoubt(TimeDoubt::NearEpoch { epoch: UtcMicros(946_684_800_000_000) }),
             HistoryNote::TimeInDoubt(TimeDoubt::FarFromOthers { nearest: UtcMicros(1_767_254_400_000_000) }),
@@ -253,6 +270,9 @@ mod tests {
             unit(Quantity::G, 9.806_65),
             unit(Quantity::G, -1.0),
             HistoryNote::Moved { serial: "A".into(), from: seat("I-1", Slot::G1), to: seat("I-2", Slot::G3) },
+            unit(Quantity::G, 0.625),
+            HistoryNote::UncertaintyFactor { serials: vec!["A".to_owned()], factor: 1000.2 },
+            HistoryNote::UncertaintyFactor { serials: vec!["A".to_owned()], factor: 1.0 / 3600.0 },
         ];
         kinds.into_iter().map(Note::History).collect()
     }
@@ -293,6 +313,9 @@ mod tests {
             (15, "G of A is 9.80665 times what it was before: is it in another unit?"),
             (16, "G of A is that of before with the opposite sign"),
             (17, "A was in I-1 G1 in its last record and is in I-2 G3 now"),
+            (18, "G of A is 1/1.6 times what it was before: is it in deg/(h g0)?"),
+            (19, "the stated standard deviations of A are 1000 times those before"),
+            (20, "the stated standard deviations of A are 1/3600 times those before"),
         ] {
             assert!(said[place].contains(words), "{}", said[place]);
         }

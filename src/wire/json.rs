@@ -46,6 +46,18 @@ pub fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Faults> {
     })
 }
 
+/// As [`parse`], and `read`: what it finds is named beside unknown members, where nothing else is wrong with the form.
+pub fn parse_and_read<T: DeserializeOwned, R>(
+    bytes: &[u8],
+    read: impl Fn(&T) -> Result<R, Faults>,
+) -> Result<R, Faults> {
+    parse(bytes).and_then(|body| read(&body)).map_err(|mut faults| {
+        let rest = several::without_unknown::<T>(without_mark(bytes), &faults);
+        faults.0.extend(rest.and_then(|body| read(&body).err()).map_or_else(Vec::new, |more| more.0));
+        faults
+    })
+}
+
 /// The fault comes with the line and column at which reading has stopped.
 fn parse_naming_places<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, (Fault, (usize, usize))> {
     let stopped = |fault, error: &serde_json::Error| (fault, (error.line(), error.column()));

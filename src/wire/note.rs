@@ -42,12 +42,17 @@ impl NoteBody {
         Self { code: note.code().into(), detail: asked().words(&message(note)), parameters }
     }
 
-    /// Whether it says that the figures of a gyro may be another's or in another unit.
+    /// Whether it says that the figures of a gyro may be another's or in another unit, or that a name of the record may
+    /// be misspelt.
     pub fn doubts_figures_of(&self, serial: &str) -> bool {
         let named = |member: &str| self.parameters.get(member).and_then(Value::as_array).into_iter().flatten();
         match self.code.as_ref() {
             "serials_exchanged" => named("fits").any(|fit| fit["serial"] == serial),
-            "other_unit" | "unit_factor" => named("serials").any(|one| one == serial),
+            "other_unit" | "unit_factor" | "uncertainty_factor" => named("serials").any(|one| one == serial),
+            "look_alike" => match self.parameters.get("of").and_then(Value::as_str) {
+                Some("serial") => self.parameters.get("name").is_some_and(|name| name == serial),
+                of => of == Some("imu"),
+            },
             _ => false,
         }
     }

@@ -6,6 +6,7 @@ use super::geometry::GeometryBody;
 use super::text::Deviations;
 use super::{json, text};
 use crate::core::mounting::Geometry;
+use crate::core::name::Name;
 use crate::core::record::{GyroParameters, Plausibility, Record};
 use crate::wire::prelude::*;
 
@@ -64,6 +65,26 @@ pub struct GyroBody {
 /// Reads and checks a record. Errors name every fault of content by its pointer, or the one fault of form.
 pub fn parse_record(bytes: &[u8], limits: &Plausibility) -> Result<Record, Faults> {
     json::parse::<RecordBody>(bytes)?.to_core(limits)
+}
+
+/// As [`parse_record`], of one that comes in: its names must have nothing in them that cannot be seen.
+pub fn parse_new_record(bytes: &[u8], limits: &Plausibility) -> Result<Record, Faults> {
+    json::parse_and_read(bytes, |body: &RecordBody| {
+        let mut faults = Faults::default();
+        let serials = body.gyros.iter().enumerate().map(|(i, gyro)| (format!("/gyros/{i}/serial"), &gyro.serial));
+        let named = [("/imu".to_owned(), &body.imu), ("/station".to_owned(), &body.station)];
+        for (pointer, name) in named.into_iter().chain(serials) {
+            let seen = Name::parse(name).map_or(Ok(()), |name| name.check_seen());
+            seen.unwrap_or_else(|why| faults.push(pointer, why));
+        }
+        match body.to_core(limits) {
+            Ok(record) => faults.or(record),
+            Err(part) => {
+                faults.absorb("", part);
+                Err(faults)
+            }
+        }
+    })
 }
 
 impl RecordBody {

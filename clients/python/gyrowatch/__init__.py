@@ -11,6 +11,7 @@ from __future__ import annotations
 import datetime
 import http.client
 import json
+import os
 import time
 import urllib.error
 import urllib.parse
@@ -49,14 +50,23 @@ class Problem(Exception):
         return f"{self.status} {self.title}: {self.detail}"
 
 
+def _language() -> Optional[str]:
+    """`en` or `zh`, as LC_ALL, LC_MESSAGES or LANG say: the first that is set."""
+    set_ones = filter(None, map(os.environ.get, ("LC_ALL", "LC_MESSAGES", "LANG")))
+    language = next(set_ones, "")[:2].lower()
+    return language if language in ("en", "zh") else None
+
+
 @dataclass
 class Gyrowatch:
-    """A service. `patience` is how many seconds a request is tried again while the service is away or busy."""
+    """A service. `patience` is how many seconds a request is tried again while the service is away or busy, `language`
+    that of `detail` in what it refuses: `en` or `zh`."""
 
     url: str
     token: Optional[str] = field(default=None, repr=False)
     timeout: float = 30.0
     patience: float = 60.0
+    language: Optional[str] = field(default_factory=_language)
 
     def __post_init__(self) -> None:
         if self.token is not None:
@@ -138,6 +148,8 @@ class Gyrowatch:
 
     def _call(self, path: str, body: Optional[bytes]) -> Json:
         headers = {"Accept": "application/json", "User-Agent": f"gyrowatch-python/{__version__}"}
+        if self.language is not None:
+            headers["Accept-Language"] = self.language
         if body is not None:
             headers["Content-Type"] = "application/json"
         if self.token is not None:

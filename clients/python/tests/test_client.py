@@ -74,6 +74,24 @@ class Client(unittest.TestCase):
             self.watch.gyro("nobody's")
         self.assertEqual((caught.exception.code, caught.exception.parameters), ("unknown_gyro", {"serial": "nobody's"}))
 
+    def test_words_are_in_the_language_asked_for_or_that_of_the_environment(self) -> None:
+        before = {name: os.environ.pop(name, None) for name in ("LC_ALL", "LC_MESSAGES", "LANG")}
+        try:
+            self.assertIsNone(Gyrowatch(self.watch.url).language)
+            os.environ["LANG"] = "zh_CN.UTF-8"
+            chinese = Gyrowatch(self.watch.url)
+            os.environ["LC_ALL"] = "C"
+            self.assertIsNone(Gyrowatch(self.watch.url).language)
+        finally:
+            for name, value in before.items():
+                os.environ.pop(name, None)
+                if value is not None:
+                    os.environ[name] = value
+        for watch, is_english in [(chinese, False), (Gyrowatch(self.watch.url, language="en"), True)]:
+            with self.assertRaises(Problem) as caught:
+                watch.gyro("nobody's")
+            self.assertEqual(caught.exception.title.isascii(), is_english)
+
     def test_a_token_is_not_shown_and_may_come_from_a_file(self) -> None:
         watch = Gyrowatch("http://127.0.0.1:9", token="gw_secret\n")
         self.assertEqual(watch.token, "gw_secret")

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use axum::http::StatusCode;
+use axum::http::{HeaderMap, StatusCode};
 use clap::Parser;
 
 use super::send::{Event, ImportCounts, Importer};
@@ -134,6 +134,30 @@ async fn what_is_sent_goes_by_way_of_the_proxy_that_is_named() {
     let direct = line("").unwrap().connection.service().unwrap();
     assert!(matches!(direct.post("/v1/records", JSON, RECORD.into()).await, Err(Trouble::Away(_))));
     assert!(line("ftp://user:secret@proxy").unwrap_err().to_string().contains("must be http://host:port"));
+}
+
+#[tokio::test]
+async fn a_token_that_is_refused_is_read_again_from_its_file() {
+    system::install_crypto();
+    let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let address = listener.local_addr().unwrap().to_string();
+    let router = axum::Router::new().fallback(|headers: HeaderMap| async move {
+        let is_known = headers.get("authorization").is_some_and(|token| token == "Bearer two");
+        if is_known { (StatusCode::CREATED, STORED) } else { (StatusCode::UNAUTHORIZED, "{}") }
+    });
+    tokio::spawn(async move { axum::serve(listener, router).await });
+    let file = tempfile::NamedTempFile::new().unwrap();
+    let write = |token: &str| fs::write(file.path(), token).unwrap();
+    write("one");
+    let path = file.path().to_str().unwrap();
+    let line = Line::try_parse_from(["import", "--url", &address, "--token-file", path]).unwrap();
+    let service = line.connection.service().unwrap();
+    let post = async || service.post("/v1/records", JSON, RECORD.into()).await;
+    assert!(matches!(post().await, Err(Trouble::Stop { status: Some(StatusCode::UNAUTHORIZED), .. })));
+    write("two\n");
+    for _ in 0..2 {
+        assert!(matches!(post().await, Ok(Sent::Stored(_))));
+    }
 }
 
 /// Watches until `done`, or fails after ten seconds.

@@ -28,6 +28,8 @@ pub enum Event("event_") {
     DecisionRetest = "decision_retest",
     /// It is to be taken out.
     DecisionRemove = "decision_remove",
+    /// The last decision was an error and does not stand.
+    DecisionWithdrawn = "decision_withdrawn",
 }
 }
 
@@ -39,7 +41,10 @@ impl Event {
 
     /// Whether it is somebody's decision, which does nothing to the gyro itself.
     pub fn is_decision(self) -> bool {
-        matches!(self, Event::DecisionRelease | Event::DecisionRetest | Event::DecisionRemove)
+        matches!(
+            self,
+            Event::DecisionRelease | Event::DecisionRetest | Event::DecisionRemove | Event::DecisionWithdrawn
+        )
     }
 
     /// Whether it may change a gyro: what was written down or decided does nothing to it.
@@ -70,7 +75,7 @@ impl Event {
             ),
             Event::Firmware => matches!(rule, Rule::Trend | Rule::Shift | Rule::Cusum),
             Event::Transport | Event::Note | Event::EnvironmentalTest | Event::Retired | Event::InStorage => false,
-            Event::DecisionRelease | Event::DecisionRetest | Event::DecisionRemove => false,
+            Event::DecisionRelease | Event::DecisionRetest | Event::DecisionRemove | Event::DecisionWithdrawn => false,
         }
     }
 

@@ -101,7 +101,7 @@ fn row(t: &Text, view: &View, one: &Compared<'_>, names: &Names<'_>) -> Markup {
     let stands = facts.stands(view.judged);
     let newest = facts.course.figures.last();
     let of_scatter = |said: &&SeenVerdict| said.body.rule == Rule::RmsSuccessive.name();
-    let share = |of: Option<Measured>| or_dash(of.map(|of| format!("{} %", bullet::percent(of))));
+    let share = |of: Option<Measured>| or_dash(of.map(|of| bullet::share(t, of)));
     let scatter = |name: &str| facts.verdicts.iter().filter(of_scatter).find(|said| said.body.coefficient == name);
     html! {
         tr {

@@ -58,7 +58,7 @@ words_of_pages! {
     step_found
     gyro_by_station reproducibility reproducibility_note older newer csv deviation value_absolute percent_of_budget
     chart_keys baseline_word no_baseline_yet baseline_forming budget_line control_line baseline_records trend_line
-    condensed load records_short suggested decision record_decision decision_what records_since axis_word
+    condensed load records_short suggested decision record_decision withdraw_decision release_though_out decision_what records_since axis_word
     axis_deviation axis_absolute span_word last_year since_then a_year probability alert_word never_calibrated
 
     // Several beside one another.

@@ -233,13 +233,23 @@ impl HookHandler<'_> {
     /// Of what fires and was never taken the hook is told again, where nothing that waits does so.
     async fn tell_anew(&mut self, hook: Id, outbox: &mut OutboxChanges) -> Result<(), StoreError> {
         let Some(row) = store::hook::get(self.store, hook).await?.filter(|row| row.enabled) else { return Ok(()) };
-        let waiting = store::hook::waiting_alerts(self.store, hook).await?;
-        let queued = outbox.queued.iter().filter(|new| new.hook == hook).flat_map(|new| &new.parts);
-        let queued: HashSet<Id> = queued.map(|part| part.alert).chain(waiting).collect();
         let never_taken = store::hook::never_taken(self.store, hook).await?;
-        let told = self.alerts.iter().filter(|one| never_taken.contains(&one.id) && !queued.contains(&one.id));
+        self.tell_of(&row, |alert| never_taken.contains(&alert), outbox).await
+    }
+
+    /// The hook is told of those alerts that fire, whatever it has heard, where nothing that waits does so.
+    async fn tell_of(
+        &mut self,
+        row: &HookRow,
+        is_told: impl Fn(Id) -> bool,
+        outbox: &mut OutboxChanges,
+    ) -> Result<(), StoreError> {
+        let waiting = store::hook::waiting_alerts(self.store, row.id).await?;
+        let queued = outbox.queued.iter().filter(|new| new.hook == row.id).flat_map(|new| &new.parts);
+        let queued: HashSet<Id> = queued.map(|part| part.alert).chain(waiting).collect();
+        let told = self.alerts.iter().filter(|one| is_told(one.id) && !queued.contains(&one.id));
         let mut context = OutboxContext { now: self.now, ids: self.writer.ids(), outbox };
-        introduce(&Subscription::of(&row)?, &HashMap::new(), told, &mut context);
+        introduce(&Subscription::of(row)?, &HashMap::new(), told, &mut context);
         Ok(())
     }
 
@@ -264,6 +274,7 @@ impl HookHandler<'_> {
             return Err(OrderError::OtherKind);
         }
         hook.name = patch.name.clone().unwrap_or(hook.name);
+        let is_elsewhere = patch.url.as_ref().is_some_and(|url| *url != hook.url);
         hook.url = patch.url.clone().unwrap_or(hook.url);
         hook.authorization = patch.authorization.clone().unwrap_or(hook.authorization);
         hook.filter = patch.filter.as_ref().map_or(hook.filter, json::written);
@@ -278,7 +289,10 @@ impl HookHandler<'_> {
             (false, true) => self.take_up(&hook, &mut changes.outbox).await?,
             (true, true) => {
                 changes.outbox.hastened.push((id, self.now));
-                if patch.filter.is_some() {
+                if is_elsewhere {
+                    // Nobody there has heard anything.
+                    self.tell_of(&hook, |_| true, &mut changes.outbox).await?;
+                } else if patch.filter.is_some() {
                     let heard = std::mem::take(&mut self.heard);
                     self.introduce(&hook, &heard, &mut changes.outbox)?;
                 }

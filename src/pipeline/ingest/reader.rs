@@ -18,7 +18,7 @@ use crate::wire::bench::parse_bench_result;
 use crate::wire::campaign::Form;
 use crate::wire::document::DocumentKind;
 use crate::wire::note::NoteBody;
-use crate::wire::record::parse_record;
+use crate::wire::record::{parse_new_record, parse_record};
 use crate::wire::time;
 
 /// Reads records, campaigns and bench results, and what is stored of them. Cheap to clone.
@@ -36,9 +36,7 @@ impl Reader {
     /// # Errors
     /// Every fault, by its pointer.
     pub fn record(&self, bytes: &[u8]) -> Result<Calibration, Faults> {
-        let record = parse_record(bytes, &self.config.plausibility.limits())?;
-        let serials = record.gyros.iter().map(|gyro| &gyro.serial);
-        check_names(&[("/imu", &record.imu), ("/station", &record.station)], serials)?;
+        let record = parse_new_record(bytes, &self.config.plausibility.limits())?;
         self.check_time("/calibrated_at", record.calibrated_at)?;
         let in_force = self.in_force(record.imu.as_str());
         self.separated(record, bytes, &in_force)

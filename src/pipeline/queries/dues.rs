@@ -26,15 +26,15 @@ pub struct DueDate {
     pub between: [Option<UtcMicros>; 2],
     /// Until then it is within its budget with 95 %.
     pub calibrate_by: Option<UtcMicros>,
-    /// By a trend whose course is still short.
+    /// By the straight line of the rule `trend`: a diagnosis may find another.
     pub provisional: bool,
 }
 
 impl DueDate {
     /// By the rule `trend`.
     pub fn by_trend(gyro: &Standing) -> Option<Self> {
-        let Reach { coefficient, at, between, provisional } = gyro.outlook.reach?;
-        Some(Self { coefficient, at, between, calibrate_by: None, provisional })
+        let Reach { coefficient, at, between, .. } = gyro.outlook.reach?;
+        Some(Self { coefficient, at, between, calibrate_by: None, provisional: true })
     }
 }
 
@@ -118,4 +118,31 @@ impl Dues {
 /// How it stands, but for what changes from day to day by itself.
 fn of_any_day(gyro: &Standing) -> Standing {
     Standing { overdue_days: None, ..gyro.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::judge::Outlook;
+
+    #[test]
+    fn a_date_of_the_straight_line_is_provisional_however_long_the_course_is() {
+        let reach = Reach { coefficient: Coefficient::DI, at: UtcMicros(0), between: [None; 2], provisional: false };
+        let standing = Standing {
+            number: 1,
+            serial: "A".into(),
+            newest: None,
+            state: None,
+            status: None,
+            drift: [Status::InTolerance; 3],
+            violations: Vec::new(),
+            load: 0.0,
+            overdue_days: None,
+            out_of_use: None,
+            since: None,
+            outlook: Outlook { reach: Some(reach), ..Outlook::default() },
+            attributes: Default::default(),
+        };
+        assert!(DueDate::by_trend(&standing).unwrap().provisional);
+    }
 }

@@ -27,7 +27,7 @@ pub(super) fn faults<T: DeserializeOwned>(bytes: &[u8], first: Fault) -> Faults 
         let named = |known: &Fault| is_at_or_below(&fault.pointer, &known.pointer);
         let place = fault.pointer.clone();
         let within = words::innermost(&fault.message);
-        let unknown = matches!(&*within.code, "unknown_member" | "no_members_here");
+        let unknown = is_unknown(within);
         let stand_ins = stand_ins(within);
         if !faults.0.iter().any(named) {
             faults.0.push(fault);
@@ -38,6 +38,19 @@ pub(super) fn faults<T: DeserializeOwned>(bytes: &[u8], first: Fault) -> Faults 
         }
     }
     faults
+}
+
+/// The document without its unknown members, where nothing else is wrong with its form.
+pub(super) fn without_unknown<T: DeserializeOwned>(bytes: &[u8], faults: &Faults) -> Option<T> {
+    if bytes.len() > LONGEST || !faults.0.iter().all(|fault| is_unknown(words::innermost(&fault.message))) {
+        return None;
+    }
+    let mut reader = Reader { document: serde_json::from_slice(bytes).ok()?, left: 0 };
+    faults.0.iter().all(|fault| reader.remove(&fault.pointer)).then(|| serde_json::from_value(reader.document).ok())?
+}
+
+fn is_unknown(fault: &Message) -> bool {
+    matches!(&*fault.code, "unknown_member" | "no_members_here")
 }
 
 struct Reader {
@@ -144,6 +157,26 @@ mod tests {
             "/station",
         ];
         assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn an_unknown_member_hides_no_fault_of_content() {
+        let document = json!({
+            "imu": "I\u{200b}1", "station": "", "calibrated_at": "2026/11/28 10:00", "geometry": "skewed",
+            "colour": "red", "gyros": [],
+        });
+        let read = |document: &Value| {
+            let limits = crate::core::record::Plausibility::default();
+            let faults = crate::wire::record::parse_new_record(document.to_string().as_bytes(), &limits).unwrap_err();
+            faults.0.into_iter().map(|fault| fault.pointer).collect::<Vec<_>>()
+        };
+        let found = read(&document);
+        for place in ["/colour", "/imu", "/station", "/calibrated_at", "/gyros"] {
+            assert!(found.iter().any(|pointer| pointer == place), "{place}: {found:?}");
+        }
+        let mut known = document;
+        known.as_object_mut().unwrap().remove("colour");
+        assert_eq!(read(&known), found[1..], "the same without it");
     }
 
     #[test]

@@ -40,6 +40,7 @@ event_in_storage = in storage
 event_decision_release = decision: release
 event_decision_retest = decision: re-test
 event_decision_remove = decision: take out
+event_decision_withdrawn = decision: the last one is withdrawn
 
 # How a figure was found.
 method_rigid = rigid

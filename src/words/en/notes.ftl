@@ -70,4 +70,5 @@ identical_figures = { $serials }: identical to record { $record } of { $at }; is
 unit_factor = { $quantity } of { $serials } is { $times } times what it was before: is it in another unit?
 unit_factor_of = { $quantity } of { $serials } is { $times } times what it was before: is it in { $unit }?
 sign_reversed = { $quantity } of { $serials } is that of before with the opposite sign: is the output or the specific force reversed?
+uncertainty_factor = the stated standard deviations of { $serials } are { $times } times those before: are e_sd or g_sd in another unit?
 moved = { $serial } was in { $from_imu } { $from_slot } in its last record and is in { $to_imu } { $to_slot } now

@@ -242,6 +242,7 @@ connection_reset = the other side broke off the connection (os error { $number }
 no_route_to_host = no way leads to this host (os error { $number })
 no_route_to_network = no way leads to this network (os error { $number })
 certificate_of_unknown_authority = the certificate is signed by an authority that this machine does not know; give its certificate in hooks.ca_file, to `import` in --ca-file
+certificate_of_an_authority = what is shown is the certificate of an authority (CA:TRUE), as plain `openssl req -x509` makes it. Give it a server's: `-addext basicConstraints=critical,CA:FALSE`, or one that an authority has signed
 certificate_not_in_time = the certificate is not valid today; compare its dates with this machine's clock
 certificate_for_other_name = the certificate is for another host name
 no_tls_there = what answers does not speak TLS; perhaps http:// is meant

@@ -211,7 +211,7 @@ terminal_verified = { $records } records, { $separations } separations, { $verdi
 terminal_lists_verified = { $gyros } gyros compared in lists with what is stored of them
 terminal_lists_not_compared = lists of gyros were made with other limits: not compared, a start makes them anew
 terminal_not_compared = { $verdicts } verdicts were decided with other limits than those in force, or on records that count no more: not compared
-terminal_differ = { $count } differ from what was sent
+terminal_differ = { $count } differ from what is computed again from what was sent. Keep this database and report the fault; restore the newest backup on which verify finds nothing, and send again what came after it
 terminal_exported = { $rows } rows of { $gyros } gyros
 terminal_token_made = token { $id } ({ $name }, { $role }): keep it now, it is shown this once
 terminal_no_token_id = "{ $id }" is no identifier of a token; `token list` shows them
@@ -358,6 +358,7 @@ terminal_diagnosis_failed = { $campaign } of { $imu } ({ $at }): { $reason }
 
 terminal_no_address = "{ $address }" is not the address of a service, such as http://127.0.0.1:8080
 terminal_no_certificate = { $file }: holds no certificate in PEM
+terminal_token_read_again = read again, since its token was refused: { $file }
 terminal_cannot_reach = cannot reach { $address }: { $why }
 terminal_foreign_answer = the answer does not come from gyrowatch
 terminal_batch_refused = the whole batch was refused: { $why }

@@ -37,6 +37,7 @@ event_in_storage = 入库
 event_decision_release = 决定：放行
 event_decision_retest = 决定：复测
 event_decision_remove = 决定：拆下
+event_decision_withdrawn = 决定：撤回上一决定
 
 method_rigid = 刚体法
 method_published = 论文公式(8)-(13)

@@ -62,4 +62,5 @@ identical_figures = { $serials }：与{ $at }的记录{ $record }逐位相同；
 unit_factor = { $serials }的{ $quantity }为此前的{ $times }倍：单位是否有误？
 unit_factor_of = { $serials }的{ $quantity }为此前的{ $times }倍：单位是否为{ $unit }？
 sign_reversed = { $serials }的{ $quantity }与此前符号相反：输出或比力是否取反？
+uncertainty_factor = { $serials }给出的标准差为此前的{ $times }倍：e_sd或g_sd的单位是否有误？
 moved = { $serial }上次记录时在{ $from_imu } { $from_slot }，现在{ $to_imu } { $to_slot }

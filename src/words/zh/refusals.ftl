@@ -242,6 +242,7 @@ connection_reset = 连接被对方中断（系统错误{ $number }）
 no_route_to_host = 没有到该主机的路由（系统错误{ $number }）
 no_route_to_network = 没有到该网络的路由（系统错误{ $number }）
 certificate_of_unknown_authority = 证书由本机不认识的机构签发；请在hooks.ca_file中给出该机构的证书，对`import`用--ca-file
+certificate_of_an_authority = 对方出示的是机构证书（CA:TRUE），`openssl req -x509`默认如此。请换用服务器证书：加`-addext basicConstraints=critical,CA:FALSE`，或由机构签发
 certificate_not_in_time = 证书今天无效；请对照其日期与本机时钟
 certificate_for_other_name = 证书属于另一主机名
 no_tls_there = 该处应答的不是TLS；可能应为 http://

@@ -199,7 +199,7 @@ terminal_verified = 重新计算了{ $records }个记录、{ $separations }次�
 terminal_lists_verified = 列表中{ $gyros }个陀螺已与其存储内容比较
 terminal_lists_not_compared = 陀螺列表按其他限值生成：未比较，启动服务时将重新生成
 terminal_not_compared = { $verdicts }个判定所用的限值与现行限值不同，或其记录已不再计入：未比较
-terminal_differ = { $count }处与发送的内容不符
+terminal_differ = { $count }处与按发送内容重新计算的结果不符。请保留此数据库并报告该缺陷；恢复verify未发现问题的最新备份，再补发其后的数据
 terminal_exported = { $gyros }个陀螺的{ $rows }行
 terminal_token_made = 令牌{ $id }（{ $name }，{ $role }）：请立即保存，仅显示这一次
 terminal_no_token_id = “{ $id }”不是令牌的标识；token list列出全部令牌
@@ -340,6 +340,7 @@ terminal_diagnosis_failed = { $imu }的{ $campaign }（{ $at }）：{ $reason }
 
 terminal_no_address = “{ $address }”不是服务的地址，地址形如http://127.0.0.1:8080
 terminal_no_certificate = { $file }：不含PEM证书
+terminal_token_read_again = 令牌被拒，已重新读取{ $file }
 terminal_cannot_reach = 无法连接{ $address }：{ $why }
 terminal_foreign_answer = 应答不是来自gyrowatch
 terminal_batch_refused = 整批被拒收：{ $why }

@@ -9,7 +9,7 @@ use crate::core::history_note::{
     EARLIER_IN_DOUBT, FAR_DAYS, HistoryNote, NameKind, NamedRecord, SERVICE, Seat, TimeDoubt, doubt, slipped_year,
 };
 use crate::core::note::Note;
-use crate::core::own_history::{LEVEL_RECORDS, Looked, Shown, against_histories};
+use crate::core::own_history::{LEVEL_RECORDS, Looked, Shown, UNCERTAINTY_FACTOR, against_histories, is_of_units};
 use crate::core::suspect_window::SuspectWindow;
 use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
 use crate::pipeline::prelude::*;
@@ -56,7 +56,9 @@ impl Known<'_> {
         let now = self.shown();
         let is_near = |then: &Shown| {
             let near = (0..2).all(|i| (now.d[i] - then.d[i]).abs() <= UNREMARKABLE_BUDGETS * self.budget);
-            near && now.scale.zip(then.scale).is_none_or(|(a, b)| (a / b - 1.0).abs() < UNREMARKABLE_SCALE)
+            let scale = now.scale.zip(then.scale).is_none_or(|(a, b)| (a / b - 1.0).abs() < UNREMARKABLE_SCALE);
+            let stated = now.uncertainty().zip(then.uncertainty());
+            near && scale && stated.is_none_or(|(a, b)| a.max(b) < UNCERTAINTY_FACTOR * a.min(b))
         };
         // Near to most of those that make the level is near to the level.
         self.history().iter().rev().take(LEVEL_RECORDS / 2 + 1).all(|row| is_near(&row.shown))
@@ -223,8 +225,14 @@ impl<'c> Check<'c> {
                 if let HistoryNote::SerialsExchanged { fits } = &note {
                     exchanged.extend(fits.iter().map(|(serial, _)| serial.clone()));
                 }
-                let explained = matches!(note, HistoryNote::OtherUnit { .. })
-                    && something_was_done(gyros, sent.calibrated_at, known).await?;
+                let may_be_deed = match &note {
+                    HistoryNote::OtherUnit { .. } => true,
+                    HistoryNote::UnitFactor { serials, factor, by_scale: false, .. } => {
+                        serials.len() == 1 && !is_of_units(*factor)
+                    }
+                    _ => false,
+                };
+                let explained = may_be_deed && something_was_done(gyros, sent.calibrated_at, known).await?;
                 if !explained {
                     notes.push(note);
                 }

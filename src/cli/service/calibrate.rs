@@ -8,8 +8,10 @@ use crate::config::Config;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::calibrate::repeats_between::repeated;
 use crate::core::campaign::{Campaign, TestKind};
+use crate::core::diagnose::{Verdict, diagnose};
 use crate::core::imu_model::of_one_imu;
 use crate::wire::calibration::{CampaignAnswer, CampaignsAnswer, GyroFitBody, RepeatedBody};
+use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::document::{DocumentKind, open_table, parse};
 use crate::wire::note::NoteBody;
 use crate::wire::unit;
@@ -43,6 +45,8 @@ struct FittedFile {
     campaign: Campaign,
     outcome: Outcome,
     answer: CampaignAnswer,
+    /// What a diagnosis finds beyond noise, for tables.
+    gap: Option<DiagnosisBody>,
 }
 
 /// Refuses campaigns, in the order of time, that are not of one IMU, by the names of their files.
@@ -64,7 +68,7 @@ impl Calibrate {
         let mut fitted =
             self.campaigns.iter().map(|path| self.fitted(path, &config)).collect::<anyhow::Result<Vec<_>>>()?;
         if let [one] = fitted.as_slice() {
-            return self.format.show(&one.answer, || tables(&one.campaign, &one.outcome, &one.answer));
+            return self.format.show(&one.answer, || tables(one));
         }
         fitted.sort_by_key(|one| one.campaign.measured_at);
         let files: Vec<_> = fitted.iter().map(|one| (one.file.as_str(), &one.campaign)).collect();
@@ -99,7 +103,10 @@ impl Calibrate {
         let outcome = evaluate_with(&campaign, &options, &limits).with_context(file)?;
         let mut answer = CampaignAnswer::of(&campaign, &outcome, self.method.into());
         answer.notes.extend(open_table(&bytes).as_ref().map(NoteBody::of));
-        Ok(FittedFile { file: file(), campaign, outcome, answer })
+        let is_asked = campaign.test == TestKind::Imu && matches!(self.format, Format::Table);
+        let diagnosed = is_asked.then(|| diagnose(&campaign, &options).ok()).flatten();
+        let gap = diagnosed.filter(|d| d.verdict != Verdict::NoGap).map(|d| DiagnosisBody::from(&d));
+        Ok(FittedFile { file: file(), campaign, outcome, answer, gap })
     }
 }
 
@@ -146,25 +153,30 @@ fn tables_between(fitted: &[FittedFile], between: &[RepeatedBody]) -> String {
         [] => message!("terminal_repeats_none"),
         some => message!("terminal_repeats_beyond", coefficients = some.join(", ")),
     }));
-    for FittedFile { file, answer, .. } in fitted {
-        for remark in remarks(answer) {
-            text.push_str(&format!("\n{file}: {remark}"));
+    for one in fitted {
+        for remark in remarks(one) {
+            text.push_str(&format!("\n{}: {remark}", one.file));
         }
     }
     text
 }
 
 /// What is said below the tables of a campaign.
-fn remarks(answer: &CampaignAnswer) -> impl Iterator<Item = String> {
+fn remarks(FittedFile { file, answer, gap, .. }: &FittedFile) -> impl Iterator<Item = String> {
+    let beyond = gap.iter().map(|gap| {
+        let verdict = gap.verdict_in_words(asked());
+        said(message!("terminal_gap_beside_fit", verdict, file = file.clone()))
+    });
     let separated = answer.not_separated.iter().map(|gyro| {
         let slot = gyro.slot.name().to_owned();
         let (serial, reason) = (gyro.serial.clone(), gyro.reason.clone());
         said(message!("terminal_not_separated", slot, serial, reason))
     });
-    separated.chain(answer.notes.iter().map(|note| document::note(&note.detail)))
+    separated.chain(answer.notes.iter().map(|note| document::note(&note.detail))).chain(beyond)
 }
 
-fn tables(campaign: &Campaign, outcome: &Outcome, answer: &CampaignAnswer) -> String {
+fn tables(fitted: &FittedFile) -> String {
+    let FittedFile { campaign, outcome, answer, .. } = fitted;
     let CampaignAnswer { imu, station, measured_at, calibration, .. } = answer;
     let head = message!(
         "terminal_calibrated",
@@ -187,7 +199,7 @@ fn tables(campaign: &Campaign, outcome: &Outcome, answer: &CampaignAnswer) -> St
             text.push_str(&uncertainty_table(answer));
         }
     }
-    for remark in remarks(answer) {
+    for remark in remarks(fitted) {
         text.push('\n');
         text.push_str(&remark);
     }

@@ -19,10 +19,10 @@ pub use crate::core::diagnose::report::against_reference::{
 pub use crate::core::diagnose::search::noise_rounds::FALSE_ALARM;
 
 use crate::core::diagnose::report::calibrated::Calibrated;
-use crate::core::diagnose::report::closure::{self, GAP, UNSEEN};
+use crate::core::diagnose::report::closure::{self, GAP, Ground};
 use crate::core::diagnose::report::named::{self, Named};
 use crate::core::diagnose::report::{
-    held_out, identifiability, impact, next_dwells, stated_errors, where_in_campaign, why_not_named,
+    identifiability, impact, next_dwells, stated_errors, where_in_campaign, why_not_named,
 };
 use crate::core::diagnose::residuals::augmented_fit::{self, Fit, Part};
 use crate::core::diagnose::residuals::noise_floor;
@@ -40,7 +40,7 @@ use crate::message;
 
 /// Raised with every change of what a diagnosis finds: one that was kept is then made again. A new entry of the
 /// catalogue raises it by itself: there were 48 when it was 8.
-pub const METHOD: u32 = 21 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
+pub const METHOD: u32 = 22 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
 
 /// Diagnoses one campaign against the terms and effects in use, in four stages, each of which takes what the one
 /// before returned. Where the first look names something or sees a gap, the search and what follows are done once more
@@ -154,13 +154,11 @@ fn closed(names: Names<'_>) -> Closed<'_> {
         (false, false) => Verdict::Explained,
         (false, true) => Verdict::PartlyExplained,
     };
-    let effects = closure::effects(settled, named, parts, fit, &variances, &noise_floor, &signs);
+    let (floor_deg_per_h, may_be_noise) = (noise_floor.deg_per_h, signs.are_of_spread());
+    let ground = Ground { frame, fit, variances: &variances, floor_deg_per_h, remains, may_be_noise };
+    let effects = closure::effects(settled, named, parts, &ground, &signs);
     let all: Vec<&Part> = parts.iter().collect();
-    let held_out = || {
-        let errors = held_out::errors(frame, &[], &all, &variances, remains);
-        errors.held_out(noise_floor.deg_per_h, fit.fitted.len() as f64, UNSEEN)
-    };
-    let closure = (!parts.is_empty()).then(held_out);
+    let closure = (!parts.is_empty()).then(|| ground.held_out(&[], &all, fit.fitted.len()));
     let remaining = Remaining {
         rms_deg_per_h: noise_floor::rms(frame, fit.residuals.iter().map(Vec::as_slice)),
         reduced_chi2: calibrated.augmented().reduced_chi2().unwrap_or(1.0),

@@ -1,7 +1,7 @@
 # What to know before relying on an accepted item.
 
 no_attitudes = no attitude column: specific force and rate were not checked against the attitude
-no_site = no site: the specific force of static dwells was checked against standard gravity
+no_site = no site: the specific force of static dwells was checked against standard gravity; where g is less by 0.1 %, D_I and D_S are off by as much
 no_line_end = line { $line }, the last, does not end with a line break: if the file was cut there, its last number is not { $value }; compare it with the station's
 no_temperatures = no temperature column: effects of temperature cannot be seen
 withdrawn = is stored and counts no more: it was voided or set aside, or another stands in its place

@@ -54,6 +54,33 @@ pub(crate) fn floor_variances(frame: &Frame, fit: &Fit, remains: bool) -> Vec<f6
     noise.iter().zip(&fit.variances).map(|(noise, left)| noise.floor().map_or(*left, |f| f.max(1e-12))).collect()
 }
 
+/// What closures are held against.
+pub(crate) struct Ground<'a> {
+    pub frame: &'a Frame,
+    pub fit: &'a Fit,
+    pub variances: &'a [f64],
+    pub floor_deg_per_h: f64,
+    pub remains: bool,
+    /// Scatter is all that remains: it may be noise that standard errors understate.
+    pub may_be_noise: bool,
+}
+
+impl Ground<'_> {
+    /// The share of the gap that `asked` close beside `earlier`, and its interval, which reaches as far as if what is
+    /// left were noise where that may be.
+    pub fn held_out(&self, earlier: &[&Part], asked: &[&Part], coefficients: usize) -> HeldOut {
+        let of = |variances: &[f64], remains: bool| {
+            let errors = held_out::errors(self.frame, earlier, asked, variances, remains);
+            errors.held_out(self.floor_deg_per_h, coefficients as f64, UNSEEN)
+        };
+        let mut held_out = of(self.variances, self.remains);
+        if self.may_be_noise {
+            held_out.interval[1] = held_out.interval[1].max(of(&self.fit.variances, false).interval[1]);
+        }
+        held_out
+    }
+}
+
 pub(crate) struct Signs {
     pub list: Vec<Sign>,
     pub p_value: f64,
@@ -65,6 +92,11 @@ impl Signs {
     /// Whether what is left beside the names is significant.
     pub fn remain(&self, named: &[Named]) -> bool {
         self.p_value < level(named)
+    }
+
+    /// Whether residuals that scatter more than is stated are all that they tell of.
+    pub fn are_of_spread(&self) -> bool {
+        !self.list.is_empty() && self.list.iter().all(|sign| sign.kind == remaining::SPREAD)
     }
 }
 
@@ -160,13 +192,10 @@ pub(crate) fn effects(
     settled: &Settled,
     named: &[Named],
     parts: &[Part],
-    fit: &Fit,
-    variances: &[f64],
-    noise_floor: &NoiseFloor,
+    ground: &Ground<'_>,
     signs: &Signs,
 ) -> Vec<NamedEffect> {
-    let frame = &settled.frame;
-    let remains = signs.remain(named);
+    let &Ground { frame, fit, variances, .. } = ground;
     let rss = |fit: &Fit| fit.residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum::<f64>();
     (0..named.len())
         .map(|p| {
@@ -175,8 +204,7 @@ pub(crate) fn effects(
             let earlier: Vec<&Part> = parts[..p].iter().collect();
             let others: Vec<Part> =
                 parts.iter().enumerate().filter(|(q, _)| *q != p).map(|(_, part)| part.clone()).collect();
-            let errors = held_out::errors(frame, &earlier, &[&parts[p]], variances, remains);
-            let coefficients = fit.fitted.iter().filter(|f| f.part == p).count() as f64;
+            let coefficients = fit.fitted.iter().filter(|f| f.part == p).count();
             NamedEffect {
                 effect: parts[p].effect,
                 shape: parts[p].shape,
@@ -187,7 +215,7 @@ pub(crate) fn effects(
                 gyros: slots(frame, &parts[p].members),
                 acts_in: (signs.changes.iter()).find(|change| change.named == p).and_then(|change| change.acts_in),
                 estimates: estimates(frame, parts, p, fit),
-                held_out: errors.held_out(noise_floor.deg_per_h, coefficients, UNSEEN),
+                held_out: ground.held_out(&earlier, &[&parts[p]], coefficients),
                 p_value_adjusted: settled.null.p_value(named[p].evidence),
                 detectability: (rss(&augmented_fit::fit(frame, &others)) - rss(fit)).max(0.0).sqrt(),
                 drift: drift(frame, &parts[p], p, fit),

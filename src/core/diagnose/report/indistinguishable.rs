@@ -27,7 +27,7 @@ pub(crate) fn class(search: &Search, choices: &[Choice], i: usize) -> Vec<Effect
         return Vec::new();
     }
     let others = without(choices, i);
-    let products = Products::of(search.bank, &search.bank.kinds, &search.state(&others));
+    let products = Products::of(search.bank, &search.state(&others));
     let seen = products.seen();
     let judged: Vec<(Effect, f64, f64)> = search
         .bank
@@ -60,7 +60,7 @@ pub(crate) fn class(search: &Search, choices: &[Choice], i: usize) -> Vec<Effect
 pub(crate) fn in_part(search: &Search, choices: &[Choice], i: usize) -> Option<Effect> {
     let (bank, own) = (search.bank, choices[i].kind);
     let (_, of_own) = bank.kinds.iter().find(|(kind, _)| *kind == own)?;
-    let products = Products::of(bank, &bank.kinds, &search.state(&without(choices, i)));
+    let products = Products::of(bank, &search.state(&without(choices, i)));
     let seen = products.seen();
     let as_well = criterion(bank, of_own.clone(), &seen) - FIT_MARGIN;
     let of_another = |k: &usize| matches!(bank.hypotheses[*k].shape, Shape::Part { of, .. } if of != own);
@@ -84,7 +84,7 @@ pub(crate) fn wider_in_gyros(
         return Vec::new();
     }
     let others = without(choices, i);
-    let products = Products::of(search.bank, &search.bank.kinds, &search.state(&others));
+    let products = Products::of(search.bank, &search.state(&others));
     let seen = products.seen();
     let in_gyro = |j: usize| {
         let judged: Vec<(Effect, f64, f64)> = (search.bank.kinds.iter())
@@ -111,7 +111,7 @@ pub(crate) fn members(search: &Search, choices: &[Choice], i: usize) -> Vec<bool
     if hypothesis.common {
         return vec![true; search.frame.gyros.len()];
     }
-    let products = Products::of(search.bank, &search.bank.kinds, &search.state(&without(choices, i)));
+    let products = Products::of(search.bank, &search.state(&without(choices, i)));
     let seen = products.seen();
     let gains = gains(hypothesis, &seen);
     let best = (0..gains.len()).max_by(|&a, &b| gains[a].0.total_cmp(&gains[b].0)).unwrap_or(0);

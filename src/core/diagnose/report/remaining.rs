@@ -154,7 +154,7 @@ impl Left<'_> {
     }
 }
 
-const SPREAD: &str = "spread";
+pub(super) const SPREAD: &str = "spread";
 
 /// By how much the standard errors of a whole campaign may be wrong (standard deviation of the logarithm), and how
 /// often that is so. Single ones scatter more, but that averages out. Without repeats the first is taken: a campaign

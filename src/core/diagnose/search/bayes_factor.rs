@@ -15,7 +15,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use crate::core::diagnose::search::hypotheses::{Bank, Block, Hypothesis, KindRange, SMALL};
+use crate::core::diagnose::search::hypotheses::{Bank, Block, Hypothesis, SMALL};
 use crate::core::diagnose::search::projections::{MAX_GYROS, Products, Seen, State};
 use crate::core::diagnose::search::shared_coefficients::Common;
 use crate::core::effects::Effect;
@@ -34,12 +34,12 @@ pub(crate) struct Score {
 
 /// Scores every kind of the bank.
 pub(crate) fn scores(bank: &Bank, state: &State) -> Vec<Score> {
-    scores_of(bank, &bank.kinds, &Products::of(bank, &bank.kinds, state).seen())
+    scores_of(bank, &Products::of(bank, state).seen())
 }
 
-/// The same of some kinds, from products with all columns of the bank.
-pub(crate) fn scores_of(bank: &Bank, kinds: &[KindRange], seen: &[Seen]) -> Vec<Score> {
-    kinds.iter().map(|(kind, range)| score(bank, *kind, range.clone(), seen)).collect()
+/// The same of products with all columns of the bank.
+pub(crate) fn scores_of(bank: &Bank, seen: &[Seen]) -> Vec<Score> {
+    bank.kinds.iter().map(|(kind, range)| score(bank, *kind, range.clone(), seen)).collect()
 }
 
 /// ln of as many entries as may share their evidence.

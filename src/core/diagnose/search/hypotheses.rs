@@ -66,14 +66,12 @@ impl Block {
     }
 }
 
-/// An effect and the range of its hypotheses in the bank.
-pub(crate) type KindRange = (Effect, Range<usize>);
-
 #[derive(Debug)]
 pub(crate) struct Bank {
     /// Sorted by kind; contract entries before competitors.
     pub hypotheses: Vec<Hypothesis>,
-    pub kinds: Vec<KindRange>,
+    /// Ranges of `hypotheses` of one kind each.
+    pub kinds: Vec<(Effect, Range<usize>)>,
     /// Per gyro: dwells x columns.
     pub columns: Vec<DMatrix<f64>>,
     /// Number of leading columns that belong to contract entries, per gyro.
@@ -189,13 +187,6 @@ impl Bank {
         });
         self.products.borrow_mut().insert((j, factor), Rc::clone(&products));
         products
-    }
-
-    /// Indices of a kind's columns in the matrix of gyro `j`.
-    pub fn columns_of(&self, (_, range): &KindRange, j: usize) -> Range<usize> {
-        let blocks = self.hypotheses[range.clone()].iter().map(|hypothesis| &hypothesis.blocks[j]);
-        let (start, end) = (blocks.clone().map(|block| block.start).min(), blocks.map(|b| b.start + b.len).max());
-        start.unwrap_or(0)..end.unwrap_or(0)
     }
 
     /// One projected, whitened column of a gyro, n long; `index` counts in its matrix.
@@ -382,8 +373,8 @@ fn make_orthogonal(block: &mut Block, columns: &mut DMatrix<f64>) {
     block.len = order.len();
 }
 
-fn kinds_of(hypotheses: &[Hypothesis]) -> Vec<KindRange> {
-    let mut kinds: Vec<KindRange> = Vec::new();
+fn kinds_of(hypotheses: &[Hypothesis]) -> Vec<(Effect, Range<usize>)> {
+    let mut kinds: Vec<(Effect, Range<usize>)> = Vec::new();
     for (i, hypothesis) in hypotheses.iter().enumerate() {
         match kinds.last_mut() {
             Some((kind, range)) if *kind == hypothesis.kind => range.end = i + 1,

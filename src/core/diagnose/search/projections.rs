@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
 use crate::core::diagnose::residuals::whitened::{Frame, GyroFrame};
-use crate::core::diagnose::search::hypotheses::{Bank, Block, Factor, KindRange};
+use crate::core::diagnose::search::hypotheses::{Bank, Block, Factor};
 use crate::core::numerics::basis::{Basis, dot};
 
 /// What has been adopted in one gyro: columns of its bank, made orthonormal.
@@ -84,12 +84,11 @@ pub(crate) fn each_by_itself(frame: &Frame, extras: Vec<Extra>) -> State {
     gyros.map(of_gyro).collect()
 }
 
-/// Products of the columns of some kinds of the bank with residuals and adopted columns; those of others mean nothing.
+/// Products of every column of the bank with residuals and adopted columns.
 ///
 /// Adopted vectors and residuals are sums of few columns of the bank and of the residuals under the model alone. The
 /// products of those are kept with the bank: no state needs a pass over the dwells.
-pub(crate) struct Products<'a> {
-    pub kinds: &'a [KindRange],
+pub(crate) struct Products {
     /// Adopted x columns, so that what belongs to one column lies together.
     with_extra: Vec<DMatrix<f64>>,
     with_residual: Vec<DVector<f64>>,
@@ -97,16 +96,17 @@ pub(crate) struct Products<'a> {
     scatter: Vec<Scatter>,
 }
 
-impl<'a> Products<'a> {
-    pub fn of(bank: &Bank, kinds: &'a [KindRange], state: &State) -> Self {
+impl Products {
+    /// Of every column of the bank.
+    pub fn of(bank: &Bank, state: &State) -> Self {
         let of_gyro = |(j, gyro): (usize, &GyroState)| {
-            let with_extra = with_adopted(bank, kinds, j, j, &gyro.extra);
+            let with_extra = with_adopted(bank, j, j, &gyro.extra);
             let mut with_residual = DVector::clone(&bank.products(j, Factor::Residual(j)));
             with_residual.gemv_tr(-1.0, &with_extra, &DVector::from_column_slice(&gyro.along), 1.0);
             (with_extra, with_residual)
         };
         let (with_extra, with_residual) = state.iter().enumerate().map(of_gyro).unzip();
-        Self { kinds, with_extra, with_residual, scatter: state.iter().map(|gyro| gyro.scatter).collect() }
+        Self { with_extra, with_residual, scatter: state.iter().map(|gyro| gyro.scatter).collect() }
     }
 
     /// Gyros x columns of each gyro's bank: with every gyro's residual, what was adopted in the column's gyro taken out
@@ -120,7 +120,7 @@ impl<'a> Products<'a> {
                     continue;
                 }
                 let mut row = DVector::clone(&bank.products(j, Factor::Residual(i)));
-                let taken = with_adopted(bank, self.kinds, j, i, &other.extra);
+                let taken = with_adopted(bank, j, i, &other.extra);
                 row.gemv_tr(-1.0, &taken, &DVector::from_column_slice(&other.along), 1.0);
                 let along = own.extra.basis.vectors().iter().map(|q| dot(q, &other.residual));
                 let along = DVector::from_iterator(own.extra.basis.rank(), along);
@@ -150,17 +150,16 @@ impl<'a> Products<'a> {
     }
 }
 
-/// Adopted x columns: products of the columns of gyro `j`, as far as they are of `kinds`, with the vectors adopted in
-/// gyro `i`. Each vector is its column less what the vectors before it span, and so are its products.
-fn with_adopted(bank: &Bank, kinds: &[KindRange], j: usize, i: usize, extra: &Extra) -> DMatrix<f64> {
+/// Adopted x columns: products of the columns of gyro `j` with the vectors adopted in gyro `i`. Each vector is its
+/// column less what the vectors before it span, and so are its products.
+fn with_adopted(bank: &Bank, j: usize, i: usize, extra: &Extra) -> DMatrix<f64> {
     let vectors = extra.basis.vectors();
     assert_eq!(vectors.len(), extra.columns.len(), "adopted columns are the bank's");
     let made_of: Vec<_> = extra.columns.iter().map(|&c| bank.products(j, Factor::Column(i, c))).collect();
     let along = |k: usize, m: usize| dot(&vectors[m], bank.column(i, extra.columns[k]).as_slice());
     let along: Vec<Vec<f64>> = (0..vectors.len()).map(|k| (0..=k).map(|m| along(k, m)).collect()).collect();
     let mut products = DMatrix::zeros(vectors.len(), bank.columns[j].ncols());
-    for c in kinds.iter().flat_map(|kind| bank.columns_of(kind, j)) {
-        let mut column = products.column_mut(c);
+    for (c, mut column) in products.column_iter_mut().enumerate() {
         for (k, along) in along.iter().enumerate() {
             let before: f64 = (0..k).map(|m| along[m] * column[m]).sum();
             column[k] = (made_of[k][c] - before) / along[k];
@@ -216,6 +215,7 @@ impl Seen<'_> {
 mod tests {
     use super::*;
     use crate::core::augmented::Options;
+    use crate::core::diagnose::search::hypotheses::Candidates;
 
     #[test]
     fn products_are_those_of_a_pass_over_the_dwells() {
@@ -232,7 +232,7 @@ mod tests {
         };
         let state = each_by_itself(&frame, (0..gyros).map(extra).collect());
         assert!(state.iter().all(|gyro| gyro.extra.basis.rank() == 3));
-        let products = Products::of(&bank, &bank.kinds, &state);
+        let products = Products::of(&bank, &state);
         let across = products.across(&bank, &state);
         let (seen, n) = (products.seen(), frame.dwells());
         for (j, gyro) in state.iter().enumerate() {

@@ -123,10 +123,10 @@ impl Shared {
         (0..p).map(turned).collect()
     }
 
-    /// Evidence of the kinds of `products`, which are of the same `state`.
+    /// Evidence of every kind of the bank, from the products of all its columns under the same `state`.
     pub fn scores(&self, bank: &Bank, state: &State, products: &Products) -> Vec<Score> {
         let all = self.side_by_side(bank, state, products);
-        products.kinds.iter().map(|(kind, range)| self.score(bank, *kind, range.clone(), &all)).collect()
+        bank.kinds.iter().map(|(kind, range)| self.score(bank, *kind, range.clone(), &all)).collect()
     }
 
     fn side_by_side<'a>(&self, bank: &Bank, state: &'a State, products: &'a Products) -> SideBySide<'a> {

@@ -8,7 +8,7 @@ use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::bayes_factor::{Score, log_bayes_in, scores, scores_of, together};
 use crate::core::diagnose::search::choice::{Choice, designs, without};
-use crate::core::diagnose::search::hypotheses::{Bank, KindRange};
+use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::diagnose::search::noise_models::{NoiseModels, Weighed};
 use crate::core::diagnose::search::null_distribution::Null;
 use crate::core::diagnose::search::projections::{Extra, Products, State, each_by_itself, from_one_another, state};
@@ -42,11 +42,6 @@ pub(crate) const PER_CAUSE: f64 = 3.0;
 const PAIR_STARTS: usize = 10;
 const PAIR_START: f64 = 1.0;
 const POLISH: f64 = 12.0;
-
-/// So many models of the noise, as stated and the likeliest, are asked of every kind; the rest of those that come
-/// within so much evidence (ln) of the strongest under one of these, since no other is chosen.
-const ASK_ALL: usize = 2;
-const FAR: f64 = 20.0;
 
 /// Hypotheses in the order of their adoption, and their members.
 type Adopted = Vec<(usize, Vec<bool>)>;
@@ -138,24 +133,15 @@ impl Search<'_> {
             let scores = scores(self.bank, &self.state(choices));
             return vec![Scored { log_weight: 0.0, has_memory: false, scores }];
         }
-        let mut models = self.under(choices);
-        models[1..].sort_by(|a, b| b.log_weight.total_cmp(&a.log_weight));
-        let mut all: Vec<Scored> = Vec::new();
-        let mut asked = self.bank.kinds.clone();
-        for (place, model) in models.iter().enumerate() {
-            if place == ASK_ALL {
-                let leads = |k: usize| all.iter().any(|model| model.scores[k].log_evidence > top(&model.scores) - FAR);
-                asked = (0..asked.len()).filter(|&k| leads(k)).map(|k| asked[k].clone()).collect();
-            }
-            let Weighed { log_weight, has_memory, bank, state, .. } = model;
-            let products = Products::of(bank, &asked, state);
-            let mut push = |log_weight: f64, scores: Vec<Score>| {
-                let scores = if place < ASK_ALL { scores } else { replaced(&all[0].scores, &scores) };
-                all.push(Scored { log_weight, has_memory: *has_memory, scores });
-            };
-            push(*log_weight, independent(model, &products));
+        let mut all = Vec::new();
+        for model in self.under(choices) {
+            let Weighed { log_weight, has_memory, bank, state, .. } = &model;
+            let products = Products::of(bank, state);
+            let scores = independent(&model, &products);
+            all.push(Scored { log_weight: *log_weight, has_memory: *has_memory, scores });
             if let Some((log_weight, shared)) = &model.shared {
-                push(*log_weight, shared.scores(bank, state, &products));
+                let scores = shared.scores(bank, state, &products);
+                all.push(Scored { log_weight: *log_weight, has_memory: *has_memory, scores });
             }
         }
         all
@@ -460,11 +446,11 @@ impl Search<'_> {
     /// other's. For the same reason each gyro's noise is its own here: what is taken out of one must not make
     /// another's evidence stronger.
     fn in_members(&self, before: &[Choice], choice: &Choice) -> f64 {
-        let Some(kind) = self.bank.kinds.iter().find(|(kind, _)| *kind == choice.kind) else { return 0.0 };
+        let Some((_, range)) = self.bank.kinds.iter().find(|(kind, _)| *kind == choice.kind) else { return 0.0 };
         let (mut total, mut weights) = (LogSum::default(), LogSum::default());
         for Weighed { log_weight, bank, state, shared, .. } in self.under(before) {
-            let hypotheses = &bank.hypotheses[kind.1.clone()];
-            let products = Products::of(bank, std::slice::from_ref(kind), &state);
+            let hypotheses = &bank.hypotheses[range.clone()];
+            let products = Products::of(bank, &state);
             let seen = products.seen();
             let mut independent = LogSum::default();
             hypotheses.iter().for_each(|hypothesis| independent.add(log_bayes_in(hypothesis, &choice.members, &seen)));
@@ -487,9 +473,9 @@ const STRONG: f64 = 25.0;
 /// leaves in the others counts as noise to each, and its evidence falls short of the likelihoods that it is weighed
 /// with: there each gyro has its own.
 fn independent(model: &Weighed, products: &Products) -> Vec<Score> {
-    let own = || scores_of(model.bank, products.kinds, &products.seen());
+    let own = || scores_of(model.bank, &products.seen());
     let Some(known) = from_one_another(model.frame, &model.state) else { return own() };
-    let pooled = scores_of(model.bank, products.kinds, &products.seen_in(&known));
+    let pooled = scores_of(model.bank, &products.seen_in(&known));
     if pooled.iter().all(|score| score.log_evidence < STRONG) {
         return pooled;
     }
@@ -529,15 +515,6 @@ fn extras(bank: &Bank, choices: &[Choice]) -> Vec<Extra> {
 
 fn strongest<'a>(scores: impl Iterator<Item = &'a Score>) -> Option<&'a Score> {
     scores.max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
-}
-
-fn top(scores: &[Score]) -> f64 {
-    scores.iter().map(|score| score.log_evidence).fold(f64::NEG_INFINITY, f64::max)
-}
-
-/// `scores` with those of `by` in the place of their kinds.
-fn replaced(scores: &[Score], by: &[Score]) -> Vec<Score> {
-    scores.iter().map(|score| by.iter().find(|other| other.kind == score.kind).unwrap_or(score).clone()).collect()
 }
 
 fn evidence_of(scores: &[Score], kind: Effect) -> f64 {

@@ -303,7 +303,6 @@ async fn holding(url: &str, table: &'static str) -> PgConnection {
 /// the group is made ready is at home in none of them.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_gyro_that_is_heard_of_while_a_group_is_made_ready_is_judged_while_its_own_cell_is_held() {
-    const SOON: Duration = Duration::from_secs(2);
     let waiting = "SELECT count(*) FROM pg_locks WHERE NOT granted AND relation = CAST('cell_commit' AS regclass)";
     let reading = "SELECT count(*) FROM pg_locks WHERE NOT granted AND relation = CAST('suspect_window' AS regclass)";
     let Some(url) = cluster::database_if_there().await else { return };
@@ -315,13 +314,13 @@ async fn a_gyro_that_is_heard_of_while_a_group_is_made_ready_is_judged_while_its
     one.post_json("/v1/records", &record("IMU-0", &day(0), &[("G1", "LFG-0", 1.0, 2.0)])).await.created();
     let commits = holding(&url, "LOCK TABLE cell_commit IN SHARE MODE").await;
     let meanwhile = async {
-        until("the first has written all but its end", SOON, async || count(&url, waiting).await > 0).await;
+        until("the first has written all but its end", LEASE, async || count(&url, waiting).await > 0).await;
         let windows = holding(&url, "LOCK TABLE suspect_window IN ACCESS EXCLUSIVE MODE").await;
         let heard_of = async {
-            until("the second has chosen its cells", SOON, async || count(&url, reading).await > 0).await;
+            until("the second has chosen its cells", LEASE, async || count(&url, reading).await > 0).await;
             commits.close().await.unwrap();
             let trend = "/v1/gyros/LFG-1/trend?coefficient=D_I";
-            until("the gyro is known", SOON, async || other.get(trend).await.status == 200).await;
+            until("the gyro is known", LEASE, async || other.get(trend).await.status == 200).await;
             windows.close().await.unwrap();
         };
         tokio::join!(sends(&other, "IMU-2", 40, 1.002), heard_of);

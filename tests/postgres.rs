@@ -291,6 +291,47 @@ async fn one_record_sent_160_times_through_two_servers_is_stored_once() {
     }
 }
 
+/// A transaction of nobody's that holds a table until it is closed.
+async fn holding(url: &str, table: &'static str) -> PgConnection {
+    let mut connection = PgConnection::connect(url).await.unwrap();
+    sqlx::raw_sql("BEGIN").execute(&mut connection).await.unwrap();
+    sqlx::raw_sql(table).execute(&mut connection).await.unwrap();
+    connection
+}
+
+/// Which cells a group needs is known by the names that are known: a gyro of which another server's commit tells while
+/// the group is made ready is at home in none of them.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_gyro_that_is_heard_of_while_a_group_is_made_ready_is_judged_while_its_own_cell_is_held() {
+    let waiting = "SELECT count(*) FROM pg_locks WHERE NOT granted AND relation = CAST('cell_commit' AS regclass)";
+    let reading = "SELECT count(*) FROM pg_locks WHERE NOT granted AND relation = CAST('suspect_window' AS regclass)";
+    let Some(url) = cluster::database_if_there().await else { return };
+    let (one, other) = (server_on(&url).await, server_on(&url).await);
+    let sends = async |server: &Server, imu: &str, at: i64, d_i: f64| {
+        server.post_json("/v1/records", &record(imu, &day(at), &[("G1", "LFG-1", d_i, 2.0)])).await.created();
+    };
+    // Of a station that is known the windows are read.
+    one.post_json("/v1/records", &record("IMU-0", &day(0), &[("G1", "LFG-0", 1.0, 2.0)])).await.created();
+    let commits = holding(&url, "LOCK TABLE cell_commit IN SHARE MODE").await;
+    let meanwhile = async {
+        until("the first has written all but its end", LEASE, async || count(&url, waiting).await > 0).await;
+        let windows = holding(&url, "LOCK TABLE suspect_window IN ACCESS EXCLUSIVE MODE").await;
+        let heard_of = async {
+            until("the second has chosen its cells", LEASE, async || count(&url, reading).await > 0).await;
+            commits.close().await.unwrap();
+            let trend = "/v1/gyros/LFG-1/trend?coefficient=D_I";
+            until("the gyro is known", LEASE, async || other.get(trend).await.status == 200).await;
+            windows.close().await.unwrap();
+        };
+        tokio::join!(sends(&other, "IMU-2", 40, 1.002), heard_of);
+    };
+    tokio::join!(sends(&one, "IMU-1", 10, 1.0), meanwhile);
+    for at in 2..6 {
+        sends(&one, "IMU-1", 10 * at + 5, 1.0 + 0.001 * at as f64 + 0.0005 * (at % 2) as f64).await;
+    }
+    command::verified(&url);
+}
+
 #[tokio::test]
 async fn a_record_that_the_database_refuses_takes_no_other_of_its_group_along() {
     let Some(url) = cluster::database_if_there().await else { return };

@@ -3,8 +3,10 @@
 //! A group is admitted, judged and answered by what is stored, so that nothing may come between reading and writing
 //! of the same gyros: whoever holds a cell alone reads and writes what is at home in it. Cells are locked in their
 //! order, one a statement, so that writers never wait for one another in a ring. Names are kept unique by the
-//! database; two that bring the same new name at once hinder each other, and the second tries again.
+//! database; two that bring the same new name at once hinder each other, and the second tries again. So does who hears
+//! of a name, and with it of a cell, only after the cells were chosen.
 
+use std::collections::HashSet;
 use std::time::{Duration, Instant};
 
 use sqlx::{AssertSqlSafe, Connection, PgConnection};
@@ -112,6 +114,10 @@ impl CellWriter {
         if self.held.is_empty() {
             return Err(StoreError::Unreachable(message!("server_cells_lost")));
         }
+        if let Some(gyro) = self.not_held(changes) {
+            self.give_back().await;
+            return Err(StoreError::Overtaken(format!("gyro number {gyro} was heard of after the cells were chosen")));
+        }
         // Back in its place only when all has gone well: one on which an answer is still due is of no use.
         let Some(mut connection) = self.connection.take() else {
             self.held.clear();
@@ -145,6 +151,16 @@ impl CellWriter {
         }
         self.seen.learn(&next);
         Ok(())
+    }
+
+    /// A gyro that `changes` touch and that is at home in no cell that is held: what was read of it need not hold any
+    /// more. Its name has come from another writer after the cells were chosen.
+    fn not_held(&self, changes: &Changes) -> Option<u32> {
+        let tables = self.names.read();
+        let new: HashSet<u32> = changes.gyros.iter().map(|new| new.number).collect();
+        let is_held = |cell: u8| self.held.iter().any(|row| row.cell == cell);
+        let touched = changes.heads.rows.iter().map(|row| row.gyro);
+        touched.filter(|gyro| !new.contains(gyro)).find(|gyro| !tables.gyros.cell(*gyro).is_some_and(is_held))
     }
 
     /// What is held, as it is after `changes`.

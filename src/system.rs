@@ -127,9 +127,6 @@ impl Proxies {
 }
 
 /// As [`http_client`], by way of proxies.
-///
-/// # Errors
-/// Where the proxy's address cannot be used.
 pub fn http_client_through(
     proxies: &Proxies,
     connect_timeout: Duration,

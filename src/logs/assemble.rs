@@ -91,9 +91,6 @@ struct Work<'a> {
 }
 
 /// Finds the dwells of what was gathered.
-///
-/// # Errors
-/// Why the log holds no campaign.
 pub fn assemble(
     map: &Map,
     log: &mut Gathered,
@@ -783,9 +780,6 @@ pub fn laid_over(
 }
 
 /// That measured verticals are those that were commanded; `off`: begin of each dwell, s, and the angle between, rad.
-///
-/// # Errors
-/// How many are not, and the first.
 pub fn agree(off: &[(f64, f64)]) -> Result<(), Message> {
     let wrong: Vec<&(f64, f64)> = off.iter().filter(|(_, angle)| *angle > OFF_COMMANDED).collect();
     let Some(&&(start, angle)) = wrong.first() else { return Ok(()) };

@@ -99,9 +99,6 @@ pub fn campaign_of(files: &[PathBuf], map: &Map, programme: Option<&str>) -> Res
 }
 
 /// As [`campaign_of`], of logs that are open, each with its name.
-///
-/// # Errors
-/// As [`campaign_of`].
 pub fn campaign_from(
     mut sources: Vec<(String, Source)>,
     map: &Map,

@@ -248,9 +248,6 @@ impl Tables {
     }
 
     /// Takes over a stored name. One that had another number was lost with its commit, and has been stored anew.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`] where the number is another name's.
     pub(crate) fn learn(&mut self, kind: NamesOf, number: u32, cell: u8, name: &str) -> Result<(), StoreError> {
         let table = self.of_mut(kind);
         let lost = table.stored_as(name).map(|place| table.entry(place).number);

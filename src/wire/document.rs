@@ -116,9 +116,6 @@ fn has_e(bytes: &[u8]) -> bool {
 
 /// Reads and checks a campaign that comes in, in JSON or CSV, told apart by the first character: JSON begins with a
 /// brace.
-///
-/// # Errors
-/// As [`parse_json_as_sent`] and [`parse_csv`].
 pub fn parse(bytes: &[u8]) -> Result<Campaign, Faults> {
     if is_csv(bytes) { parse_csv(bytes) } else { parse_json_as_sent(bytes) }
 }

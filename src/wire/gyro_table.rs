@@ -20,8 +20,6 @@ pub struct GyroRow {
 
 const COLUMNS: [&str; 4] = ["serial", "batch", "type", "unit"];
 
-/// # Errors
-/// Every fault, with line and column.
 pub fn parse(bytes: &[u8]) -> Result<Vec<GyroRow>, Faults> {
     let text = text_of(bytes)?;
     let mut faults = Faults::default();

@@ -108,9 +108,6 @@ impl Digest {
     }
 
     /// As it is kept.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
     pub fn of_row(row: &DigestRow) -> Result<Self, StoreError> {
         serde_json::from_str(&row.gist)
             .map_err(|error| StoreError::damaged(format_args!("the gist of diagnosis {}: {error}", row.record)))

@@ -22,9 +22,6 @@ use crate::words;
 impl Reader {
     /// Reads, checks, fits and separates a campaign in JSON or CSV. A raw bench test becomes a bench result.
     /// Computing, about a millisecond: not for a thread that serves others.
-    ///
-    /// # Errors
-    /// Every fault, by its pointer, or its line and column.
     pub fn campaign(&self, bytes: &[u8], form: Form) -> Result<ReadCampaign, Faults> {
         let (campaign, as_json) = match form {
             Form::Json => (campaign::parse_json_as_sent(bytes)?, None),
@@ -247,9 +244,6 @@ impl Reader {
     }
 
     /// The bench result that was fitted to stored dwells.
-    ///
-    /// # Errors
-    /// Every fault of the stored body.
     pub fn fitted_bench(&self, body: &str) -> Result<BenchBody, Faults> {
         let (campaign, outcome) = evaluated(&self.config.stations, body, &InForce::default())?;
         match outcome {

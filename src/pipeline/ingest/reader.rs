@@ -32,9 +32,6 @@ pub struct Reader {
 
 impl Reader {
     /// Reads, checks and separates a record.
-    ///
-    /// # Errors
-    /// Every fault, by its pointer.
     pub fn record(&self, bytes: &[u8]) -> Result<Calibration, Faults> {
         let record = parse_record(bytes, &self.config.plausibility.limits())?;
         let serials = record.gyros.iter().map(|gyro| &gyro.serial);
@@ -103,9 +100,6 @@ impl Reader {
     }
 
     /// Reads and checks a bench result.
-    ///
-    /// # Errors
-    /// Every fault, by its pointer.
     pub fn bench_result(&self, bytes: &[u8]) -> Result<BenchTest, Faults> {
         let result = parse_bench_result(bytes, self.config.plausibility.max_drift_deg_per_h_g0)?;
         check_names(&[("/serial", &result.serial), ("/station", &result.station)], [].into_iter())?;
@@ -131,9 +125,6 @@ impl Reader {
     }
 
     /// Reads a record, a campaign or a bench result, whichever the JSON holds.
-    ///
-    /// # Errors
-    /// Every fault, by its pointer.
     pub fn document(&self, bytes: &[u8]) -> Result<ReadDocument, Faults> {
         let kind = DocumentKind::of(bytes);
         self.read_as(kind, bytes).or_else(|faults| match DocumentKind::instead_of(kind, bytes) {
@@ -160,9 +151,6 @@ impl Reader {
     }
 
     /// Reads a campaign in JSON or CSV.
-    ///
-    /// # Errors
-    /// Every fault, by its pointer, or its line and column.
     pub fn campaign_document(&self, bytes: &[u8], form: Form) -> Result<ReadDocument, Faults> {
         let ReadCampaign { fitted, body, .. } = self.campaign(bytes, form)?;
         let kind = fitted.kind();

@@ -110,17 +110,11 @@ impl Records {
     }
 
     /// The closures of a stored record's gyros; none where there is no such record.
-    ///
-    /// # Errors
-    /// As [`Records::record`].
     pub async fn closures(&self, id: Id) -> Result<Option<ClosureDiagnosis>, StorageError> {
         Ok(self.reread(id).await?.map(|it| closures_of(&it.calibration)))
     }
 
     /// A stored record or campaign, read and separated again; it was plausible once, whatever today's limits are.
-    ///
-    /// # Errors
-    /// As [`Records::record`].
     pub(crate) async fn reread(&self, id: Id) -> Result<Option<Reread>, StoreError> {
         let Some(row) = store::record::get(&self.store, id).await? else { return Ok(None) };
         if sha256(row.body.as_bytes()) != row.body_sha256 {
@@ -174,9 +168,6 @@ impl Records {
     }
 
     /// Whether a record, campaign or bench result counts, and what was said of it.
-    ///
-    /// # Errors
-    /// [`StorageError`], where what was said of it cannot be read.
     pub async fn status(&self, id: Id) -> Result<ItemStatus, StorageError> {
         let corrections = store::correction::of_item(&self.store, id).await?;
         Ok(ItemStatus {

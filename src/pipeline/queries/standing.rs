@@ -66,8 +66,6 @@ pub(crate) struct Alerted {
 }
 
 impl Alerted {
-    /// # Errors
-    /// [`StoreError::Damaged`] where a finding cannot be read.
     pub fn of<'a>(firing: impl Iterator<Item = &'a AlertRow>) -> Result<Self, StoreError> {
         let mut alerted = Self::default();
         // As if they were asked for rule by rule.

@@ -130,7 +130,6 @@ impl<S: Clone + Send + Sync + 'static> Routes<S> {
     }
 }
 
-/// The operations on a path with their methods.
 pub fn operations(item: &mut PathItem) -> impl Iterator<Item = (Method, &mut Operation)> {
     let methods = [
         (Method::GET, &mut item.get),
@@ -161,7 +160,6 @@ impl Rules {
         Some(self.rule(method, path)?.0)
     }
 
-    /// What a method of a path of the API takes.
     pub fn takes(&self, method: &Method, path: &str) -> Option<&Takes> {
         self.rule(method, path)?.1.as_ref()
     }

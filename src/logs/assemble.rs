@@ -116,7 +116,6 @@ pub fn assemble(
     work.assemble(found, programme, other_unit).map_err(|fault| LogError::new("log", fault))
 }
 
-/// The map's table.
 pub fn table(map: &Map) -> Result<Option<Table>, LogError> {
     let Some(of) = &map.table else { return Ok(None) };
     let fail = |fault: Message| LogError::new("map", message!("at_map_key", key = "table", fault));

@@ -181,7 +181,6 @@ pub(super) fn who(t: &Text, by: &str) -> Markup {
     html! { label { (t.who) input name="by" value=(by) required maxlength="128" autocomplete="name"; } }
 }
 
-/// Of which rule.
 pub(super) fn rule_choice(t: &Text, chosen: &str) -> Markup {
     // Of earlier versions: nothing is judged by it any more.
     let offered = Rule::ALL.into_iter().filter(|rule| *rule != Rule::Cusum || chosen == rule.name());

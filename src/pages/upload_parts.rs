@@ -46,7 +46,6 @@ struct Lines<'a> {
 }
 
 impl Lines<'_> {
-    /// The line on which a part begins.
     fn line_of(&mut self, part: &str) -> usize {
         let start = part.as_ptr() as usize - self.whole.as_ptr() as usize;
         self.line += self.whole[self.passed..start].matches('\n').count();

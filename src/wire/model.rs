@@ -332,7 +332,6 @@ impl ShapeBody {
         *self == Self::default()
     }
 
-    /// The shape, where it is one that the effect can have.
     fn to_core(&self, effect: Effect, place: &str, faults: &mut Faults) -> Option<Shape> {
         let given = [
             self.tau_s.map(Shape::Tau),

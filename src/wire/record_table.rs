@@ -316,7 +316,6 @@ fn said_above(text: &str, first: usize, known: &[String], faults: &mut Faults) -
     said
 }
 
-/// A value of a map as a table would have it.
 fn plain(value: &Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }

@@ -27,7 +27,6 @@ macro_rules! words_of_pages {
 static TEXTS: LazyLock<[Text; 2]> = LazyLock::new(|| Language::ALL.map(Text::of));
 
 impl Language {
-    /// The words of the pages.
     pub(in crate::pages) fn text(self) -> &'static Text {
         &TEXTS[self as usize]
     }

@@ -85,7 +85,6 @@ impl Naming<'_> {
         }
     }
 
-    /// The alert as it stands at `now`.
     pub fn alert(&self, row: &AlertRow, now: UtcMicros) -> Result<AlertBody, StoreError> {
         let finding = finding_of(row)?;
         Ok(AlertBody {

@@ -77,7 +77,6 @@ bodies! {
     Sign of SignBody: kind, gyros;
 }
 
-/// The gyros of a campaign.
 pub(super) fn seats(campaign: &Campaign) -> Vec<MountedGyro> {
     let seat = |gyro: &crate::core::campaign::CampaignGyro| MountedGyro {
         slot: gyro.slot.name().to_owned(),
@@ -113,7 +112,6 @@ impl Digest {
             .map_err(|error| StoreError::damaged(format_args!("the gist of diagnosis {}: {error}", row.record)))
     }
 
-    /// The serial of the gyro in a slot.
     pub fn serial(&self, slot: &str) -> Option<&str> {
         self.gyros.iter().find(|seat| seat.slot == slot).map(|seat| seat.serial.as_str())
     }

@@ -161,7 +161,6 @@ impl Diagnoses {
         self.diagnoser.models.competing().hypotheses.clone()
     }
 
-    /// Reads which campaigns are to be diagnosed.
     pub fn read_wanted(&self, bytes: &[u8]) -> Result<WantedDiagnoses, Faults> {
         self.check_wanted(json::parse(bytes)?)
     }

@@ -60,7 +60,6 @@ impl Hooks {
         !self.config.hooks.smtp_url.is_empty()
     }
 
-    /// Checks what is to change of a hook.
     pub fn check_patch(&self, body: HookPatchBody) -> Result<HookPatch, Faults> {
         read::patch(body, &self.config.target_policy(), self.has_mail())
     }

@@ -114,7 +114,6 @@ impl Reader {
         }
     }
 
-    /// None where it cannot be fitted with that model.
     fn fitted_with_model_in_force(&self, imu: &str, body: &str) -> Option<CampaignFit> {
         let in_force = self.in_force(imu);
         let (campaign, outcome) = evaluated(&self.config.stations, body, &in_force).ok()?;
@@ -243,7 +242,6 @@ impl Reader {
         }
     }
 
-    /// The bench result that was fitted to stored dwells.
     pub fn fitted_bench(&self, body: &str) -> Result<BenchBody, Faults> {
         let (campaign, outcome) = evaluated(&self.config.stations, body, &InForce::default())?;
         match outcome {

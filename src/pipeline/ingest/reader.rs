@@ -157,7 +157,6 @@ impl Reader {
         Ok(ReadDocument { submission: fitted.into(), origin: Origin { kind, body } })
     }
 
-    /// The separations that a calibration is answered with.
     pub fn separations(&self, gyros: &[CalibratedGyro]) -> Vec<SeparationBody> {
         let method = self.config.judging.method;
         let body = |gyro: &CalibratedGyro| {

@@ -187,7 +187,6 @@ pub struct StandingFilter {
 }
 
 impl Fleet {
-    /// A page of the fleet.
     pub async fn page(&self, filter: &FleetFilter<'_>, number: usize, rows: usize) -> Result<FleetPage, StorageError> {
         let now = self.clock.now();
         let counted = self.counted(now).await?;

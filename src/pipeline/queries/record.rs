@@ -132,7 +132,6 @@ impl Records {
         Ok(Some(Reread { row, calibration, fitted }))
     }
 
-    /// A record or campaign as it was sent.
     pub async fn sent(&self, id: Id) -> Result<Option<RecordRow>, StorageError> {
         Ok(store::record::get(&self.store, id).await?)
     }

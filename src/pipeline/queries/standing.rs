@@ -126,7 +126,6 @@ impl Facts<'_> {
         since.map(|(_, event)| event)
     }
 
-    /// As it stands at `now`, held to these limits.
     pub fn standing(&self, limits: &Limits, now: UtcMicros) -> Standing {
         let Self { verdicts, newest, .. } = *self;
         let told = self.alerted.told.as_slice();

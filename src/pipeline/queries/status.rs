@@ -4,7 +4,6 @@ use crate::core::judge::{Coefficient, State, Status};
 use crate::pipeline::prelude::*;
 use crate::store::StoredVerdict;
 
-/// Of D_I, D_S and the closure.
 const COLUMNS: [Coefficient; 3] = [Coefficient::DI, Coefficient::DS, Coefficient::DO];
 
 /// The worst of the rules that could judge. None may have judged the drift, however well E and G keep to their

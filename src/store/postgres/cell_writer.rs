@@ -147,7 +147,6 @@ impl CellWriter {
         Ok(())
     }
 
-    /// What is held, as it is after `changes`.
     fn after(&self, changes: &Changes, last_id: i64) -> Vec<CellRow> {
         let stamp = rand::random_range(1..i64::MAX);
         let after = |row: &CellRow| {

@@ -107,7 +107,6 @@ impl FileWriter {
     }
 }
 
-/// What changes in the record index.
 fn indexed(changes: &Changes) -> IndexChanges<'_> {
     let new = |record: &RecordRow| NewRecord {
         record: record.id,

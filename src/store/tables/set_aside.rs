@@ -62,7 +62,6 @@ pub(crate) fn note(noted: &[(Id, String)], batch: &mut Batch) {
     batch.change("UPDATE record SET notes = $C1", "id = $C0", rows);
 }
 
-/// Who confirmed the time of a record that was set aside.
 pub async fn confirmation(store: &Store, record: Id) -> Result<Option<ConfirmationRow>> {
     read!(store, first, ConfirmationRow::select("WHERE record = $1"), record)
 }

@@ -83,7 +83,6 @@ impl Preparation<'_> {
         self.state.judge.take_in(&unknown).await
     }
 
-    /// Enters the verdicts into the replies that are to hold them.
     fn enter_verdicts(&self, replies: &mut [Reply], verdicts: &Verdicts, changes: &Changes) {
         let tables = self.state.store.names().read();
         // Names that nobody can look up before this group is stored.

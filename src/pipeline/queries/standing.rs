@@ -174,7 +174,8 @@ impl Facts<'_> {
         });
         HeadRow {
             gyro,
-            sought: sought(&serial, imu, station),
+            // Small letters, a line each: what is searched for stands within one of them.
+            sought: format!("{serial}\n{imu}\n{station}").to_lowercase(),
             serial,
             newest: newest.map(|figures| {
                 let [d_i, d_s, _] = sample_of(&figures, judging.method).d;
@@ -195,11 +196,6 @@ impl Facts<'_> {
             changed_at: self.alerted.changed_at,
         }
     }
-}
-
-/// Small letters, a line each: what is searched for stands within one of them.
-fn sought(serial: &str, imu: &str, station: &str) -> String {
-    format!("{serial}\n{imu}\n{station}").to_lowercase()
 }
 
 /// By how much gyros in use come before others.

@@ -141,7 +141,6 @@ pub fn operations(item: &mut PathItem) -> impl Iterator<Item = (Method, &mut Ope
     methods.into_iter().filter_map(|(method, operation)| Some((method, operation.as_mut()?)))
 }
 
-/// The rules by path and method.
 #[derive(Debug)]
 pub struct Rules(HashMap<String, HashMap<Method, (Least, Option<Takes>)>>);
 

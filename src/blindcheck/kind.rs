@@ -35,7 +35,6 @@ enum Hidden {
     Outside,
 }
 
-/// One kind of campaign.
 pub struct CampaignKind {
     pub name: &'static str,
     hidden: Hidden,

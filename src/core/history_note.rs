@@ -33,7 +33,6 @@ pub enum HistoryNote {
     Moved { serial: String, from: Seat, to: Seat },
 }
 
-/// Why a time is in doubt.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum TimeDoubt {
     /// Clocks that were never set begin there.
@@ -54,7 +53,6 @@ pub struct NamedRecord {
 }
 
 named! {
-/// What a name is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NameKind {
     Imu = "imu",

@@ -21,7 +21,6 @@ use crate::wire::campaign::{CampaignBody, CampaignGyroBody, DwellBody, commanded
 use crate::wire::numbers::tidy;
 use crate::wire::time;
 
-/// A campaign with what it was made from.
 pub struct Made {
     pub body: CampaignBody,
     pub dwells: Vec<Dwell>,

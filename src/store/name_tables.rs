@@ -11,7 +11,6 @@ use crate::core::name::{look_keys, normal_form};
 use crate::store::cells::CELLS;
 use crate::store::error::StoreError;
 
-/// What has a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum NamesOf {
     Imus,
@@ -23,7 +22,6 @@ impl NamesOf {
     pub const ALL: [Self; 3] = [Self::Imus, Self::Stations, Self::Gyros];
 }
 
-/// A name that is new to the database.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NewName {
     pub number: u32,

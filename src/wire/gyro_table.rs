@@ -9,7 +9,6 @@ use crate::core::gyro_attributes::GyroAttributesPatch;
 use crate::core::record::Name;
 use crate::wire::prelude::*;
 
-/// A row of the table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GyroRow {
     /// From 1.

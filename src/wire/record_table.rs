@@ -43,7 +43,6 @@ struct TimeForm {
     offset: String,
 }
 
-/// What a row is.
 #[derive(Clone, Copy)]
 enum RowKind {
     /// A gyro of a record.

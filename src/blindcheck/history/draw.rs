@@ -95,7 +95,6 @@ impl DrawnFleet {
     }
 }
 
-/// One fleet.
 pub struct FleetDraw {
     rng: ChaCha8Rng,
 }

@@ -8,7 +8,6 @@ use crate::words::Language;
 
 macro_rules! words_of_pages {
     ($($key:ident)*) => {
-        /// The words of one language.
         pub(in crate::pages) struct Text { language: Language, $(pub $key: &'static str),* }
 
         impl Text {

@@ -38,7 +38,6 @@ pub(super) struct Digest {
 /// What only the digest of a campaign outside its forecast holds.
 pub(super) const OUTSIDE: &str = "\"outside_forecast\":{";
 
-/// Which gyro was where.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct MountedGyro {
     pub slot: String,

@@ -63,7 +63,6 @@ pub use models::Adoption;
 pub use summary::SummaryFilter;
 pub(super) use summary::outside_forecasts;
 
-/// A model that was adopted for an IMU.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AdoptedModel {
     pub row: ModelRow,

@@ -117,7 +117,6 @@ pub struct AttributesOrder {
     pub by: Actor,
 }
 
-/// What is corrected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Corrected {
     /// A record, or a campaign; of a certain kind, where one is named.

@@ -148,7 +148,6 @@ pub struct WallPage {
     pub last: usize,
 }
 
-/// One page of the fleet, and what all of it counts.
 #[derive(Debug, Clone, Default)]
 pub struct FleetPage {
     /// Gyros of each status, by its place, and of any, among those that the other filters find.

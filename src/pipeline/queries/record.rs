@@ -22,7 +22,6 @@ use crate::wire::note;
 use crate::wire::reason::Reason;
 use crate::wire::sender::SenderBody;
 
-/// A stored record with its answer.
 #[derive(Debug, Clone)]
 pub struct StoredRecord {
     pub item: RecordRow,
@@ -32,7 +31,6 @@ pub struct StoredRecord {
     pub closures: ClosureDiagnosis,
 }
 
-/// A stored campaign with its answer.
 #[derive(Debug, Clone)]
 pub struct StoredCampaign {
     pub item: RecordRow,
@@ -47,7 +45,6 @@ pub struct ListFilter<'a> {
     pub kind: Option<Kind>,
     pub imu: Option<&'a str>,
     pub station: Option<&'a str>,
-    /// When they were calibrated.
     pub calibrated: Span,
 }
 
@@ -55,7 +52,6 @@ pub struct ListFilter<'a> {
 pub(crate) struct Reread {
     pub row: RecordRow,
     pub calibration: Calibration,
-    /// Of a campaign.
     pub fitted: Option<CampaignFit>,
 }
 

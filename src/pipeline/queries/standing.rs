@@ -25,7 +25,6 @@ pub struct Standing {
     pub status: Option<Status>,
     /// What the verdicts on D_I, D_S and D_O of its newest calibration come to.
     pub drift: [Status; 3],
-    /// What it violates.
     pub violations: Vec<Violation>,
     /// The largest figure over its limit, of the rules of D_I, D_S and the closure, `agreement` among them where it
     /// fires.

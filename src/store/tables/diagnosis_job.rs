@@ -24,7 +24,6 @@ pub struct JobRow {
 pub struct CampaignFilter {
     pub imu: Option<u32>,
     pub station: Option<u32>,
-    /// When they were measured.
     pub measured: Span,
 }
 

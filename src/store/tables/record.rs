@@ -62,7 +62,6 @@ pub struct RecordFilter {
     pub kind: Option<Kind>,
     pub imu: Option<u32>,
     pub station: Option<u32>,
-    /// When they were calibrated.
     pub calibrated: Span,
 }
 

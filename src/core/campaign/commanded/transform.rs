@@ -35,7 +35,6 @@ enum Undo {
     EarthFromNed { turning_too: bool },
     /// The attitude back from North-East-Down.
     AttitudeFromNed,
-    /// The attitude inverted back.
     AttitudeInverted,
     /// The site's latitude with the other sign.
     Latitude,

@@ -160,6 +160,11 @@ async fn act<A: ItemAction>(
     }
 }
 
+/// What somebody wrote into a field, if anything.
+pub(super) fn said(text: &str) -> Option<String> {
+    Some(text.trim().to_owned()).filter(|text| !text.is_empty())
+}
+
 /// One of several by their names, or any.
 pub(super) fn choice<'a>(
     t: &Text,

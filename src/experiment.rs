@@ -35,7 +35,6 @@ impl MethodComparison {
         range([self.bench_before, self.rigid, self.bench_after])
     }
 
-    /// And with the published one.
     pub fn published_range(&self) -> Option<f64> {
         self.published.map(|d| range([self.bench_before, d, self.bench_after]))
     }
@@ -75,7 +74,6 @@ pub fn compare(seed: u64) -> Result<Vec<MethodComparison>, String> {
     Ok(comparisons)
 }
 
-/// Experiments of `count` successive seeds.
 pub fn compare_many(first_seed: u64, count: u64) -> Result<Vec<Vec<MethodComparison>>, String> {
     (0..count).into_par_iter().map(|k| compare(first_seed.wrapping_add(k))).collect()
 }

@@ -130,7 +130,6 @@ impl<S: Clone + Send + Sync + 'static> Routes<S> {
     }
 }
 
-/// The operations on a path with their methods.
 pub fn operations(item: &mut PathItem) -> impl Iterator<Item = (Method, &mut Operation)> {
     let methods = [
         (Method::GET, &mut item.get),
@@ -142,7 +141,6 @@ pub fn operations(item: &mut PathItem) -> impl Iterator<Item = (Method, &mut Ope
     methods.into_iter().filter_map(|(method, operation)| Some((method, operation.as_mut()?)))
 }
 
-/// The rules by path and method.
 #[derive(Debug)]
 pub struct Rules(HashMap<String, HashMap<Method, (Least, Option<Takes>)>>);
 
@@ -161,7 +159,6 @@ impl Rules {
         Some(self.rule(method, path)?.0)
     }
 
-    /// What a method of a path of the API takes.
     pub fn takes(&self, method: &Method, path: &str) -> Option<&Takes> {
         self.rule(method, path)?.1.as_ref()
     }

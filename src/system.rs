@@ -48,7 +48,6 @@ pub fn fill_random(bytes: &mut [u8]) -> Result<(), rand::rngs::SysError> {
     rand::rngs::SysRng.try_fill_bytes(bytes)
 }
 
-/// SHA-256 of `bytes`.
 pub fn sha256(bytes: &[u8]) -> [u8; 32] {
     let digest = ring::digest::digest(&ring::digest::SHA256, bytes);
     digest.as_ref().try_into().expect("SHA-256 has 32 bytes")
@@ -127,9 +126,6 @@ impl Proxies {
 }
 
 /// As [`http_client`], by way of proxies.
-///
-/// # Errors
-/// Where the proxy's address cannot be used.
 pub fn http_client_through(
     proxies: &Proxies,
     connect_timeout: Duration,

@@ -2,7 +2,6 @@
 //! import a file with errors. Whatever they do, the console does not complain and no request leaves the service.
 
 use std::io::{BufRead, BufReader};
-use std::process::Child;
 
 use crate::chromium::{self, Browser};
 use crate::command::beside;
@@ -11,7 +10,7 @@ use crate::prelude::*;
 
 /// `gyrowatch demo`: two years of a fleet, the paper's tables, campaigns with something hidden in them.
 struct Demo {
-    child: Child,
+    _child: Running,
     base: String,
     dir: tempfile::TempDir,
 }
@@ -37,14 +36,7 @@ impl Demo {
             }
         }
         assert!(!base.is_empty(), "the demo names its address");
-        Self { child, base, dir }
-    }
-}
-
-impl Drop for Demo {
-    fn drop(&mut self) {
-        let _already_gone = self.child.kill();
-        let _reaped = self.child.wait();
+        Self { _child: Running(child), base, dir }
     }
 }
 

@@ -278,7 +278,7 @@ async fn of_several_hosts_the_one_that_takes_writes_is_found() {
 
 /// PgBouncer in a process of its own before a database.
 struct Pooler {
-    child: std::process::Child,
+    _child: Running,
     port: u16,
     _settings: tempfile::TempDir,
 }
@@ -307,18 +307,11 @@ impl Pooler {
             }
             tokio::time::sleep(Duration::from_millis(50)).await;
         }
-        Self { child, port, _settings: dir }
+        Self { _child: Running(child), port, _settings: dir }
     }
 
     fn url(&self, database: &str) -> String {
         format!("postgres://postgres@127.0.0.1:{}/{}", self.port, database.rsplit_once('/').unwrap().1)
-    }
-}
-
-impl Drop for Pooler {
-    fn drop(&mut self) {
-        let _gone = self.child.kill();
-        let _reaped = self.child.wait();
     }
 }
 

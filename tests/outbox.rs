@@ -1,6 +1,5 @@
 //! What is queued arrives: every message, in order per alert, whatever becomes of the service or of other targets.
 
-use std::process::Child;
 use std::sync::atomic::Ordering;
 
 use crate::prelude::*;
@@ -262,7 +261,7 @@ async fn what_waits_for_an_alertmanager_is_told_when_what_fires_finds_it_back() 
 
 /// Debian's Alertmanager, or any on the PATH; killed at the end.
 struct Alertmanager {
-    child: Child,
+    _child: Running,
     url: String,
     http: reqwest::Client,
     _dir: tempfile::TempDir,
@@ -304,7 +303,7 @@ impl Alertmanager {
             .spawn()
             .unwrap();
         let http = gyrowatch::system::http_client(Duration::from_secs(1), Duration::from_secs(5)).build().unwrap();
-        let started = Self { child, url: format!("http://127.0.0.1:{port}"), http, _dir: dir };
+        let started = Self { _child: Running(child), url: format!("http://127.0.0.1:{port}"), http, _dir: dir };
         once(async || started.http.get(format!("{}/-/ready", started.url)).send().await, Result::is_ok).await.unwrap();
         Some(started)
     }
@@ -326,13 +325,6 @@ impl Alertmanager {
     /// Waits until what it shows is as `wanted`.
     async fn comes_to_show(&self, wanted: impl Fn(&[Value]) -> bool) -> Vec<Value> {
         once(async || self.shows().await, |shown| wanted(shown)).await
-    }
-}
-
-impl Drop for Alertmanager {
-    fn drop(&mut self) {
-        let _already_gone = self.child.kill();
-        let _reaped = self.child.wait();
     }
 }
 

@@ -10,5 +10,7 @@ pub(crate) use serde_json::{Value, json};
 
 pub(crate) use crate::lab::{Lab, day, record};
 pub(crate) use crate::receiver::Receiver;
-pub(crate) use crate::support::{self, Server, data, document, gyrowatch, holds, id, once, paper_record, root};
+pub(crate) use crate::support::{
+    self, Running, Server, data, document, gyrowatch, holds, id, once, paper_record, root,
+};
 pub(crate) use crate::{behind, cluster};

@@ -3,11 +3,8 @@
 
 use std::fs;
 use std::os::unix::fs::{PermissionsExt, symlink};
-use std::process::Child;
 
 use crate::prelude::*;
-
-struct Agent(Child);
 
 fn agent(dir: &Path, server: &Server) -> Command {
     let mut command = gyrowatch();
@@ -15,17 +12,8 @@ fn agent(dir: &Path, server: &Server) -> Command {
     command
 }
 
-impl Agent {
-    fn watches(dir: &Path, server: &Server) -> Self {
-        Self(agent(dir, server).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap())
-    }
-}
-
-impl Drop for Agent {
-    fn drop(&mut self) {
-        let _gone = self.0.kill();
-        let _reaped = self.0.wait();
-    }
+fn watches(dir: &Path, server: &Server) -> Running {
+    Running(agent(dir, server).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap())
 }
 
 async fn appears(path: &Path) {
@@ -38,7 +26,7 @@ async fn a_campaign_dropped_while_the_service_is_down_arrives_once_and_a_bad_one
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str| folder.path().join(name);
     let campaign = data("practice/campaign-00.json");
-    let _agent = Agent::watches(folder.path(), &server);
+    let _agent = watches(folder.path(), &server);
     fs::write(file("first.json"), &campaign).unwrap();
     appears(&file("sent/first.json")).await;
 
@@ -77,7 +65,7 @@ async fn a_table_waits_for_the_end_of_its_last_line() {
     }
     fs::write(file("run.csv"), &cut[..cut.len() - 1]).unwrap();
     fs::write(file("stored.json"), data("practice/campaign-00.json")).unwrap();
-    let _agent = Agent::watches(folder.path(), &server);
+    let _agent = watches(folder.path(), &server);
     appears(&file("sent/stored.json")).await;
     tokio::time::sleep(Duration::from_secs(2)).await;
     assert!(file("run.csv").exists(), "nothing says that its last number is whole");
@@ -100,7 +88,7 @@ async fn links_pipes_and_linked_directories_lead_nowhere() {
     fs::create_dir(file("sent")).unwrap();
     symlink(elsewhere.path(), file("refused")).unwrap();
     let mut refuses =
-        Agent(agent(folder.path(), &server).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap());
+        Running(agent(folder.path(), &server).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap());
     let begun = Instant::now();
     while refuses.0.try_wait().unwrap().is_none() {
         assert!(begun.elapsed() < Duration::from_secs(30), "it watches");
@@ -117,7 +105,7 @@ async fn links_pipes_and_linked_directories_lead_nowhere() {
     symlink(elsewhere.path(), file("d")).unwrap();
     fs::write(file("good.json"), data("practice/campaign-00.json")).unwrap();
     fs::write(file("z.json"), "{\"neither\": 1}").unwrap();
-    let _agent = Agent::watches(folder.path(), &server);
+    let _agent = watches(folder.path(), &server);
     for name in ["sent/good.json", "refused/z.json"] {
         appears(&file(name)).await;
     }

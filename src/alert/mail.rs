@@ -74,9 +74,6 @@ pub struct Unsent {
 impl Mailer {
     /// `url`: `smtps://user:password@host:465`, `smtp://host:587?tls=required`, or `smtp://host:25` in the open;
     /// `roots`: certificates in PEM that are trusted beside the system's.
-    ///
-    /// # Errors
-    /// [`MailError`] where either cannot be read.
     pub fn new(url: &str, from: &str, timeout: Duration, roots: Option<&[u8]>) -> Result<Self, MailError> {
         let from = from.parse().map_err(|_| MailError::From)?;
         let parsed = Url::parse(url).map_err(|_| MailError::Address)?;
@@ -214,9 +211,6 @@ fn trusting(
 }
 
 /// The recipients of `mailto:wei.li@lab.example,weber@lab.example`.
-///
-/// # Errors
-/// A message that names what is no address.
 pub fn recipients(url: &str) -> Result<Mailboxes, Message> {
     let listed = url.strip_prefix("mailto:").ok_or_else(|| message!("mail_scheme"))?;
     let mut all = Mailboxes::new();

@@ -35,7 +35,6 @@ enum Hidden {
     Outside,
 }
 
-/// One kind of campaign.
 pub struct CampaignKind {
     pub name: &'static str,
     hidden: Hidden,
@@ -142,12 +141,10 @@ pub const KINDS: [CampaignKind; 29] = [
 ];
 
 impl CampaignKind {
-    /// The kind of that name, if there is one.
     pub fn from_name(name: &str) -> Option<&'static Self> {
         KINDS.iter().find(|kind| kind.name == name)
     }
 
-    /// Campaign `number` of this kind.
     pub fn campaign(&self, seed: u64, number: usize) -> Simulated {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let place = KINDS.iter().position(|kind| kind.name == self.name).unwrap_or(0);
@@ -254,7 +251,6 @@ pub struct KindRow {
     pub scores: Vec<KindScore>,
 }
 
-/// `count` campaigns of a kind, diagnosed from their text.
 pub fn row(kind: &CampaignKind, seed: u64, count: usize, diagnose: &CampaignDiagnoser<'_>) -> KindRow {
     let scores: Vec<KindScore> = (0..count)
         .into_par_iter()

@@ -152,8 +152,6 @@ fn proxies(text: &str) -> Result<Proxies, String> {
 }
 
 impl Connection {
-    /// # Errors
-    /// A file that cannot be read; what is no address.
     pub fn service(&self) -> anyhow::Result<Service> {
         let read = |path: &PathBuf| std::fs::read(path).with_context(|| path.display().to_string());
         let token = match &self.token_file {

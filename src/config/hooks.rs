@@ -63,9 +63,6 @@ impl HooksConfig {
     }
 
     /// Whom e-mail is handed to; none where no mail server is named. `roots` as of [`Mailer::new`].
-    ///
-    /// # Errors
-    /// [`MailError`].
     pub fn mailer(&self, roots: Option<&[u8]>) -> Result<Option<Mailer>, MailError> {
         if self.smtp_url.is_empty() {
             return Ok(None);

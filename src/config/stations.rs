@@ -13,7 +13,6 @@ pub struct Stations {
     pub uncertainty: Vec<StatedUncertainty>,
 }
 
-/// What one station states, or all.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StatedUncertainty {

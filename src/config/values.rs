@@ -56,7 +56,6 @@ fn parsed<E: de::Error>(text: String) -> Result<UtcMicros, E> {
     found(time::parse_start(&text).ok(), message!("config_instant"), &text)
 }
 
-/// What was read of a text, or what is wanted instead.
 fn found<T, E: de::Error>(read: Option<T>, wanted: Message, text: &str) -> Result<T, E> {
     read.ok_or_else(|| E::custom(Carried(message!("must_be", wanted, value = sent(text)))))
 }

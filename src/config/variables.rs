@@ -8,7 +8,6 @@ use crate::wire::table::nearest;
 
 /// Every key with its default.
 pub(super) const DEFAULTS: &str = include_str!("../../config/default.toml");
-/// Keys that have none.
 const WITHOUT_DEFAULT: [&str; 3] = ["server.tls_certificate", "server.tls_key", "hooks.ca_file"];
 /// Letters of a name that allow for one slip more.
 const LETTERS_TO_A_SLIP: usize = 8;

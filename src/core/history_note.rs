@@ -37,7 +37,6 @@ pub enum HistoryNote {
     UncertaintyFactor { serials: Vec<String>, factor: f64 },
 }
 
-/// Why a time is in doubt.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum TimeDoubt {
     /// Clocks that were never set begin there.
@@ -58,7 +57,6 @@ pub struct NamedRecord {
 }
 
 named! {
-/// What a name is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NameKind {
     Imu = "imu",

@@ -13,7 +13,6 @@ pub struct Message {
     pub parameters: Vec<(Cow<'static, str>, Parameter)>,
 }
 
-/// One parameter of a message.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Parameter {
     /// The same in every language: a figure, a name, a key, a date, what somebody wrote.

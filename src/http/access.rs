@@ -107,10 +107,9 @@ impl RequestOrigin {
         let text = |name: HeaderName| headers.get(name).map(|value| value.to_str().unwrap_or("?"));
         match (text(HeaderName::from_static("sec-fetch-site")), text(ORIGIN)) {
             (Some("same-origin" | "none"), _) => Self::Own,
-            (Some(_), _) => Self::Foreign,
             (None, Some(origin)) if origin.split_once("://").map(|(_, host)| host) == text(HOST) => Self::Own,
-            (None, Some(_)) => Self::Foreign,
             (None, None) => Self::Unsaid,
+            _ => Self::Foreign,
         }
     }
 }

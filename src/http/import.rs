@@ -198,7 +198,9 @@ impl Chunk {
         for ImportLine { number, text, room } in lines {
             taken.push(room);
             let read = text
-                .and_then(|bytes| pipeline.reader.document(&bytes).map_err(|faults| problem_of(&bytes, faults)))
+                .and_then(|bytes| {
+                    pipeline.reader.document(&bytes).map_err(|faults| Document::problem(&bytes, on_a_line(faults)))
+                })
                 .and_then(|read| Ok(read.submission.may_be_sent_by(caller).map(|()| read)?));
             let (problem, origin) = match read {
                 Ok(ReadDocument { submission, origin }) => {
@@ -240,11 +242,6 @@ impl Chunk {
         }
         (text.into(), self.room)
     }
-}
-
-/// A line of the body is the whole of its document.
-fn problem_of(line: &[u8], faults: Faults) -> Problem {
-    Document::problem(line, on_a_line(faults))
 }
 
 async fn settled(reply: Reply, origin: &Origin, pipeline: &Pipeline) -> Answer<(u16, String, Vec<NoteBody>)> {

@@ -106,7 +106,6 @@ pub fn with_sign(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// The position that a cursor of a list stands for, where one is given.
 pub fn position(list: List, cursor: Option<&str>) -> Answer<Option<i64>> {
     cursor.map(|cursor| cursor::decode(list, cursor).map_err(bad)).transpose()
 }
@@ -143,7 +142,6 @@ pub fn id<'t>(text: &'t str, no_such: fn(&'t str) -> Problem) -> Answer<Id> {
     text.parse().map_err(|_| no_such(text))
 }
 
-/// The number of a gyro by its serial.
 pub fn gyro(app: &App, serial: &str) -> Answer<u32> {
     let number = app.pipeline.queries.names().gyro_number(serial);
     number.ok_or_else(|| Problem::unknown_gyro(serial))

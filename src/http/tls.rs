@@ -30,9 +30,6 @@ pub struct Tls(watch::Receiver<Arc<ServerConfig>>);
 impl Tls {
     /// Reads certificate and key, and again whenever they change. What cannot be used is logged, and the one before
     /// stays.
-    ///
-    /// # Errors
-    /// [`TlsError`] where they cannot be used now.
     pub fn start(certificate: &Path, key: &Path) -> Result<Self, TlsError> {
         let mut files = Files { certificate: certificate.to_owned(), key: key.to_owned(), seen: None };
         files.seen = files.contents();

@@ -91,9 +91,6 @@ struct Work<'a> {
 }
 
 /// Finds the dwells of what was gathered.
-///
-/// # Errors
-/// Why the log holds no campaign.
 pub fn assemble(
     map: &Map,
     log: &mut Gathered,
@@ -119,7 +116,6 @@ pub fn assemble(
     work.assemble(found, programme, other_unit).map_err(|fault| LogError::new("log", fault))
 }
 
-/// The map's table.
 pub fn table(map: &Map) -> Result<Option<Table>, LogError> {
     let Some(of) = &map.table else { return Ok(None) };
     let fail = |fault: Message| LogError::new("map", message!("at_map_key", key = "table", fault));
@@ -783,9 +779,6 @@ pub fn laid_over(
 }
 
 /// That measured verticals are those that were commanded; `off`: begin of each dwell, s, and the angle between, rad.
-///
-/// # Errors
-/// How many are not, and the first.
 pub fn agree(off: &[(f64, f64)]) -> Result<(), Message> {
     let wrong: Vec<&(f64, f64)> = off.iter().filter(|(_, angle)| *angle > OFF_COMMANDED).collect();
     let Some(&&(start, angle)) = wrong.first() else { return Ok(()) };

@@ -331,7 +331,6 @@ fn turn(row: &Row, inertial: bool, site: Option<Site>) -> Option<f64> {
     }
 }
 
-/// The programme's row of each row.
 fn positions(
     of: (&Map, Counts, Option<Site>),
     rows: &[Row],

@@ -21,7 +21,6 @@ use crate::wire::campaign::{CampaignBody, CampaignGyroBody, DwellBody, commanded
 use crate::wire::numbers::tidy;
 use crate::wire::time;
 
-/// A campaign with what it was made from.
 pub struct Made {
     pub body: CampaignBody,
     pub dwells: Vec<Dwell>,
@@ -99,9 +98,6 @@ pub fn campaign_of(files: &[PathBuf], map: &Map, programme: Option<&str>) -> Res
 }
 
 /// As [`campaign_of`], of logs that are open, each with its name.
-///
-/// # Errors
-/// As [`campaign_of`].
 pub fn campaign_from(
     mut sources: Vec<(String, Source)>,
     map: &Map,

@@ -57,9 +57,6 @@ struct Line {
 }
 
 /// The map of logs as far as names, units and numbers show it.
-///
-/// # Errors
-/// As [`Source::open`].
 pub fn guess(paths: &[PathBuf], language: Language) -> Result<String, LogError> {
     let last = |path: &PathBuf| name(Path::new(path.file_name().unwrap_or(path.as_os_str())));
     let open = |path: &PathBuf| Ok((last(path), Source::open(path)?));
@@ -67,9 +64,6 @@ pub fn guess(paths: &[PathBuf], language: Language) -> Result<String, LogError> 
 }
 
 /// As [`guess`], of logs that are open, each with its name.
-///
-/// # Errors
-/// A log without rows.
 pub fn guess_of(sources: Vec<(String, Source)>, language: Language) -> Result<String, LogError> {
     let names: Vec<String> = sources.iter().map(|(name, _)| name.clone()).collect();
     let mut looked = Vec::new();
@@ -485,9 +479,6 @@ fn short(value: f64) -> f64 {
 }
 
 /// Whether a map still has question marks in it.
-///
-/// # Errors
-/// The line of the first.
 pub fn answered(text: &str) -> Result<(), Message> {
     let open = |line: &str| line.split('#').next().is_some_and(|said| said.contains("\"?\""));
     match text.lines().position(open) {

@@ -168,8 +168,6 @@ impl std::fmt::Display for ColumnName {
 }
 
 impl Map {
-    /// # Errors
-    /// What the TOML is not, with its line.
     pub fn parse(text: &str) -> Result<Self, Message> {
         toml::from_str(text).map_err(|error| toml_fault(&error, text))
     }
@@ -227,9 +225,6 @@ impl Columns {
     }
 
     /// Columns of plain numbers: their places and signs.
-    ///
-    /// # Errors
-    /// No such log or column.
     pub fn plain(&self, key: &'static str, sources: &[(String, Source)]) -> Result<Vec<Reading>, LogError> {
         let (log, (place, source)) = log_of(key, self.log, sources)?;
         let reading = |name: &ColumnName| {
@@ -271,9 +266,6 @@ impl Columns {
     }
 
     /// The unit that the numbers are in, its name, and what the header says of it.
-    ///
-    /// # Errors
-    /// As [`Columns::find`].
     pub fn unit(&self, of: Quantity, source: &Source) -> Result<(Unit, String, Header), Message> {
         let (first, _) = match self.columns.first() {
             Some(name) => name.find(source)?,

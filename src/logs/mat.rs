@@ -39,10 +39,6 @@ struct Element<'a> {
     data: Bytes<'a>,
 }
 
-/// Every numeric array of a file.
-///
-/// # Errors
-/// A file that breaks off or is none of this format.
 pub fn arrays(file: &[u8]) -> Result<Vec<Array>, Message> {
     let big_endian = match file.get(HEADER - 2..HEADER) {
         Some(b"IM") => false,

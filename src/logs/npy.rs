@@ -22,17 +22,11 @@ const MOST_BYTES_OF_ONE: usize = 1 << 20;
 const CHANNELS: usize = 100;
 
 /// The columns of an array: those of a structured one by their names, others without.
-///
-/// # Errors
-/// What breaks off, or holds no numbers.
 pub fn columns(file: &[u8]) -> Result<Vec<Named>, Message> {
     of_array(file, "")
 }
 
 /// The columns of all arrays of numbers in an archive, each by its array's name.
-///
-/// # Errors
-/// As [`columns`].
 pub fn columns_of_archive(file: &[u8]) -> Result<Vec<Named>, Message> {
     let mut archive = ZipArchive::new(Cursor::new(file)).map_err(|_| message!("npy_broken"))?;
     let mut found = Vec::new();

@@ -13,9 +13,6 @@ use crate::core::message::Message;
 use crate::message;
 
 /// The columns of numbers, by their names; NaN where nothing stands.
-///
-/// # Errors
-/// What cannot be read, or holds no numbers.
 pub fn columns(file: Vec<u8>) -> Result<Vec<Named>, Message> {
     let broken = |error: ParquetError| message!("parquet_broken", why = format_args!("{error}"));
     let reader = SerializedFileReader::new(Bytes::from(file)).map_err(broken)?;

@@ -28,9 +28,6 @@ const COLUMNS: [&str; 10] = [
 ];
 
 /// The built-in programme of this name, or the one in a file.
-///
-/// # Errors
-/// Line and column of what cannot be read.
 pub fn read(choice: &str) -> Result<Vec<Position>, LogError> {
     if choice == TWENTY_FOUR {
         return Ok(twenty_four());
@@ -41,9 +38,6 @@ pub fn read(choice: &str) -> Result<Vec<Position>, LogError> {
 }
 
 /// As [`read`], of its text in place of a file's name.
-///
-/// # Errors
-/// Line and column of what cannot be read.
 pub fn of_text(text: &str) -> Result<Vec<Position>, Message> {
     if text.trim() == TWENTY_FOUR { Ok(twenty_four()) } else { parse(text) }
 }

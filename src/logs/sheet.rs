@@ -11,9 +11,6 @@ use crate::wire::document::is_csv;
 use crate::wire::file_kind::{FileKind, HEAD, file_kind};
 
 /// The first sheet as CSV: a line a row, cells parted by commas, head matter as it stands.
-///
-/// # Errors
-/// What cannot be read as xlsx.
 fn to_csv(bytes: &[u8]) -> Result<String, Message> {
     let broken = |error: calamine::XlsxError| message!("xlsx_broken", why = format_args!("{error}"));
     let mut book: Xlsx<_> = Xlsx::new(Cursor::new(bytes)).map_err(broken)?;
@@ -46,18 +43,12 @@ fn cell(cell: &Data) -> String {
 }
 
 /// The text of a table of any encoding, or of a workbook.
-///
-/// # Errors
-/// What the file is, where it is none of these.
 pub fn readable_table(bytes: Vec<u8>) -> Result<String, Message> {
     file_kind(&bytes[..bytes.len().min(HEAD)])?;
     readable(bytes).map(|bytes| of_any(&bytes))
 }
 
 /// The bytes of a document; of UTF-16 those of UTF-8, of a workbook the CSV that it would be saved as.
-///
-/// # Errors
-/// What the file is, where it is none of these.
 pub fn readable(bytes: Vec<u8>) -> Result<Vec<u8>, Message> {
     if bytes.trim_ascii().is_empty() {
         return Err(message!("file_is_empty"));

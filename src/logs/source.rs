@@ -52,9 +52,6 @@ impl Source {
     }
 
     /// As [`Source::open`], of a log that is at hand; `place` is how messages name it.
-    ///
-    /// # Errors
-    /// As [`Source::open`].
     pub fn read(place: &str, mut from: impl Read + 'static) -> Result<Self, LogError> {
         let fail = unreadable(place);
         let mut head = Vec::new();
@@ -142,9 +139,6 @@ impl Source {
     }
 
     /// Calls `each` with every row; the lines that were no rows.
-    ///
-    /// # Errors
-    /// What `each` refuses, with its line.
     pub fn rows(
         &mut self,
         place: &str,
@@ -169,9 +163,6 @@ impl Source {
     }
 
     /// The place of the column of a name, of a name with its unit, or of a number from 1.
-    ///
-    /// # Errors
-    /// No such column, with those that there are.
     pub fn column(&self, name: &str) -> Result<usize, Message> {
         let columns = self.columns();
         let wanted = Column::named(name);

@@ -430,9 +430,6 @@ fn is_number(cell: &str, decimal_comma: bool) -> bool {
 
 impl Layout {
     /// The layout that a file's first bytes show.
-    ///
-    /// # Errors
-    /// No table in it.
     pub fn of(head: &[u8], whole: bool) -> Result<Self, Message> {
         let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
         let text = decoded(head);

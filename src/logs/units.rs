@@ -59,7 +59,6 @@ impl Quantity {
         }
     }
 
-    /// The unit of this name; none where it is no unit of this quantity.
     pub fn unit(self, name: &str) -> Option<Unit> {
         let plain = plain(name);
         let known = self.units().iter().find(|unit| plain == **unit)?;

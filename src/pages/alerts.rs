@@ -276,7 +276,6 @@ fn of_gyro(viewer: &Viewer, gyro: &Alerted, first_of_page: bool, may: bool, here
     }
 }
 
-/// Whether this alert of a station has not been resolved.
 pub(super) fn is_open_of(alert: &AlertBody, station: &str) -> bool {
     alert.is_of_station() && alert.name() == station && is_open(alert)
 }

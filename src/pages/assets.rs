@@ -26,7 +26,6 @@ impl Asset {
     }
 }
 
-/// Answers with the asset of that name.
 pub(super) async fn serve(Path(name): Path<String>) -> Response {
     let all: [&'static Asset; 2] = [&STYLE, &SCRIPT];
     let Some(asset) = all.into_iter().find(|asset| asset.path.strip_prefix("/assets/") == Some(&name)) else {

@@ -70,7 +70,6 @@ async fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> R
     Ok(Page { title, section: Section::Fleet, body: markup })
 }
 
-/// Who sent it, from where and with what.
 fn sent_by(t: &Text, sender: Option<&SenderBody>) -> Markup {
     let Some(SenderBody { name, address, agent, .. }) = sender else { return html! {} };
     let from = [Some(address.as_str()).filter(|address| !address.is_empty()), agent.as_deref()];

@@ -3,7 +3,7 @@
 mod orders;
 
 use super::figure::percent;
-use super::form::{choice, fault_list, see_other};
+use super::form::{choice, fault_list, said, see_other};
 use super::layout::{effect_named, joined, query};
 use super::prelude::*;
 use super::residuals::closure_bar;
@@ -14,7 +14,7 @@ use crate::wire::diagnoses::{
 };
 
 pub(super) use orders::cancel;
-use orders::{Wanted, beginning, said};
+use orders::{Wanted, beginning};
 
 /// What the summary is narrowed down to; what is empty narrows nothing.
 #[derive(Debug, Default, Clone, Deserialize)]

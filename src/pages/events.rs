@@ -2,7 +2,7 @@
 
 use tokio::time::Instant;
 
-use super::form::{ActionForm, Word, see_other, typed_time};
+use super::form::{self, ActionForm, Word, see_other, typed_time};
 use super::gyro::{PATIENCE, explained};
 use super::gyro_facts::Facts;
 use super::gyro_head;
@@ -114,9 +114,8 @@ pub(super) async fn act(
     // What cannot be read is no time that could be impossible.
     let of_time = of_time.or(()).and_then(|()| pages.pipeline.reader.check_time("at", at));
     of_time.unwrap_or_else(|of_time| faults.absorb("", of_time));
-    let filled = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
     let test = event.map(|event| {
-        read_test(event, at, (filled(&said.to).map(|to| typed_time(&to)), filled(&said.kind)), &mut faults)
+        read_test(event, at, (form::said(&said.to).map(|to| typed_time(&to)), form::said(&said.kind)), &mut faults)
     });
     let Some((event, (until, test))) = event.zip(test).filter(|_| faults.is_empty()) else {
         let stands = how_it_stands(pages, viewer.text(), serial, said).await?;

@@ -160,6 +160,11 @@ async fn act<A: ItemAction>(
     }
 }
 
+/// What somebody wrote into a field, if anything.
+pub(super) fn said(text: &str) -> Option<String> {
+    Some(text.trim().to_owned()).filter(|text| !text.is_empty())
+}
+
 /// One of several by their names, or any.
 pub(super) fn choice<'a>(
     t: &Text,
@@ -181,7 +186,6 @@ pub(super) fn who(t: &Text, by: &str) -> Markup {
     html! { label { (t.who) input name="by" value=(by) required maxlength="128" autocomplete="name"; } }
 }
 
-/// Of which rule.
 pub(super) fn rule_choice(t: &Text, chosen: &str) -> Markup {
     // Of earlier versions: nothing is judged by it any more.
     let offered = Rule::ALL.into_iter().filter(|rule| *rule != Rule::Cusum || chosen == rule.name());

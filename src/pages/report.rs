@@ -220,7 +220,7 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
                     (history::happenings(t, &facts.course, &names))
                 }
             }
-            (signature(t))
+            p.signature { (t.signature) ":" }
         }
     };
     Ok(Page { title: format!("{} {name}", t.report_of_imu), section: Section::Fleet, body })
@@ -243,8 +243,4 @@ fn identity(t: &Text, serial: &str, view: &View, facts: &Facts, names: &Names<'_
             dt { (t.judged_by) } dd { (t.method_of(view.shown.separation())) }
         }
     }
-}
-
-fn signature(t: &Text) -> Markup {
-    html! { p.signature { (t.signature) ":" } }
 }

@@ -21,7 +21,6 @@ pub struct Pages {
 }
 
 impl Pages {
-    /// The number of a gyro.
     pub(super) fn gyro_number(&self, serial: &str) -> Result<u32, Problem> {
         self.pipeline.queries.names().gyro_number(serial).ok_or_else(|| Problem::unknown_gyro(serial))
     }

@@ -28,7 +28,8 @@ pub(super) fn pieces(text: &str) -> Vec<Piece<'_>> {
     }
     let lines = body.lines().map(str::trim).filter(|line| !line.is_empty());
     let is_several = lines.clone().nth(1).is_some();
-    if is_several && lines.clone().next().is_some_and(|first| first.starts_with('{') && is_json(first)) {
+    let is_object = |line: &str| line.starts_with('{') && serde_json::from_str::<IgnoredAny>(line).is_ok();
+    if is_several && lines.clone().next().is_some_and(is_object) {
         return lines.map(json).collect();
     }
     if body.starts_with(['{', '[', '"']) {
@@ -46,17 +47,12 @@ struct Lines<'a> {
 }
 
 impl Lines<'_> {
-    /// The line on which a part begins.
     fn line_of(&mut self, part: &str) -> usize {
         let start = part.as_ptr() as usize - self.whole.as_ptr() as usize;
         self.line += self.whole[self.passed..start].matches('\n').count();
         self.passed = start;
         self.line
     }
-}
-
-fn is_json(text: &str) -> bool {
-    serde_json::from_str::<IgnoredAny>(text).is_ok()
 }
 
 #[cfg(test)]

@@ -84,9 +84,6 @@ pub struct Pipeline {
 
 impl Pipeline {
     /// Starts the writers. They end, and the database is closed, when the last clone of the pipeline is gone.
-    ///
-    /// # Errors
-    /// [`StoreError`] where what is stored cannot be read.
     pub async fn start(
         store: Store,
         mut writer: Writer,
@@ -133,9 +130,6 @@ impl Pipeline {
     }
 
     /// A pipeline that answers what is asked of it and takes nothing in.
-    ///
-    /// # Errors
-    /// [`StoreError`] where the adopted models or the tokens cannot be read.
     pub async fn to_read(store: Store, config: Arc<Config>, clock: Clock) -> Result<Self, StoreError> {
         let (queue, _closed) = WriteQueue::new(1, 0);
         Self::assemble(store, config, clock, queue).await
@@ -184,9 +178,6 @@ impl Pipeline {
     }
 
     /// Whether a record would be stored now: the writer lives and the database can be written.
-    ///
-    /// # Errors
-    /// [`WriteError`], as for a record.
     pub async fn probe(&self) -> Result<(), WriteError> {
         self.queue.ask(Job::Probe).await
     }

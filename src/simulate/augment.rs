@@ -78,9 +78,6 @@ pub fn augment(simulated: &mut Simulated, model: &AugmentedModel) -> Result<(), 
 }
 
 /// d of an effect over all gyros; none where the design does not see it, or without noise.
-///
-/// # Errors
-/// As [`augment`].
 pub fn detectability(simulated: &Simulated, known: &KnownEffect) -> Result<Option<f64>, NotPossible> {
     let (setting, _) = axes::setting(&simulated.campaign)?;
     let response = EffectResponse::of(known, &setting)?;

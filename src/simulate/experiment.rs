@@ -43,7 +43,6 @@ pub enum Stage {
     BenchAfter,
 }
 
-/// One test of the experiment, to be simulated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Test {
     pub stage: Stage,

@@ -32,10 +32,9 @@ pub fn hide(
     rng: &mut ChaCha8Rng,
 ) -> Result<KnownEffect, NotPossible> {
     let entry = effect.entry();
-    let there: Vec<Slot> = simulated.campaign.gyros.iter().map(|gyro| gyro.slot).collect();
     let common = entry.scope == Scope::Common;
     let chosen = |slot: &Slot| common || slots.is_empty() || slots.contains(slot);
-    let slots: Vec<Slot> = there.into_iter().filter(chosen).collect();
+    let slots: Vec<Slot> = simulated.campaign.gyros.iter().map(|gyro| gyro.slot).filter(chosen).collect();
     if slots.is_empty() {
         return Err(NotPossible::NoGyro);
     }

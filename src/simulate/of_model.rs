@@ -16,9 +16,6 @@ const ARCMIN_PER_RADIAN: f64 = 180.0 * 60.0 / std::f64::consts::PI;
 
 /// The IMU as one of those that the model's covariance allows, by the scenario's seed, in that scenario; and the model
 /// with the coefficients drawn, for [`super::augment::augment`].
-///
-/// # Errors
-/// Faults of the scenario's site.
 pub fn drawn_from(base: &Scenario, model: &AugmentedModel) -> Result<(Scenario, AugmentedModel), Faults> {
     let Some(identified) = &model.identified else { return Ok((base.clone(), model.clone())) };
     let mut rng = random(base.seed, Stream::Model);
@@ -43,9 +40,6 @@ pub fn drawn_from(base: &Scenario, model: &AugmentedModel) -> Result<(Scenario, 
 }
 
 /// The scenario with the IMU of the model as it is estimated.
-///
-/// # Errors
-/// Faults of the scenario's site.
 pub fn scenario_of(base: &Scenario, model: &Identified) -> Result<Scenario, Faults> {
     let gravity = Earth::at(&base.site)?.gravity.norm();
     let mean = |of: &dyn Fn(&ModelGyro) -> f64| {

@@ -68,7 +68,6 @@ pub enum Positions {
 }
 }
 
-/// In which order the dwells are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DwellOrder {

@@ -113,7 +113,6 @@ pub struct GyroChoice {
     pub states_e: StatedE,
 }
 
-/// E as the campaign states it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StatedE {

@@ -40,9 +40,6 @@ pub struct World {
 
 impl World {
     /// Draws everything that a seed decides: programme, temperatures, gyros and their errors.
-    ///
-    /// # Errors
-    /// What the scenario states and cannot be, by its JSON pointer.
     pub fn new(scenario: &Scenario) -> Result<Self, Faults> {
         scenario.noise.check()?;
         let geometry = scenario.geometry.resolve()?;

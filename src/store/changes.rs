@@ -88,7 +88,6 @@ pub struct RestatedRow {
 }
 
 impl Changes {
-    /// New names.
     pub fn names_mut(&mut self, of: NamesOf) -> &mut Vec<NewName> {
         match of {
             NamesOf::Imus => &mut self.imus,

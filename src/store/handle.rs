@@ -65,9 +65,6 @@ impl Store {
     }
 
     /// Bytes on disk: the database, and the write-ahead log beside it where that is a file of its own.
-    ///
-    /// # Errors
-    /// Where a database server does not say.
     pub async fn sizes(&self) -> Result<(u64, u64)> {
         match &self.readers {
             Readers::Sqlite(_, file) => {

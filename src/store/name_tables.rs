@@ -11,7 +11,6 @@ use crate::core::name::{look_keys, normal_form};
 use crate::store::cells::CELLS;
 use crate::store::error::StoreError;
 
-/// What has a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum NamesOf {
     Imus,
@@ -23,7 +22,6 @@ impl NamesOf {
     pub const ALL: [Self; 3] = [Self::Imus, Self::Stations, Self::Gyros];
 }
 
-/// A name that is new to the database.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NewName {
     pub number: u32,
@@ -248,9 +246,6 @@ impl Tables {
     }
 
     /// Takes over a stored name. One that had another number was lost with its commit, and has been stored anew.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`] where the number is another name's.
     pub(crate) fn learn(&mut self, kind: NamesOf, number: u32, cell: u8, name: &str) -> Result<(), StoreError> {
         let table = self.of_mut(kind);
         let lost = table.stored_as(name).map(|place| table.entry(place).number);

@@ -110,7 +110,6 @@ impl Cell {
 }
 
 impl Rows {
-    /// A row of each of these.
     pub fn of<P: Part>(parts: impl IntoIterator<Item = P>) -> Self {
         Self::each(parts, |part, row| part.put(row))
     }

@@ -105,9 +105,6 @@ impl Writer {
     }
 
     /// Whether writing works.
-    ///
-    /// # Errors
-    /// As [`Writer::commit`].
     pub async fn probe(&mut self) -> Result<()> {
         match &mut self.engine {
             Engine::File(writer) => {

@@ -36,9 +36,6 @@ pub fn parse_bench_result(bytes: &[u8], max_drift: f64) -> Result<BenchResult, F
 
 impl BenchBody {
     /// Checks every member. `max_drift` is the largest |D_I| and |D_S|, deg/(h g0).
-    ///
-    /// # Errors
-    /// All faults at once, each by its JSON pointer.
     pub fn to_core(&self, max_drift: f64) -> Result<BenchResult, Faults> {
         let mut faults = Faults::default();
         let result = BenchResult {

@@ -137,17 +137,11 @@ pub struct CampaignBody {
 }
 
 /// Reads and checks a campaign in JSON.
-///
-/// # Errors
-/// Of a document with the wrong shape, the first fault; otherwise all, by JSON pointer.
 pub fn parse_json(bytes: &[u8]) -> Result<Campaign, Faults> {
     json::parse_and_read(bytes, CampaignBody::to_core)
 }
 
 /// As [`parse_json`], of a campaign that comes in: what was commanded must be what the Earth allows.
-///
-/// # Errors
-/// As [`parse_json`] and [`commanded::check`].
 pub fn parse_json_as_sent(bytes: &[u8]) -> Result<Campaign, Faults> {
     let campaign = parse_json(bytes)?;
     commanded::check(&campaign).map(|()| campaign)
@@ -186,9 +180,6 @@ pub fn terms_from_names<S: AsRef<str>>(names: &[S]) -> Result<Terms, Faults> {
 
 impl CampaignBody {
     /// Converts and checks.
-    ///
-    /// # Errors
-    /// All faults, by JSON pointer.
     pub fn to_core(&self) -> Result<Campaign, Faults> {
         let faults = &mut Faults::default();
         let head = self.head(faults);
@@ -304,8 +295,6 @@ impl CampaignGyroBody {
 }
 
 impl StationUncertaintyBody {
-    /// # Errors
-    /// What is no standard uncertainty, by JSON pointer.
     pub fn to_core(self) -> Result<StationUncertainty, Faults> {
         let mut faults = Faults::default();
         let mut part = |member: &str, arcsec: Option<f64>| {

@@ -30,17 +30,11 @@ use crate::core::campaign::Campaign;
 use crate::wire::prelude::*;
 
 /// Reads and checks a campaign in CSV.
-///
-/// # Errors
-/// All faults that could be found, with line and column.
 pub fn parse_csv(bytes: &[u8]) -> Result<Campaign, Faults> {
     Ok(parse_csv_as_sent(bytes)?.1)
 }
 
 /// As [`parse_csv`], with the document that the table says, number by number as sent.
-///
-/// # Errors
-/// All faults that could be found, with line and column.
 pub fn parse_csv_as_sent(bytes: &[u8]) -> Result<(CampaignBody, Campaign), Faults> {
     let text = text_of(bytes)?;
     let mut faults = Faults::default();

@@ -49,7 +49,6 @@ impl List {
 
 const LAST_MARK: u8 = 17;
 
-/// The cursor of a position in a list.
 pub fn encode(list: List, position: i64) -> String {
     let mut bytes = [0; 9];
     bytes[0] = list.mark();

@@ -116,14 +116,10 @@ fn has_e(bytes: &[u8]) -> bool {
 
 /// Reads and checks a campaign that comes in, in JSON or CSV, told apart by the first character: JSON begins with a
 /// brace.
-///
-/// # Errors
-/// As [`parse_json_as_sent`] and [`parse_csv`].
 pub fn parse(bytes: &[u8]) -> Result<Campaign, Faults> {
     if is_csv(bytes) { parse_csv(bytes) } else { parse_json_as_sent(bytes) }
 }
 
-/// Whether a document is taken for CSV.
 pub fn is_csv(bytes: &[u8]) -> bool {
     let text = without_mark(bytes);
     !matches!(text.iter().find(|b| !b.is_ascii_whitespace()), Some(b'{' | b'[') | None)

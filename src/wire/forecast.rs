@@ -461,7 +461,6 @@ impl ComparedBody {
         }
     }
 
-    /// Whether the campaign is outside its forecast.
     pub fn is_outside(&self) -> bool {
         self.state == OUTSIDE
     }

@@ -9,7 +9,6 @@ use crate::core::gyro_attributes::GyroAttributesPatch;
 use crate::core::record::Name;
 use crate::wire::prelude::*;
 
-/// A row of the table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GyroRow {
     /// From 1.
@@ -20,8 +19,6 @@ pub struct GyroRow {
 
 const COLUMNS: [&str; 4] = ["serial", "batch", "type", "unit"];
 
-/// # Errors
-/// Every fault, with line and column.
 pub fn parse(bytes: &[u8]) -> Result<Vec<GyroRow>, Faults> {
     let text = text_of(bytes)?;
     let mut faults = Faults::default();

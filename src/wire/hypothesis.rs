@@ -70,9 +70,6 @@ pub fn parse_toml(bytes: &[u8]) -> Result<Effect, Faults> {
 
 impl HypothesisBody {
     /// Converts and checks.
-    ///
-    /// # Errors
-    /// All faults, by JSON pointer.
     pub fn to_core(&self) -> Result<Effect, Faults> {
         let mut faults = Faults::default();
         let small = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
@@ -122,9 +119,6 @@ bodies! {
 }
 
 /// Refuses two that have one id.
-///
-/// # Errors
-/// The id that comes twice.
 pub fn with_one_id_each(effects: &[Effect]) -> Result<(), Faults> {
     let twice = effects.iter().enumerate().find(|(i, effect)| effects[..*i].iter().any(|e| e.id() == effect.id()));
     let fault = |id: &str| Fault { pointer: "/id".to_owned(), message: message!("named_twice", name = text(id)) };

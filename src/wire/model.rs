@@ -143,17 +143,11 @@ pub struct ProvenanceBody {
 }
 
 /// Reads and checks a model file.
-///
-/// # Errors
-/// Of a document with the wrong shape, the first fault; otherwise all, by JSON pointer.
 pub fn parse(bytes: &[u8]) -> Result<AugmentedModel, Faults> {
     json::parse::<ModelBody>(bytes)?.checked()
 }
 
 /// Reads a stored model, adopted when less may have been checked.
-///
-/// # Errors
-/// As [`parse`].
 pub fn parse_stored(bytes: &[u8]) -> Result<AugmentedModel, Faults> {
     json::parse::<ModelBody>(bytes)?.to_core()
 }
@@ -165,9 +159,6 @@ pub fn to_json(model: &AugmentedModel) -> String {
 
 impl ModelBody {
     /// Converts and checks.
-    ///
-    /// # Errors
-    /// All faults, by JSON pointer.
     pub fn to_core(&self) -> Result<AugmentedModel, Faults> {
         let mut faults = Faults::default();
         if let Some(version) = self.version.filter(|version| !VERSIONS.contains(version)) {
@@ -227,9 +218,6 @@ impl ModelBody {
 
 impl AdoptionBody {
     /// As [`Self::to_core`], of the IMU with this name: coefficients of another one are no model of it.
-    ///
-    /// # Errors
-    /// All faults, by JSON pointer.
     pub fn to_core_of(self, imu: &str) -> Result<(AugmentedModel, String, String), Faults> {
         let (model, author, reason) = self.to_core()?;
         match &model.identified {
@@ -242,9 +230,6 @@ impl AdoptionBody {
     }
 
     /// The model, its author and the reason.
-    ///
-    /// # Errors
-    /// All faults, by JSON pointer.
     pub fn to_core(self) -> Result<(AugmentedModel, String, String), Faults> {
         let mut faults = Faults::default();
         let (author, reason) = text::signed("/author", self.author, self.reason, &mut faults);
@@ -347,7 +332,6 @@ impl ShapeBody {
         *self == Self::default()
     }
 
-    /// The shape, where it is one that the effect can have.
     fn to_core(&self, effect: Effect, place: &str, faults: &mut Faults) -> Option<Shape> {
         let given = [
             self.tau_s.map(Shape::Tau),

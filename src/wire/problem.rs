@@ -140,7 +140,6 @@ pub fn not_one_of(parameter: &'static str, known: impl IntoIterator<Item = &'sta
     Problem::new(400, "title_bad_query", fault)
 }
 
-/// The value that a parameter names.
 pub fn named<T: Named>(parameter: &'static str, asked: Option<&str>) -> Result<Option<T>, Problem> {
     let value = |name: &str| T::from_name(name).ok_or_else(|| not_one_of(parameter, T::NAMES.iter().copied(), name));
     asked.map(value).transpose()

@@ -34,7 +34,6 @@ impl Reason {
         Self(verdict.messages())
     }
 
-    /// With a sentence more.
     #[must_use]
     pub fn and(mut self, sentence: Message) -> Self {
         self.0.push(sentence);

@@ -43,7 +43,6 @@ struct TimeForm {
     offset: String,
 }
 
-/// What a row is.
 #[derive(Clone, Copy)]
 enum RowKind {
     /// A gyro of a record.
@@ -316,7 +315,6 @@ fn said_above(text: &str, first: usize, known: &[String], faults: &mut Faults) -
     said
 }
 
-/// A value of a map as a table would have it.
 fn plain(value: &Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }

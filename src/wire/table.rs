@@ -95,13 +95,11 @@ pub(super) fn rows(
     rows
 }
 
-/// A row with more cells than there are columns.
 pub(super) fn too_many_cells(line: usize, cells: usize, columns: usize) -> Message {
     let fault = message!("cells_under_columns", cells, columns);
     message!("at_column", line, column = columns + 1, fault)
 }
 
-/// A fault in the cell of a line and column.
 pub(super) fn at_cell((line, column): (usize, usize), name: &str, fault: Message) -> Message {
     message!("at_cell", line, column, name = name.to_owned(), fault)
 }

@@ -38,7 +38,8 @@ fn or_day(fault: Message) -> Message {
     if fault.code == "not_rfc3339" { message!("not_day_or_rfc3339") } else { fault }
 }
 
-fn is_day(text: &str) -> bool {
+/// Whether it has the form of a day, `2026-03-01`.
+pub fn is_day(text: &str) -> bool {
     text.len() == 10 && text.bytes().all(|byte| byte.is_ascii_digit() || byte == b'-')
 }
 

@@ -135,7 +135,6 @@ impl Language {
         }
     }
 
-    /// Sentence after sentence.
     pub fn sentences(self, messages: &[Message]) -> String {
         let sentences: Vec<String> = messages.iter().map(|message| self.words(message)).collect();
         sentences.join(match self {

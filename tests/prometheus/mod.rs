@@ -1,7 +1,5 @@
 //! A real Prometheus, for tests.
 
-use std::process::Child;
-
 use gyrowatch::system;
 use tempfile::TempDir;
 
@@ -9,7 +7,7 @@ use crate::prelude::*;
 
 /// Prometheus with the rules that ship, looking every second; it ends with the test.
 pub struct Prometheus {
-    child: Child,
+    _child: Running,
     address: String,
     _dir: TempDir,
 }
@@ -34,7 +32,7 @@ impl Prometheus {
             .stderr(Stdio::null())
             .spawn()
             .unwrap();
-        Self { child, address, _dir: dir }
+        Self { _child: Running(child), address, _dir: dir }
     }
 
     /// What it answers; null before it does.
@@ -63,12 +61,5 @@ impl Prometheus {
 
     pub async fn scrapes(&self) -> bool {
         self.series("gyrowatch_items_total").await.is_ok_and(|series| !series.is_empty())
-    }
-}
-
-impl Drop for Prometheus {
-    fn drop(&mut self) {
-        let _already_gone = self.child.kill();
-        let _reaped = self.child.wait();
     }
 }

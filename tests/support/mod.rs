@@ -425,6 +425,16 @@ async fn holdings_on_server(url: &str) -> Vec<(String, i64)> {
     holdings
 }
 
+/// A program that is killed where its test ends.
+pub struct Running(pub Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _already_gone = self.0.kill();
+        let _reaped = self.0.wait();
+    }
+}
+
 impl Drop for Server {
     fn drop(&mut self) {
         let _already_gone = self.child.kill();

@@ -50,7 +50,6 @@ pub(super) fn page(context: &Context<'_>, alert: &AlertBody) -> String {
     context.external_url.unwrap_or_default().to_owned() + &alert.page()
 }
 
-/// The page of an alert.
 pub(super) fn alert_page(context: &Context<'_>, alert: &AlertBody) -> String {
     format!("{}/alerts/{}", context.external_url.unwrap_or_default(), alert.id)
 }

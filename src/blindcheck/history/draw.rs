@@ -95,7 +95,6 @@ impl DrawnFleet {
     }
 }
 
-/// One fleet.
 pub struct FleetDraw {
     rng: ChaCha8Rng,
 }
@@ -190,7 +189,6 @@ impl HiddenCause {
 }
 
 impl FleetDraw {
-    /// Fleet `number` of a seed.
     pub fn of(seed: u64, number: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(number);

@@ -29,7 +29,6 @@ pub struct FleetScore {
     pub date_covered: Option<[bool; 2]>,
     /// Whether a calibration on the day that is asked for would have found it within its budget.
     pub in_time: Option<bool>,
-    /// What was named.
     pub named: Vec<ChangeCause>,
 }
 

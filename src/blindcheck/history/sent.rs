@@ -12,7 +12,6 @@ const SCALE: f64 = 1.4676;
 /// Gyros of an IMU.
 const AN_IMU: usize = 3;
 
-/// The serial of a gyro of the fleet.
 pub fn serial(gyro: usize) -> Name {
     name(&format!("GYRO-{gyro:02}"))
 }

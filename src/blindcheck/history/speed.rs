@@ -38,10 +38,13 @@ pub fn measure(seed: u64, gyros: usize) -> Speed {
         fleets.push(FleetDraw::of(seed, number as u64).fleet(HiddenCause::ALL[number % HiddenCause::ALL.len()]));
     }
     let begun = Instant::now();
-    fleets
-        .par_iter()
-        .flat_map(|fleet| (0..fleet.gyros.len()).into_par_iter().map(move |g| (fleet, g)))
-        .for_each(|(fleet, g)| drop(diagnose_history(&fleet.gyros[g], &without(&fleet.gyros, g), [None; 3])));
+    fleets.par_iter().flat_map(|fleet| (0..fleet.gyros.len()).into_par_iter().map(move |g| (fleet, g))).for_each(
+        |(fleet, g)| {
+            let others = fleet.gyros.iter().enumerate().filter(|(other, _)| *other != g);
+            let others: Vec<&GyroHistory> = others.map(|(_, gyro)| gyro).collect();
+            drop(diagnose_history(&fleet.gyros[g], &others, [None; 3]));
+        },
+    );
     let fleet_s = begun.elapsed().as_secs_f64();
     let all = FleetDraw::of(seed, u64::MAX).weekly(1, RECORDS);
     let peers = FleetDraw::of(seed, u64::MAX - 1).weekly(PEERS, OF_A_PEER);
@@ -64,8 +67,4 @@ pub fn measure(seed: u64, gyros: usize) -> Speed {
         one_ms: ms(took[ROUNDS / 2]),
         slowest_ms: ms(took[ROUNDS - 1]),
     }
-}
-
-fn without(gyros: &[GyroHistory], g: usize) -> Vec<&GyroHistory> {
-    gyros.iter().enumerate().filter(|(other, _)| *other != g).map(|(_, gyro)| gyro).collect()
 }

@@ -113,7 +113,7 @@ fn read(
         }
     }
     let first_is_whole = serde_json::from_slice::<IgnoredAny>(without_mark(&head)).is_ok();
-    if first_is_whole && starts_with(&head, b'{') && more_follows(&mut reader)? {
+    if first_is_whole && starts_with(&head, b'{') && !reader.fill_buf()?.trim_ascii().is_empty() {
         return Ok(Ok(Content::Lines(Box::new(std::io::Cursor::new(head).chain(reader)))));
     }
     let mut rest = reader.take(MAX_DOCUMENT_BYTES);
@@ -140,10 +140,6 @@ pub fn single(text: Vec<u8>) -> Result<ImportDocument, Unreadable> {
 /// Like `read_until`, but a line without end cannot fill the memory.
 pub fn read_line(reader: &mut (impl BufRead + ?Sized), line: &mut Vec<u8>) -> std::io::Result<usize> {
     reader.take(MAX_DOCUMENT_BYTES).read_until(b'\n', line)
-}
-
-fn more_follows(reader: &mut impl BufRead) -> std::io::Result<bool> {
-    Ok(!reader.fill_buf()?.trim_ascii().is_empty())
 }
 
 fn classify(text: Vec<u8>, map: &TableMap, patience: Patience) -> Result<Content, Unreadable> {

@@ -289,7 +289,7 @@ impl Folder {
             Fate::Refused(refusals) => {
                 let refused = self.within(REFUSED)?;
                 let target = free_name(&refused, name);
-                let reasons = reasons(&refusals);
+                let reasons: String = refusals.iter().map(|refusal| format!("{refusal}\n")).collect();
                 let note = with(&target, ".reason.txt");
                 refused.write(&note, reasons.as_bytes()).with_context(|| note.display().to_string())?;
                 self.move_to(name, &refused, &target)?;
@@ -355,10 +355,6 @@ impl Trials {
     fn over(&mut self) {
         *self = Self::default();
     }
-}
-
-fn reasons(refusals: &[Refusal]) -> String {
-    refusals.iter().map(|refusal| format!("{refusal}\n")).collect()
 }
 
 /// `name`, or `name.2`, `name.3`, … where earlier files of that name have gone before.

@@ -10,7 +10,6 @@ use crate::core::separate::{separate, stated_covariance};
 use crate::wire::closure::ClosureBody;
 use crate::wire::record::parse_record;
 
-/// Prints the diagnosis of a record.
 pub fn run(bytes: &[u8], format: Format) -> anyhow::Result<()> {
     let record = parse_record(bytes, &settings::plausibility()?)?;
     let separated = |gyro: &GyroParameters| {

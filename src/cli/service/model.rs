@@ -39,7 +39,6 @@ pub fn chosen(choice: Option<&Choice>) -> anyhow::Result<AugmentedModel> {
     }
 }
 
-/// A model file.
 pub fn file(path: &Path) -> anyhow::Result<AugmentedModel> {
     model::parse(&document::read(path)?).with_context(|| document::name(path))
 }

@@ -17,7 +17,6 @@ const KNOWN_BETTER: f64 = 1.5;
 /// unless the two are so many standard deviations apart.
 const CONTRADICTED: f64 = 3.5;
 
-/// The regressors of the adopted effects.
 pub(super) struct Regressors {
     /// Of each gyro for itself.
     pub own: Vec<Vec<Regressor>>,

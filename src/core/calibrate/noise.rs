@@ -65,7 +65,6 @@ pub enum NoiseSource {
 }
 }
 
-/// The noise scale of one gyro.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NoiseScale {
     pub source: NoiseSource,

@@ -15,7 +15,6 @@ pub struct StationUncertainty {
 }
 
 named! {
-/// One of the parts of [`StationUncertainty`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StationPart {
     Levelling = "levelling",

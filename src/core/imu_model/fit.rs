@@ -30,7 +30,6 @@ use crate::core::numerics::least_squares::Factor;
 use crate::core::record::Name;
 use crate::message;
 
-/// One campaign to fit.
 #[derive(Debug, Clone)]
 pub struct CampaignSample<'a> {
     pub campaign: &'a Campaign,
@@ -187,7 +186,6 @@ fn fastest(campaign: &Campaign) -> f64 {
     campaign.dwells.iter().map(|d| d.rate_arcsec_s.norm()).fold(0.0, f64::max)
 }
 
-/// One campaign on its way into the fit.
 struct CampaignPart<'a> {
     sample: &'a CampaignSample<'a>,
     calibration: Calibration,

@@ -96,7 +96,6 @@ pub struct ModelCoefficient {
     pub between: f64,
 }
 
-/// A campaign that the model was fitted to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FittedCampaign {
     pub station: Name,

@@ -52,7 +52,6 @@ const FASTER: f64 = 1.01;
 /// K by which a temperature may lie outside the span seen, beside a tenth of it.
 const WARMER_K: f64 = 0.5;
 
-/// One gyro that both know.
 #[derive(Debug, Clone)]
 pub(super) struct GyroOfBoth {
     /// Among the campaign's gyros.

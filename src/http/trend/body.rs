@@ -127,7 +127,6 @@ impl Point<'_> {
 }
 
 named! {
-/// A member of a point, as a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PointColumn {
     CalibratedAt = "calibrated_at",

@@ -121,7 +121,6 @@ pub(in crate::pages) async fn act(
     Ok(see_other(back))
 }
 
-/// What is about to be said of which alerts, on a page of its own.
 fn form(viewer: &Viewer, said: &BulkForm, found: &[AlertBody], faults: &Faults) -> Page {
     let t = viewer.text();
     let by = if said.by.is_empty() { viewer.signed_in.as_deref().unwrap_or_default() } else { &said.by };

@@ -62,7 +62,6 @@ fn serials(a: &GyroFitBody, b: &GyroFitBody) -> Markup {
     }
 }
 
-/// The fits of the slots that both have.
 fn pairs(both: &[StoredCampaign; 2]) -> Vec<(Slot, &GyroFitBody, &GyroFitBody)> {
     let [a, b] = both.each_ref().map(|stored| &stored.answer.calibration.gyros);
     let other = |fit: &GyroFitBody| b.iter().find(|other| other.slot == fit.slot);

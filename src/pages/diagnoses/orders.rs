@@ -3,7 +3,7 @@
 
 use axum::extract::State as Held;
 
-use crate::pages::form::{fault_list, see_other};
+use crate::pages::form::{fault_list, said, see_other};
 use crate::pages::prelude::*;
 use crate::pages::status;
 use crate::pipeline::DiagnosisOrder;
@@ -147,23 +147,14 @@ pub(super) fn form(t: &Text, wanted: &Wanted, wrong: Option<&Faults>) -> Markup 
     }
 }
 
-/// What somebody wrote into a field, if anything.
-pub(super) fn said(text: &str) -> Option<String> {
-    Some(text.trim().to_owned()).filter(|text| !text.is_empty())
-}
-
 /// A date stands for its first instant, in UTC.
 pub(super) fn beginning(text: &str) -> Option<String> {
-    said(text).map(|text| if is_date(&text) { text + "T00:00:00Z" } else { text })
+    said(text).map(|text| if time::is_day(&text) { text + "T00:00:00Z" } else { text })
 }
 
 /// A date stands for its last instant, in UTC.
 fn end(text: &str) -> Option<String> {
-    said(text).map(|text| if is_date(&text) { text + "T23:59:59.999999Z" } else { text })
-}
-
-fn is_date(text: &str) -> bool {
-    text.len() == 10 && text.bytes().all(|byte| byte.is_ascii_digit() || byte == b'-')
+    said(text).map(|text| if time::is_day(&text) { text + "T23:59:59.999999Z" } else { text })
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use crate::core::delivery::DeliveryState;
 use crate::core::fault::Fault;
 use crate::core::judge::Severity;
 use crate::core::message::text;
-use crate::pages::form::{ActionForm, ItemAction, Word, choice, see_other};
+use crate::pages::form::{ActionForm, ItemAction, Word, choice, said, see_other};
 use crate::pages::prelude::*;
 use crate::pipeline::{DeliveryPage, HookKind, Order};
 use crate::wire::hook::{ExpectBody, FilterBody, HookPatchBody, NewHookBody};
@@ -38,7 +38,6 @@ pub(crate) struct NewHook {
 impl NewHook {
     /// As the API takes it: what is empty is left out.
     fn body(&self) -> Result<NewHookBody, Faults> {
-        let said = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
         let list = |text: &str| text.split([',', '，']).filter_map(said).collect();
         let json = self.expected()?;
         Ok(NewHookBody {

@@ -18,7 +18,6 @@ pub(super) struct Place {
     pub part: Option<Range<usize>>,
 }
 
-/// Where a fault of a piece is.
 pub(super) fn place(piece: &Piece<'_>, fault: &Fault) -> Place {
     match piece.form {
         Form::Csv => of_csv(piece, &fault.message),

@@ -79,7 +79,6 @@ impl Sent {
         base64.and_then(|(_, text)| STANDARD.decode(text.trim()).ok()).unwrap_or_else(|| self.text.clone().into_bytes())
     }
 
-    /// How messages name the log.
     fn name(&self) -> &str {
         if self.file.is_empty() { "log" } else { &self.file }
     }

@@ -109,7 +109,6 @@ impl Text {
         }
     }
 
-    /// A method by its name on the wire.
     pub fn method(&self, name: &str) -> &'static str {
         match (name, BenchMethod::from_name(name)) {
             (_, Some(method)) => self.word(&method.word()),

@@ -8,7 +8,6 @@ use crate::words::Language;
 
 macro_rules! words_of_pages {
     ($($key:ident)*) => {
-        /// The words of one language.
         pub(in crate::pages) struct Text { language: Language, $(pub $key: &'static str),* }
 
         impl Text {
@@ -27,7 +26,6 @@ macro_rules! words_of_pages {
 static TEXTS: LazyLock<[Text; 2]> = LazyLock::new(|| Language::ALL.map(Text::of));
 
 impl Language {
-    /// The words of the pages.
     pub(in crate::pages) fn text(self) -> &'static Text {
         &TEXTS[self as usize]
     }

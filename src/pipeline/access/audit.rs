@@ -86,7 +86,7 @@ pub struct Actor {
 impl Actor {
     /// Begins a line about what this task's caller does.
     pub fn by_caller() -> Self {
-        Caller::current().map_or_else(Self::by_service, |caller| Self::by(&caller))
+        Caller::current().map_or_else(|| Self::nobody("service"), |caller| Self::by(&caller))
     }
 
     pub fn by(caller: &Caller) -> Self {
@@ -96,10 +96,6 @@ impl Actor {
 
     pub fn by_command_line() -> Self {
         Self::nobody("command line")
-    }
-
-    fn by_service() -> Self {
-        Self::nobody("service")
     }
 
     fn nobody(who: &str) -> Self {

@@ -129,9 +129,6 @@ impl Guard {
     }
 
     /// Who asks: by the token that was sent along, or else by the cookie.
-    ///
-    /// # Errors
-    /// [`Denied`].
     pub async fn caller(
         &self,
         (token, cookie): (Option<&str>, Option<&str>),
@@ -157,9 +154,6 @@ impl Guard {
     }
 
     /// The caller that a token typed into the sign-in page stands for.
-    ///
-    /// # Errors
-    /// [`Denied`].
     pub async fn sign_in(&self, token: &str, source: IpAddr, now: UtcMicros) -> Result<Caller, Denied> {
         let arrived = Instant::now();
         let row = self.by_token(token.trim(), source, arrived).await?;

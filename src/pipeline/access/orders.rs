@@ -49,7 +49,6 @@ pub struct SignedIn {
     pub seconds: i64,
 }
 
-/// A token as the audit trail has it.
 #[derive(Serialize)]
 struct AuditedToken<'a> {
     id: String,

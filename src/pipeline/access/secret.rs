@@ -24,8 +24,6 @@ impl std::fmt::Debug for Secret {
 const PREFIX: &str = "gyw_";
 
 impl Secret {
-    /// # Errors
-    /// Where the operating system has no random numbers.
     pub fn draw(id: Id) -> Result<Self, rand::rngs::SysError> {
         let mut bits = [0; 32];
         system::fill_random(&mut bits)?;

@@ -85,10 +85,6 @@ impl Naming<'_> {
         }
     }
 
-    /// The alert as it stands at `now`.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`] where the stored finding cannot be read.
     pub fn alert(&self, row: &AlertRow, now: UtcMicros) -> Result<AlertBody, StoreError> {
         let finding = finding_of(row)?;
         Ok(AlertBody {
@@ -129,9 +125,6 @@ fn silence_of(row: &AlertRow, now: UtcMicros) -> Option<SilenceBody> {
 }
 
 /// The last verdict that an alert has followed. Earlier versions spelled its unit as people do.
-///
-/// # Errors
-/// [`StoreError::Damaged`] where it cannot be read.
 pub fn finding_of(row: &AlertRow) -> Result<AlertFindingBody, StoreError> {
     let mut finding: AlertFindingBody = serde_json::from_str(&row.finding)
         .map_err(|error| StoreError::damaged(format_args!("the finding of alert {}: {error}", row.id)))?;

@@ -121,7 +121,6 @@ impl Alerts {
         self.bodies(&rows, now)
     }
 
-    /// Those of these alerts that there are.
     pub async fn of(&self, ids: &[Id]) -> Result<Vec<AlertBody>, StorageError> {
         let (now, rows) = (self.clock.now(), store::alerts::of_ids(&self.store, ids).await?);
         self.bodies(&rows, now)

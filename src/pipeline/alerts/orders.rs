@@ -95,9 +95,6 @@ impl AlertCache {
     }
 
     /// Begins or ends a silence. What is untold at the end is told at once.
-    ///
-    /// # Errors
-    /// [`OrderError::TooManySilences`].
     pub fn order_silence(
         &mut self,
         order: &SilenceOrder,

@@ -79,12 +79,10 @@ impl<'a> SharedAlerts<'a> {
         self.alerts.get(&of)?.iter().find(|row| row.coefficient == coefficient && fires(row))
     }
 
-    /// Whether there has been an alert of it.
     pub fn knows(&self, of: AlertOf, coefficient: Coefficient) -> bool {
         self.alerts.get(&of).is_some_and(|rows| rows.iter().any(|row| row.coefficient == coefficient))
     }
 
-    /// Since when an alert of what is shared fires.
     pub fn since(&self, of: AlertOf, coefficient: Coefficient) -> Option<UtcMicros> {
         self.firing_of(of, coefficient).map(|row| row.alert.since)
     }

@@ -5,7 +5,7 @@ use super::cache::{AlertCache, AlertContext};
 use crate::core::alert_decision::Late;
 use crate::core::judge::overdue;
 use crate::pipeline::ingest::judge::{Judge, Judged, Newest};
-use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
+use crate::pipeline::ingest::submission::Calibration;
 use crate::pipeline::prelude::*;
 use crate::pipeline::queries::agreement::Agreement;
 use crate::store::AlertRow;
@@ -105,7 +105,12 @@ fn follow_newest(
     let Newest { gyro, figures } = newest;
     let by_history = judged.verdicts.get(&(figures.record, *gyro)).map(Vec::as_slice);
     let calibrated = sent.get(&figures.record).and_then(|sent| sent.gyros.iter().find(|g| g.slot == figures.slot));
-    let verdicts = || by_history.into_iter().flatten().chain(calibrated.into_iter().flat_map(requirements));
+    let verdicts = || {
+        by_history
+            .into_iter()
+            .flatten()
+            .chain(calibrated.into_iter().flat_map(|gyro| gyro.requirements.iter().flatten()))
+    };
     if !alerts.knows(*gyro) && verdicts().all(|verdict| verdict.severity().is_none()) {
         return;
     }
@@ -125,10 +130,6 @@ fn follow_newest(
     };
     alerts.reset(*gyro, |row| is_past(row.rule) || is_switched_off(row), context);
     follow_clock(alerts, judge, *gyro, figures.at, figures.imu, context);
-}
-
-fn requirements(gyro: &CalibratedGyro) -> impl Iterator<Item = &Verdict> {
-    gyro.requirements.iter().flatten()
 }
 
 /// Judges by the clock whether a gyro, calibrated last at `last` in `imu`, is overdue.

@@ -38,7 +38,6 @@ pub(super) struct Digest {
 /// What only the digest of a campaign outside its forecast holds.
 pub(super) const OUTSIDE: &str = "\"outside_forecast\":{";
 
-/// Which gyro was where.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct MountedGyro {
     pub slot: String,
@@ -77,7 +76,6 @@ bodies! {
     Sign of SignBody: kind, gyros;
 }
 
-/// The gyros of a campaign.
 pub(super) fn seats(campaign: &Campaign) -> Vec<MountedGyro> {
     let seat = |gyro: &crate::core::campaign::CampaignGyro| MountedGyro {
         slot: gyro.slot.name().to_owned(),
@@ -108,15 +106,11 @@ impl Digest {
     }
 
     /// As it is kept.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
     pub fn of_row(row: &DigestRow) -> Result<Self, StoreError> {
         serde_json::from_str(&row.gist)
             .map_err(|error| StoreError::damaged(format_args!("the gist of diagnosis {}: {error}", row.record)))
     }
 
-    /// The serial of the gyro in a slot.
     pub fn serial(&self, slot: &str) -> Option<&str> {
         self.gyros.iter().find(|seat| seat.slot == slot).map(|seat| seat.serial.as_str())
     }

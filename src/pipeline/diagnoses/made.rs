@@ -28,7 +28,6 @@ pub(super) enum DiagnosisOutcome {
         imu: u32,
         /// That it was made against.
         model: Option<Id>,
-        /// That made it.
         program: String,
         diagnosed: Diagnosed,
         gyros: Vec<MountedGyro>,

@@ -63,7 +63,6 @@ pub use models::Adoption;
 pub use summary::SummaryFilter;
 pub(super) use summary::outside_forecasts;
 
-/// A model that was adopted for an IMU.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AdoptedModel {
     pub row: ModelRow,
@@ -84,9 +83,6 @@ pub struct Diagnoses {
 impl Diagnoses {
     /// The diagnosis of a stored campaign against the model in force for its IMU; [`DiagnosisAnswer::Waiting`] where
     /// it is not made within `patience`.
-    ///
-    /// # Errors
-    /// [`StorageError`], where the campaign cannot be read.
     pub async fn of_campaign(&self, id: Id, patience: Duration) -> Result<DiagnosisAnswer, StorageError> {
         Ok(self.diagnoser.diagnosis(id, Awaited::BySomebody, patience).await?)
     }
@@ -114,9 +110,6 @@ impl Diagnoses {
 
     /// An adoption of what the diagnosis of a stored campaign names, beside the model in force for its IMU; none where
     /// there is no such campaign or no answer.
-    ///
-    /// # Errors
-    /// [`StorageError`], where the campaign cannot be read.
     pub async fn adoption(&self, id: Id, author: String, reason: String) -> Result<Option<Adoption>, StorageError> {
         let Some((imu, model)) = self.diagnoser.proposed(id).await? else { return Ok(None) };
         let imu = self.store.names().read().imus.name(imu).map(|name| name.to_string());
@@ -167,18 +160,11 @@ impl Diagnoses {
         self.diagnoser.models.competing().hypotheses.clone()
     }
 
-    /// Reads which campaigns are to be diagnosed.
-    ///
-    /// # Errors
-    /// Every fault by its place.
     pub fn read_wanted(&self, bytes: &[u8]) -> Result<WantedDiagnoses, Faults> {
         self.check_wanted(json::parse(bytes)?)
     }
 
     /// As [`Diagnoses::read_wanted`], of what has been taken apart already.
-    ///
-    /// # Errors
-    /// Every fault by its place.
     pub fn check_wanted(&self, asked: WhichBody) -> Result<WantedDiagnoses, Faults> {
         let mut faults = Faults::default();
         let which = self.campaign_filter(&asked, &mut faults);
@@ -258,9 +244,6 @@ impl Diagnoses {
     }
 
     /// Checks of what a summary is to be: campaigns as an order names them, and an effect by its catalogue name.
-    ///
-    /// # Errors
-    /// Every fault by its place.
     pub fn summary_filter(&self, asked: &WhichBody, effect: Option<&str>) -> Result<SummaryFilter, Faults> {
         let mut faults = Faults::default();
         let campaigns = self.campaign_filter(asked, &mut faults);

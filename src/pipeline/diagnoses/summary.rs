@@ -37,7 +37,6 @@ struct GyroCampaigns {
     last: Option<UtcMicros>,
 }
 
-/// One effect in one gyro.
 #[derive(Debug)]
 struct GyroEffect {
     class: Vec<String>,

@@ -52,9 +52,6 @@ impl Hooks {
     }
 
     /// Checks a hook to be set up; a secret is drawn where its kind needs one.
-    ///
-    /// # Errors
-    /// Every fault by its place.
     pub fn check(&self, body: NewHookBody) -> Result<NewHook, Faults> {
         read::new_hook(body, &self.config.target_policy(), self.has_mail())
     }
@@ -63,10 +60,6 @@ impl Hooks {
         !self.config.hooks.smtp_url.is_empty()
     }
 
-    /// Checks what is to change of a hook.
-    ///
-    /// # Errors
-    /// Every fault by its place.
     pub fn check_patch(&self, body: HookPatchBody) -> Result<HookPatch, Faults> {
         read::patch(body, &self.config.target_policy(), self.has_mail())
     }

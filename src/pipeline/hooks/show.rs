@@ -41,7 +41,6 @@ pub(super) fn hook(row: HookRow, queue: QueueState, now: UtcMicros) -> Result<Ho
     })
 }
 
-/// The filter of a stored hook.
 pub(super) fn filter(row: &HookRow) -> Result<FilterBody, StoreError> {
     serde_json::from_str(&row.filter)
         .map_err(|error| StoreError::damaged(format_args!("the filter of hook {}: {error}", row.id)))

@@ -22,9 +22,6 @@ use crate::words;
 impl Reader {
     /// Reads, checks, fits and separates a campaign in JSON or CSV. A raw bench test becomes a bench result.
     /// Computing, about a millisecond: not for a thread that serves others.
-    ///
-    /// # Errors
-    /// Every fault, by its pointer, or its line and column.
     pub fn campaign(&self, bytes: &[u8], form: Form) -> Result<ReadCampaign, Faults> {
         let (campaign, as_json) = match form {
             Form::Json => (campaign::parse_json_as_sent(bytes)?, None),
@@ -117,7 +114,6 @@ impl Reader {
         }
     }
 
-    /// None where it cannot be fitted with that model.
     fn fitted_with_model_in_force(&self, imu: &str, body: &str) -> Option<CampaignFit> {
         let in_force = self.in_force(imu);
         let (campaign, outcome) = evaluated(&self.config.stations, body, &in_force).ok()?;
@@ -246,10 +242,6 @@ impl Reader {
         }
     }
 
-    /// The bench result that was fitted to stored dwells.
-    ///
-    /// # Errors
-    /// Every fault of the stored body.
     pub fn fitted_bench(&self, body: &str) -> Result<BenchBody, Faults> {
         let (campaign, outcome) = evaluated(&self.config.stations, body, &InForce::default())?;
         match outcome {

@@ -54,9 +54,6 @@ impl Ingest {
     }
 
     /// As [`Ingest::submit`], with a say in how what is found late is told.
-    ///
-    /// # Errors
-    /// As [`Ingest::submit`].
     pub async fn submit_late(&self, item: Submission, late: Late) -> Result<Accepted, Refused> {
         self.activity.note_activity();
         let partition = self.queue.partition_of(&self.store, &item);
@@ -115,9 +112,6 @@ impl Ingest {
 
     /// The id, where an item that was already there says the same as the one sent: however it is written, in whatever
     /// order of members or gyros, unit of time or offset.
-    ///
-    /// # Errors
-    /// [`Refused::Differs`] with the members that differ.
     pub async fn settle(&self, accepted: &Accepted, sent: &Origin) -> Result<Id, Refused> {
         let (existing, same_bytes) = match accepted {
             Accepted::Stored { id, .. } => (*id, true),

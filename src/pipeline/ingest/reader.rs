@@ -32,9 +32,6 @@ pub struct Reader {
 
 impl Reader {
     /// Reads, checks and separates a record.
-    ///
-    /// # Errors
-    /// Every fault, by its pointer.
     pub fn record(&self, bytes: &[u8]) -> Result<Calibration, Faults> {
         let record = parse_new_record(bytes, &self.config.plausibility.limits())?;
         self.check_time("/calibrated_at", record.calibrated_at)?;
@@ -101,9 +98,6 @@ impl Reader {
     }
 
     /// Reads and checks a bench result.
-    ///
-    /// # Errors
-    /// Every fault, by its pointer.
     pub fn bench_result(&self, bytes: &[u8]) -> Result<BenchTest, Faults> {
         let result = parse_bench_result(bytes, self.config.plausibility.max_drift_deg_per_h_g0)?;
         check_names(&[("/serial", &result.serial), ("/station", &result.station)], [].into_iter())?;
@@ -129,9 +123,6 @@ impl Reader {
     }
 
     /// Reads a record, a campaign or a bench result, whichever the JSON holds.
-    ///
-    /// # Errors
-    /// Every fault, by its pointer.
     pub fn document(&self, bytes: &[u8]) -> Result<ReadDocument, Faults> {
         let kind = DocumentKind::of(bytes);
         self.read_as(kind, bytes).or_else(|faults| match DocumentKind::instead_of(kind, bytes) {
@@ -158,16 +149,12 @@ impl Reader {
     }
 
     /// Reads a campaign in JSON or CSV.
-    ///
-    /// # Errors
-    /// Every fault, by its pointer, or its line and column.
     pub fn campaign_document(&self, bytes: &[u8], form: Form) -> Result<ReadDocument, Faults> {
         let ReadCampaign { fitted, body, .. } = self.campaign(bytes, form)?;
         let kind = fitted.kind();
         Ok(ReadDocument { submission: fitted.into(), origin: Origin { kind, body } })
     }
 
-    /// The separations that a calibration is answered with.
     pub fn separations(&self, gyros: &[CalibratedGyro]) -> Vec<SeparationBody> {
         let method = self.config.judging.method;
         let body = |gyro: &CalibratedGyro| {

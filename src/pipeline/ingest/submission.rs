@@ -58,9 +58,6 @@ impl Submission {
     }
 
     /// Whether a caller may send what was measured where this was.
-    ///
-    /// # Errors
-    /// [`Refused::OtherStation`].
     pub fn may_be_sent_by(&self, caller: &Caller) -> Result<(), Refused> {
         match (&caller.station, self.station()) {
             (Some(own), Some(station)) if normal_form(own) != normal_form(station) => {
@@ -120,7 +117,6 @@ pub struct AttributesOrder {
     pub by: Actor,
 }
 
-/// What is corrected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Corrected {
     /// A record, or a campaign; of a certain kind, where one is named.

@@ -148,7 +148,6 @@ pub struct WallPage {
     pub last: usize,
 }
 
-/// One page of the fleet, and what all of it counts.
 #[derive(Debug, Clone, Default)]
 pub struct FleetPage {
     /// Gyros of each status, by its place, and of any, among those that the other filters find.
@@ -187,7 +186,6 @@ pub struct StandingFilter {
 }
 
 impl Fleet {
-    /// A page of the fleet.
     pub async fn page(&self, filter: &FleetFilter<'_>, number: usize, rows: usize) -> Result<FleetPage, StorageError> {
         let now = self.clock.now();
         let counted = self.counted(now).await?;

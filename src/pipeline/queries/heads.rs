@@ -19,7 +19,6 @@ pub(crate) fn row_of(facts: &Facts<'_>, judging: &Judging, naming: &Naming<'_>) 
     facts.head(judging, &imu, &station)
 }
 
-/// The rows of some gyros by what is stored.
 pub(crate) async fn stored_rows(store: &Store, judging: &Judging, gyros: &[u32]) -> Result<Vec<HeadRow>, StoreError> {
     let newest = store::histories::last(store, gyros).await?;
     let outlooks = stored_outlooks(store, judging, &newest).await?;

@@ -22,7 +22,6 @@ use crate::wire::note;
 use crate::wire::reason::Reason;
 use crate::wire::sender::SenderBody;
 
-/// A stored record with its answer.
 #[derive(Debug, Clone)]
 pub struct StoredRecord {
     pub item: RecordRow,
@@ -32,7 +31,6 @@ pub struct StoredRecord {
     pub closures: ClosureDiagnosis,
 }
 
-/// A stored campaign with its answer.
 #[derive(Debug, Clone)]
 pub struct StoredCampaign {
     pub item: RecordRow,
@@ -47,7 +45,6 @@ pub struct ListFilter<'a> {
     pub kind: Option<Kind>,
     pub imu: Option<&'a str>,
     pub station: Option<&'a str>,
-    /// When they were calibrated.
     pub calibrated: Span,
 }
 
@@ -55,7 +52,6 @@ pub struct ListFilter<'a> {
 pub(crate) struct Reread {
     pub row: RecordRow,
     pub calibration: Calibration,
-    /// Of a campaign.
     pub fitted: Option<CampaignFit>,
 }
 
@@ -110,17 +106,11 @@ impl Records {
     }
 
     /// The closures of a stored record's gyros; none where there is no such record.
-    ///
-    /// # Errors
-    /// As [`Records::record`].
     pub async fn closures(&self, id: Id) -> Result<Option<ClosureDiagnosis>, StorageError> {
         Ok(self.reread(id).await?.map(|it| closures_of(&it.calibration)))
     }
 
     /// A stored record or campaign, read and separated again; it was plausible once, whatever today's limits are.
-    ///
-    /// # Errors
-    /// As [`Records::record`].
     pub(crate) async fn reread(&self, id: Id) -> Result<Option<Reread>, StoreError> {
         let Some(row) = store::record::get(&self.store, id).await? else { return Ok(None) };
         if sha256(row.body.as_bytes()) != row.body_sha256 {
@@ -138,7 +128,6 @@ impl Records {
         Ok(Some(Reread { row, calibration, fitted }))
     }
 
-    /// A record or campaign as it was sent.
     pub async fn sent(&self, id: Id) -> Result<Option<RecordRow>, StorageError> {
         Ok(store::record::get(&self.store, id).await?)
     }
@@ -174,9 +163,6 @@ impl Records {
     }
 
     /// Whether a record, campaign or bench result counts, and what was said of it.
-    ///
-    /// # Errors
-    /// [`StorageError`], where what was said of it cannot be read.
     pub async fn status(&self, id: Id) -> Result<ItemStatus, StorageError> {
         let corrections = store::correction::of_item(&self.store, id).await?;
         Ok(ItemStatus {

@@ -25,7 +25,6 @@ pub struct Standing {
     pub status: Option<Status>,
     /// What the verdicts on D_I, D_S and D_O of its newest calibration come to.
     pub drift: [Status; 3],
-    /// What it violates.
     pub violations: Vec<Violation>,
     /// The largest figure over its limit, of the rules of D_I, D_S and the closure, `agreement` among them where it
     /// fires.
@@ -66,8 +65,6 @@ pub(crate) struct Alerted {
 }
 
 impl Alerted {
-    /// # Errors
-    /// [`StoreError::Damaged`] where a finding cannot be read.
     pub fn of<'a>(firing: impl Iterator<Item = &'a AlertRow>) -> Result<Self, StoreError> {
         let mut alerted = Self::default();
         // As if they were asked for rule by rule.
@@ -128,7 +125,6 @@ impl Facts<'_> {
         since.map(|(_, event)| event)
     }
 
-    /// As it stands at `now`, held to these limits.
     pub fn standing(&self, limits: &Limits, now: UtcMicros) -> Standing {
         let Self { verdicts, newest, .. } = *self;
         let told = self.alerted.told.as_slice();
@@ -177,7 +173,8 @@ impl Facts<'_> {
         });
         HeadRow {
             gyro,
-            sought: sought(&serial, imu, station),
+            // Small letters, a line each: what is searched for stands within one of them.
+            sought: format!("{serial}\n{imu}\n{station}").to_lowercase(),
             serial,
             newest: newest.map(|figures| {
                 let [d_i, d_s, _] = sample_of(&figures, judging.method).d;
@@ -198,11 +195,6 @@ impl Facts<'_> {
             changed_at: self.alerted.changed_at,
         }
     }
-}
-
-/// Small letters, a line each: what is searched for stands within one of them.
-fn sought(serial: &str, imu: &str, station: &str) -> String {
-    format!("{serial}\n{imu}\n{station}").to_lowercase()
 }
 
 /// By how much gyros in use come before others.

@@ -4,7 +4,6 @@ use crate::core::judge::{Coefficient, State, Status};
 use crate::pipeline::prelude::*;
 use crate::store::StoredVerdict;
 
-/// Of D_I, D_S and the closure.
 const COLUMNS: [Coefficient; 3] = [Coefficient::DI, Coefficient::DS, Coefficient::DO];
 
 /// The worst of the rules that could judge. None may have judged the drift, however well E and G keep to their
@@ -56,8 +55,7 @@ impl Statuses {
     ) -> Result<Self, StoreError> {
         let several = |state: Option<State>| matches!(state, Some(State::Indeterminate | State::Exceeded));
         let asked = rows.filter(|row| columns.iter().any(|&column| several(row.states.0[column])));
-        let records: Vec<Id> = asked.map(|row| row.record).collect();
-        let sheets = store::record::verdict_sheets(store, records.into_iter()).await?;
+        let sheets = store::record::verdict_sheets(store, asked.map(|row| row.record)).await?;
         let of_gyro = sheets.iter().map(|(record, sheet)| {
             (*record, COLUMNS.map(|coefficient| CoefficientStatus::of(sheet.of(gyro), coefficient)))
         });

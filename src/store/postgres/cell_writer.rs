@@ -163,7 +163,6 @@ impl CellWriter {
         touched.filter(|gyro| !new.contains(gyro)).find(|gyro| !tables.gyros.cell(*gyro).is_some_and(is_held))
     }
 
-    /// What is held, as it is after `changes`.
     fn after(&self, changes: &Changes, last_id: i64) -> Vec<CellRow> {
         let stamp = rand::random_range(1..i64::MAX);
         let after = |row: &CellRow| {

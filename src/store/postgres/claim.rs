@@ -13,9 +13,6 @@ const RENEWALS: u32 = 3;
 
 /// The first of `wanted`, at most `most`, that no other server is at; for the time of a lease they are this one's.
 /// Alone on a file, everything is.
-///
-/// # Errors
-/// Where the database does not answer.
 pub async fn claim(store: &Store, wanted: &[Id], most: usize) -> Result<Vec<Id>> {
     match (&store.readers, claimant(store)) {
         (Readers::Sqlite(..), _) => Ok(wanted.iter().copied().take(most).collect()),

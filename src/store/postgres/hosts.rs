@@ -27,8 +27,6 @@ pub(crate) struct Hosts {
 const FOR_EACH: Duration = Duration::from_secs(2);
 
 impl Hosts {
-    /// # Errors
-    /// [`StoreError::File`] where the address cannot be read.
     pub fn of(url: &str) -> Result<Self> {
         let (scheme, rest) = url.split_once("://").ok_or_else(|| StoreError::File(message!("address_foreign")))?;
         let (authority, path) = rest.split_at(rest.find(['/', '?']).unwrap_or(rest.len()));

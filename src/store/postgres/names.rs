@@ -11,7 +11,6 @@ use crate::store::name_tables::{Names, NamesOf, Tables};
 /// A name: its kind, number, cell and text.
 type Found = (i32, i64, i64, String);
 
-/// Names of IMUs, of stations and of gyros.
 pub(in crate::store) fn select([imus, stations, gyros]: [&str; 3]) -> AssertSqlSafe<String> {
     AssertSqlSafe(format!(
         "SELECT 0, id, cell, name FROM imu {imus} UNION ALL SELECT 1, id, cell, name FROM station {stations}

@@ -23,9 +23,6 @@ use crate::system::{fill_random, sha256};
 
 impl Options {
     /// The file that the address names.
-    ///
-    /// # Errors
-    /// [`StoreError`] where it names none.
     pub fn file(&self) -> Result<PathBuf> {
         if self.is_server() {
             return Err(StoreError::File(message!("file_of_server", database = self.shown())));
@@ -61,9 +58,6 @@ pub async fn backup(options: &Options, target: &Path) -> Result<Holdings> {
 }
 
 /// Copies a backup to where the configured database is to be, and checks the copy.
-///
-/// # Errors
-/// As [`backup`]: a database that is there is never overwritten.
 pub async fn restore(file: &Path, options: &Options) -> Result<Holdings> {
     let target = options.file()?;
     placed(&target, async |part: &Path| copy(file, part).map_err(|error| failed(file, &error))).await
@@ -114,17 +108,11 @@ pub async fn check(file: &Path) -> Result<Holdings> {
 }
 
 /// Reads every table and says of which the rows are not those that were written. On a server nothing: see [`checksum`].
-///
-/// # Errors
-/// [`StoreError`] where something cannot be read at all.
 pub fn check_checksums(options: &Options) -> Result<Vec<Message>> {
     if options.is_server() { Ok(Vec::new()) } else { checksum::check(&options.file()?) }
 }
 
 /// As [`check`], without the records: for those who read each of them anyway.
-///
-/// # Errors
-/// As [`check`].
 pub async fn check_all_but_records(options: &Options) -> Result<()> {
     if options.is_server() {
         let store = postgres::open::open_to_read(options).await?;
@@ -233,9 +221,6 @@ async fn structure(connection: &mut SqliteConnection) -> Result<()> {
 }
 
 /// Refuses a file whose schema is not of this version of the program.
-///
-/// # Errors
-/// [`StoreError::File`].
 pub(crate) async fn check_schema(connection: &mut SqliteConnection, file: &Path) -> Result<()> {
     if schema(connection, file).await? < newest_version() {
         return Err(wrong(file, message!("file_older")));

@@ -33,9 +33,6 @@ pub(crate) struct Checkpoints {
 impl Checkpoints {
     /// Copies on `connection`, on a thread, each time about `every` pages have been written. The thread ends when
     /// `self` is gone, which only [`Checkpoints::stop`] waits for.
-    ///
-    /// # Errors
-    /// [`StoreError`] where no thread can be had.
     pub fn start(connection: Connection, every: u32, halt: Halt) -> Result<Self> {
         let (wanted, requests) = mpsc::sync_channel(1);
         let nearly_done = Arc::new(AtomicBool::new(false));

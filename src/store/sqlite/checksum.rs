@@ -119,9 +119,6 @@ pub(crate) fn settle(connection: &Connection) -> Result<()> {
 
 /// Reads every table of the database in `file` and says which are not as they were written. Nothing where there are
 /// no checksums yet: a file of an earlier version.
-///
-/// # Errors
-/// Where something cannot be read at all.
 pub(crate) fn check(file: &Path) -> Result<Vec<Message>> {
     let connection = Connection::open_with_flags(file, OpenFlags::SQLITE_OPEN_READ_ONLY)?;
     // All as of one moment.

@@ -74,9 +74,6 @@ impl FileWriter {
     }
 
     /// Whether writing works: the database can be locked for it, and after a failure it takes a write.
-    ///
-    /// # Errors
-    /// As [`FileWriter::commit`].
     pub fn probe(&mut self) -> Result<()> {
         self.halt.check()?;
         self.halt.heed(self.checkpoints.begin(&self.connection))?;
@@ -110,7 +107,6 @@ impl FileWriter {
     }
 }
 
-/// What changes in the record index.
 fn indexed(changes: &Changes) -> IndexChanges<'_> {
     let new = |record: &RecordRow| NewRecord {
         record: record.id,

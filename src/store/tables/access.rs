@@ -62,7 +62,6 @@ pub async fn sessions(store: &Store) -> Result<Vec<SessionRow>> {
     read!(store, all, SessionRow::select("ORDER BY id"))
 }
 
-/// One line of the audit trail.
 pub async fn audit_line(store: &Store, id: Id) -> Result<Option<AuditEntry>> {
     read!(store, first, AuditEntry::select("WHERE id = $1"), id)
 }

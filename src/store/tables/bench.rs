@@ -15,7 +15,6 @@ pub async fn get(store: &Store, id: Id) -> Result<Option<BenchItem>> {
     read!(store, first, BenchItem::select("WHERE id = $1"), id)
 }
 
-/// Those of `gyros` that have bench results.
 pub async fn on_benches(store: &Store, gyros: &[u32]) -> Result<Vec<u32>> {
     let those = store.readers.list("$1");
     let sql = AssertSqlSafe(format!("SELECT DISTINCT gyro FROM bench_result WHERE gyro IN {those}"));

@@ -57,7 +57,6 @@ pub struct NewDelivery {
     pub digest: Option<String>,
 }
 
-/// A delivery that is due, with what it tells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DueDelivery {
     pub id: Id,
@@ -116,7 +115,6 @@ pub struct DeliveryRow {
     pub attempts: Vec<AttemptRow>,
 }
 
-/// What a transaction changes in the outbox.
 #[derive(Debug, Default)]
 pub struct OutboxChanges {
     pub queued: Vec<NewDelivery>,

@@ -11,7 +11,6 @@ pub struct DigestRow {
     pub imu: u32,
     pub station: u32,
     pub measured_at: UtcMicros,
-    /// Which program made the diagnosis.
     pub program: String,
     /// JSON.
     pub gist: String,

@@ -24,7 +24,6 @@ pub struct JobRow {
 pub struct CampaignFilter {
     pub imu: Option<u32>,
     pub station: Option<u32>,
-    /// When they were measured.
     pub measured: Span,
 }
 
@@ -122,7 +121,6 @@ fn start(jobs: &[NewJob], batch: &mut Batch) {
     batch.change("UPDATE diagnosis_job SET begun_at = $C1, ended_at = $C1", &at_end, ends);
 }
 
-/// Whether any task of an order waits.
 const WAITS: &str = "EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND state = 'waiting')";
 
 fn settle(settled: &[SettledTask], batch: &mut Batch) {

@@ -23,9 +23,6 @@ pub fn new_number(store: &Store, known: &Table, new: usize, is_new: impl Fn(u32)
 }
 
 /// Has names that only other servers may know looked up: of IMUs, stations and gyros.
-///
-/// # Errors
-/// [`StoreError`].
 pub async fn look_up(store: &Store, names: [Vec<&str>; 3]) -> Result<(), StoreError> {
     let Readers::Postgres(readers, _) = &store.readers else { return Ok(()) };
     let Some([imus, stations, gyros]) = unknown(store, names, |table, name| table.number(name).is_some()) else {
@@ -50,9 +47,6 @@ fn unknown<T: Copy + Eq + Hash>(
 }
 
 /// As [`look_up`], of numbers of gyros.
-///
-/// # Errors
-/// [`StoreError`].
 pub async fn look_up_gyros(store: &Store, gyros: Vec<u32>) -> Result<(), StoreError> {
     look_up_numbers(store, [Vec::new(), Vec::new(), gyros]).await
 }
@@ -76,9 +70,6 @@ fn learn(store: &Store, found: Vec<(NamesOf, u32, u8, String)>) -> Result<(), St
 }
 
 /// As [`look_up`], by numbers: a row of another server's may be read before the names that came with it were heard of.
-///
-/// # Errors
-/// [`StoreError`].
 pub(super) async fn look_up_numbers(store: &Store, numbers: [Vec<u32>; 3]) -> Result<(), StoreError> {
     let Readers::Postgres(readers, _) = &store.readers else { return Ok(()) };
     let Some(unknown) = unknown(store, numbers, |table, number| table.name(number).is_some()) else { return Ok(()) };

@@ -62,7 +62,6 @@ pub struct RecordFilter {
     pub kind: Option<Kind>,
     pub imu: Option<u32>,
     pub station: Option<u32>,
-    /// When they were calibrated.
     pub calibrated: Span,
 }
 
@@ -292,7 +291,6 @@ pub async fn sheet_to_rejudge(store: &Store, id: Id) -> Result<Option<RejudgedSh
     found.map(sheet).transpose()
 }
 
-/// The verdict sheets of several records.
 pub async fn verdict_sheets(store: &Store, records: impl Iterator<Item = Id>) -> Result<HashMap<Id, RecordVerdicts>> {
     let sql = AssertSqlSafe(format!("SELECT id, verdicts FROM record WHERE id IN {}", store.readers.list("$1")));
     let records: Vec<Id> = records.collect();

@@ -4,7 +4,6 @@ use super::*;
 use crate::store::HistoryRow;
 use crate::store::packed::history_row;
 
-/// What a transaction sets aside.
 #[derive(Debug, Default)]
 pub struct SetAside {
     /// Rows of new records, which never come into the history.
@@ -13,7 +12,6 @@ pub struct SetAside {
     pub stored: Vec<StoredAside>,
 }
 
-/// A stored record that is set aside, by whom and why.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StoredAside {
     pub record: Id,
@@ -62,7 +60,6 @@ pub(crate) fn note(noted: &[(Id, String)], batch: &mut Batch) {
     batch.change("UPDATE record SET notes = $C1", "id = $C0", rows);
 }
 
-/// Who confirmed the time of a record that was set aside.
 pub async fn confirmation(store: &Store, record: Id) -> Result<Option<ConfirmationRow>> {
     read!(store, first, ConfirmationRow::select("WHERE record = $1"), record)
 }

@@ -46,7 +46,6 @@ pub struct NullDirectionBody {
 }
 
 impl ParameterBody {
-    /// The parameter in place `i` of a gyro.
     pub(super) fn of(p: &Parameter, gyro: &GyroCalibration, i: usize) -> Self {
         let uncertainty = gyro.uncertainty.as_ref().filter(|_| p.sd.is_some());
         let budget = uncertainty.and_then(|parts| parts.budgets(|covariance| Some([covariance[(i, i)]])));

@@ -13,9 +13,6 @@ const COMMANDED: [&str; 3] = ["attitude", "specific_force_g0", "rate_arcsec_s"];
 
 /// Refuses a campaign whose commanded vectors have moved D_I and D_S, or whose outputs are those of gyros in other
 /// slots or of another sign. Every way in calls it; what is stored is not asked again.
-///
-/// # Errors
-/// What it most likely is, and how to send it right.
 pub fn check(campaign: &Campaign) -> Result<(), Faults> {
     let mut faults = Faults::default();
     for finding in findings(campaign).iter().filter(|finding| finding.matters) {

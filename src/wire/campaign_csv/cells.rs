@@ -57,7 +57,8 @@ pub(super) fn read(
     let mut reader = reader(text, first_line);
     let mut records = reader.records();
     let header = records.next()?.ok()?;
-    if let Some(foreign) = of_head(&header).or_else(|| of_records(text)).or_else(|| foreign(&header)) {
+    let of_records = || is_table(text, &TableMap::default()).then(|| message!("table_is_of_records"));
+    if let Some(foreign) = of_head(&header).or_else(of_records).or_else(|| foreign(&header)) {
         faults.push("", message!("at_line", line = first_line + 1, fault = foreign));
         return None;
     }
@@ -84,11 +85,6 @@ fn of_head(header: &csv::StringRecord) -> Option<Message> {
     let line = header.get(0)?;
     let (key, _) = key_and_value(line)?;
     is_key(key).then(|| message!("head_without_mark", text = sent(line)))
-}
-
-/// A table of records or bench results in our own words.
-fn of_records(text: &str) -> Option<Message> {
-    is_table(text, &TableMap::default()).then(|| message!("table_is_of_records"))
 }
 
 /// A header that is no campaign's: of records, of bench results, of samples, or of a station's own.

@@ -95,7 +95,6 @@ fn is_structure(expected: &str) -> bool {
     ["struct ", "internally tagged enum "].iter().any(|start| expected.starts_with(start))
 }
 
-/// What was found, in JSON's words.
 fn of_json(found: &str) -> Message {
     let value = |opening: &str| found.strip_prefix(opening).map(|value| value.trim_matches('`').to_owned());
     if let Some(value) = value("string ") {

@@ -248,7 +248,6 @@ impl IdentifiedBody {
         }
     }
 
-    /// Whether the coefficient of an effect, where there is one, may have this value.
     pub(super) fn agrees(&self, slot: &str, effect: &str, name: &str, value: f64) -> bool {
         let found = self.coefficient(slot, Some(effect), name);
         found.is_none_or(|c| (c.value - value).abs() <= c.sd + c.between_campaigns_sd)

@@ -78,9 +78,8 @@ impl Measure {
     /// The measure that a symptom is read from: arcsec/s, g0 for gravity, degrees for the attitude.
     pub fn value(&self, symptom: Symptom) -> f64 {
         match symptom {
-            Symptom::StaticRate => self.rate,
+            Symptom::StaticRate | Symptom::TurningRate => self.rate,
             Symptom::VerticalRate => self.vertical,
-            Symptom::TurningRate => self.rate,
             Symptom::Heading | Symptom::Output | Symptom::Senses => self.off.unwrap_or(0.0),
             Symptom::Gravity => self.force,
             Symptom::Attitude => self.tilt.unwrap_or(0.0).to_degrees(),

@@ -32,10 +32,11 @@ enum Undo {
     /// Rates of some dwells times a factor.
     Rate(f64, AffectedDwells),
     /// The Earth's rate of static dwells back from North-East-Down; whether the table's rate is reversed too.
-    EarthFromNed { turning_too: bool },
+    EarthFromNed {
+        turning_too: bool,
+    },
     /// The attitude back from North-East-Down.
     AttitudeFromNed,
-    /// The attitude inverted back.
     AttitudeInverted,
     /// The site's latitude with the other sign.
     Latitude,

@@ -28,8 +28,6 @@ pub(super) struct Addressee {
 }
 
 impl Addressee {
-    /// # Errors
-    /// What of the stored hook makes no sense.
     pub fn of(row: HookRow) -> Result<Self, String> {
         let kind = HookKind::from_name(&row.kind).ok_or_else(|| format!("unknown kind {:?}", row.kind))?;
         let expect = row.expect.as_deref().map(serde_json::from_str).transpose();

@@ -80,7 +80,6 @@ impl Ahead {
         }
     }
 
-    /// As [`store::record::at`].
     pub(super) async fn records_at(&self, imu: u32, at: UtcMicros, store: &Store) -> Result<Vec<RecordAt>, StoreError> {
         match self.records.get(&(imu, at)) {
             Some(known) => Ok(known.clone()),

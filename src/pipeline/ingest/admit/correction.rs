@@ -153,7 +153,9 @@ impl Admission<'_> {
         }
         if let Some((now, model)) = sent.restated.as_deref()
             && let Some(restated) = rows_as_stated(self.store, &record, now)
-            && restated.iter().any(|RestatedRow { row, .. }| rows.iter().all(|aside| !is_same(aside, row)))
+            && restated.iter().any(|RestatedRow { row, .. }| {
+                !rows.iter().any(|aside| aside.gyro == row.gyro && aside.figures.agrees(&row.figures))
+            })
         {
             rows = restated.iter().map(|restated| restated.row.clone()).collect();
             group.changes.rejudged.restated.extend(restated);
@@ -221,8 +223,4 @@ impl Admission<'_> {
         group.changes.window_marks.push(WindowMarkRow { id, station, mark: sent.mark.clone() });
         Ok(Accepted::stored(id))
     }
-}
-
-fn is_same(stored: &HistoryRow, anew: &HistoryRow) -> bool {
-    stored.gyro == anew.gyro && stored.figures.agrees(&anew.figures)
 }

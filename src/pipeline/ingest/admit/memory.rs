@@ -65,7 +65,6 @@ pub(super) struct Around {
 }
 
 impl Around {
-    /// The nearest of them.
     pub fn nearest(&self, at: UtcMicros) -> Option<UtcMicros> {
         let all = self.before.iter().chain(&self.after).map(|row| row.at);
         all.min_by_key(|other| other.0.abs_diff(at.0))

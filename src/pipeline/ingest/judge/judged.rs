@@ -19,7 +19,6 @@ pub(crate) struct Judged {
     pub undone: BTreeMap<u32, Undone>,
 }
 
-/// What fires.
 pub(crate) type Firing = HashMap<(Coefficient, Rule), Alert>;
 
 /// What has become of a gyro's alerts now that something counts no more, and who said so, and why.

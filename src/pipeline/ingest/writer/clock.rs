@@ -62,7 +62,10 @@ impl ClockTick<'_> {
             self.state.writer.give_back().await;
             self.state.tidy();
         }
-        if store::alerts::digest_began(&self.state.store).await?.is_some_and(|since| is_over(since, now)) {
+        if store::alerts::digest_began(&self.state.store)
+            .await?
+            .is_some_and(|since| now.days_since(since).abs() > BROKEN_OFF)
+        {
             self.state.begin(&Cells::all()).await?;
             let mut changes = Changes::default();
             self.state.digest(&mut changes, &BTreeSet::new(), now).await?;
@@ -118,7 +121,3 @@ impl ClockTick<'_> {
 
 /// An import of which nothing has come for so long was broken off: what it has found is told.
 const BROKEN_OFF: f64 = 15.0 / (24.0 * 60.0);
-
-fn is_over(since: UtcMicros, now: UtcMicros) -> bool {
-    now.days_since(since).abs() > BROKEN_OFF
-}

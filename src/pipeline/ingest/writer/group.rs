@@ -6,13 +6,12 @@ use tokio::sync::watch;
 
 use super::forecasts::ForecastAlerts;
 use super::state::{Item, Prepared, Tally, WriterState, items_of};
-use crate::core::alert_decision::Late;
 use crate::pipeline::alerts::Causes;
 use crate::pipeline::ingest::admit::{Admission, Ahead, Group};
 use crate::pipeline::ingest::judge::Verdicts;
 use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::StoreJob;
-use crate::pipeline::{CalibratedGyro, Calibration, Judged, Refused, Reply, Submission};
+use crate::pipeline::{CalibratedGyro, Judged, Refused, Reply, Submission};
 use crate::telemetry;
 
 /// A group that is made ready.
@@ -53,9 +52,10 @@ impl Preparation<'_> {
         let touched = found.newest.iter().map(|newest| newest.gyro).chain(found.undone.keys().copied());
         let touched = touched.chain(agreements.iter().map(|agreement| agreement.gyro));
         self.state.alerts.recall(&self.state.store, touched, now).await?;
-        let sent = sent(items, &replies);
+        let new = || items.iter().zip(&replies).filter_map(|(item, reply)| Some((stored_as(reply)?, item)));
+        let sent = new().filter_map(|(id, item)| Some((id, item.sent.calibration()?))).collect();
         ForecastAlerts { state: self.state, now }.withdraw(&changes).await?;
-        let causes = Causes::of(stored(items, &replies), &changes);
+        let causes = Causes::of(new().map(|(id, item)| (id, item.late)).collect(), &changes);
         self.state.follow(&sent, &mut changes, (&found, &agreements), &causes, now).await?;
         metrics::histogram!(telemetry::JUDGING).record(judging.elapsed());
         let tally = Tally::of(&sent, &changes, &found.verdicts);
@@ -83,7 +83,6 @@ impl Preparation<'_> {
         self.state.judge.take_in(&unknown).await
     }
 
-    /// Enters the verdicts into the replies that are to hold them.
     fn enter_verdicts(&self, replies: &mut [Reply], verdicts: &Verdicts, changes: &Changes) {
         let tables = self.state.store.names().read();
         // Names that nobody can look up before this group is stored.
@@ -109,8 +108,7 @@ pub(super) fn settle(items: &[Item<'_>], prepared: Prepared, due: &watch::Sender
         metrics::histogram!(telemetry::GROUP).record(items.len() as f64);
     }
     let is_campaign = |item: &Item<'_>| item.sent.calibration().is_some_and(|sent| sent.kind == Kind::Campaign);
-    let is_new = |reply: &Reply| matches!(reply, Ok(Accepted::Stored { .. }));
-    if items.iter().zip(&replies).any(|(item, reply)| is_campaign(item) && is_new(reply)) {
+    if items.iter().zip(&replies).any(|(item, reply)| is_campaign(item) && stored_as(reply).is_some()) {
         due.send_modify(|moved| *moved += 1);
     }
     tally.count();
@@ -127,22 +125,9 @@ pub(super) fn answer(jobs: Vec<StoreJob>, replies: Vec<Reply>) {
     }
 }
 
-/// The calibrations that are new, by the identifiers that they were given.
-fn sent<'a>(items: &[Item<'a>], replies: &[Reply]) -> HashMap<Id, &'a Calibration> {
-    let new = |(item, reply): (&Item<'a>, &Reply)| match (item.sent.calibration(), reply) {
-        (Some(sent), Ok(Accepted::Stored { id, .. })) => Some((*id, sent)),
-        _ => None,
-    };
-    items.iter().zip(replies).filter_map(new).collect()
-}
-
-/// How what is found late is told, of what is new.
-fn stored(items: &[Item<'_>], replies: &[Reply]) -> HashMap<Id, Late> {
-    let new = |(item, reply): (&Item<'_>, &Reply)| match reply {
-        Ok(Accepted::Stored { id, .. }) => Some((*id, item.late)),
-        _ => None,
-    };
-    items.iter().zip(replies).filter_map(new).collect()
+/// The identifier that something new was given.
+fn stored_as(reply: &Reply) -> Option<Id> {
+    if let Ok(Accepted::Stored { id, .. }) = reply { Some(*id) } else { None }
 }
 
 /// Counts what has become of each item. Looking a counter up costs more than adding to it.

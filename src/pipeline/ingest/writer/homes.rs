@@ -74,7 +74,6 @@ impl Homes<'_> {
         texts.iter().filter_map(|text| tables.imus.cell(text.imu)).collect()
     }
 
-    /// Of the gyros of alerts.
     pub async fn of_alerts(&self, gyros: Vec<u32>) -> Result<Cells, StoreError> {
         let mut cells = Cells::one(0);
         if self.among_others {

@@ -113,7 +113,6 @@ impl PendingIndex {
         self.newest.get(&imu).copied()
     }
 
-    /// What is to be entered with `changes`.
     pub fn due(&self, changes: &IndexChanges<'_>) -> Entering {
         let mut at_once = self.imus_of(changes.withdrawn);
         at_once.extend(&changes.asked_for);

@@ -15,6 +15,7 @@ use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::document::{DocumentKind, open_table, parse};
 use crate::wire::note::NoteBody;
 use crate::wire::unit;
+use crate::words::asked;
 
 /// Dwells with the largest standardised residuals that the table shows.
 const SHOWN_RESIDUALS: usize = 5;

@@ -8,6 +8,7 @@ use super::verdicts::SeenVerdict;
 use super::view::View;
 use super::{alerts, status};
 use crate::config::JudgedMethod;
+use crate::core::alert_filter::AlertFilter;
 use crate::core::figures::Figures;
 use crate::core::judge::State;
 use crate::pipeline::{Comparison, Course, Standing, Statuses};
@@ -38,8 +39,9 @@ pub(super) struct Facts {
     pub doubts: Vec<NoteBody>,
     /// Those that are not resolved.
     pub alerts: Vec<AlertBody>,
-    /// That all gyros of its IMU have moved at once, where such an alert is not resolved.
-    pub imu_shifts: Vec<AlertBody>,
+    /// That all gyros of its IMU have moved at once, or what its newest station does to all, where such an alert is not
+    /// resolved.
+    pub shared_shifts: Vec<AlertBody>,
     /// The gyro that has been calibrated in its slot since.
     pub successor: Option<Arc<str>>,
 }
@@ -65,11 +67,16 @@ impl Facts {
         let statuses = pipeline.queries.histories.statuses(number, asked, &[0, 1, 2]).await?;
         let alerts = alerts::open_ones(pages, number).await?;
         let imu = course.figures.last().map(|newest| pipeline.queries.names().imu(newest.imu).to_owned());
-        let mut imu_shifts = match imu {
+        let mut shared_shifts = match imu {
             Some(imu) => alerts::open_ones_of_imu(pages, &imu).await?,
             None => Vec::new(),
         };
-        imu_shifts.retain(|alert| alert.rule == Rule::ImuShift.name());
+        shared_shifts.retain(|alert| alert.rule == Rule::ImuShift.name());
+        if let Some(newest) = course.figures.last() {
+            let station = pipeline.queries.names().station(newest.station).to_owned();
+            let told = pipeline.alerts.of_no_gyro(&AlertFilter::default()).await?;
+            shared_shifts.extend(told.into_iter().filter(|alert| alerts::is_open_of(alert, &station)));
+        }
         let successor = match course.figures.last() {
             Some(newest) => pipeline.queries.fleet.seated_in(newest.imu).await?.successor(number),
             None => None,
@@ -86,7 +93,7 @@ impl Facts {
             verdicts,
             doubts,
             alerts,
-            imu_shifts,
+            shared_shifts,
             successor,
         })
     }

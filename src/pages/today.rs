@@ -88,12 +88,12 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &TodayQuery) -> Result<Pag
         div.blocks {
             (worse(viewer, &today.worse, since, &known, &names))
             (still_out(viewer, &fleet, (&today.worse, &out), &known, &names))
-            (approaching.shown(t, undated, now, &names))
-            (due(t, &today, &gone, now, &names))
             div {
                 (several(viewer, &today, &of_groups, &changed, pages.config.judging.budget, &names))
                 @if stations.is_none() && fleet.total > 0 { p.note { (t.stations_not_compared) } }
             }
+            (approaching.shown(t, undated, now, &names))
+            (due(t, &today, &gone, now, &names))
             @if today.outside.of > 0 { (outside(t, &today)) }
         }
     };

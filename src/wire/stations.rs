@@ -76,6 +76,9 @@ pub struct StationColumnBody {
     pub drift: Option<SharedBody>,
     /// Whether the drift is beyond chance, and the gyros of several IMUs share it.
     pub drifts: bool,
+    /// When the drift began; left out where it is as old as the records.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drift_since: Option<String>,
     /// Re-levellings and the like that were found, oldest first.
     pub steps: Vec<StationStepBody>,
     /// Times for which it was off, oldest first.
@@ -168,7 +171,7 @@ impl StationBody {
 }
 
 bodies! {
-    StationColumnBody of StationColumn: repeatability, offset, drift, drifts, steps, windows, gyro_by_station = by_gyro,
+    StationColumnBody of StationColumn: repeatability, offset, drift, drifts, drift_since, steps, windows, gyro_by_station = by_gyro,
         course;
     SpreadBody of Spread: sd, interval;
     SuspectWindowBody of SuspectWindow: from = span.from, to = span.to, by = author, reason;

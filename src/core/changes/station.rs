@@ -1,7 +1,7 @@
 //! What a station does to every gyro that it measures: its offset, drift and steps, from gyros of other IMUs.
 //!
 //! Records of peer p: y = mu_p + sum of b c(t, station) + noise, with c of a part: 1 at the station (offset), t there
-//! (drift), 1 there from an instant on (step) or between two (window). Each peer gives an estimate b_p of its own, its
+//! (drift), t there from an instant on, 1 there from an instant on (step) or between two (window). Each peer gives an estimate b_p of its own, its
 //! level projected out; the station's is their robust mean (Huber from the weighted median), its standard deviation the
 //! larger of what the records' noise gives and the sandwich over IMUs, whose gyros are calibrated together and move
 //! together. So no gyro that ages or steps by itself makes its station do so. Parts are taken one by one, the most
@@ -201,11 +201,14 @@ impl StationCourse {
         self.peers.iter().filter(|peer| peer.rows.len() >= SCATTERS)
     }
 
-    /// What the peers and the gyro itself do in a year at other stations than one, beside the steps there.
-    pub fn slope_elsewhere(&self, station: usize, own: &RecordSeries) -> Option<Shared> {
+    /// What the peers and the gyro itself do in a year at other stations than one that drifts while it does, beside what is
+    /// taken of those from an instant on.
+    pub fn slope_elsewhere(&self, drift: &CoursePart, own: &RecordSeries) -> Option<Shared> {
         let mut each: Vec<(usize, f64, f64)> = Vec::new();
+        let is_since = |row: &&PeerRecord| !matches!(drift.form, StationForm::DriftSince(from) if row.at < from);
         let mut add = |imu: usize, rows: &[PeerRecord]| {
-            let slope = slope_beside_steps(rows).filter(|_| rows[0].station != station);
+            let rows: Vec<PeerRecord> = rows.iter().filter(is_since).copied().collect();
+            let slope = slope_beside_steps(&rows).filter(|_| rows[0].station != drift.station);
             each.extend(slope.map(|(value, information)| (imu, value, information)));
         };
         for peer in &self.peers {
@@ -420,7 +423,7 @@ impl StationCourse {
     fn is_shared(&self, part: &CoursePart, common: &Shared) -> bool {
         let is_told = match part.form {
             StationForm::Between(..) => common.imus > 1 || self.imus_at(part.station) > 2,
-            StationForm::Drift | StationForm::Step(_) => true,
+            StationForm::Drift | StationForm::DriftSince(_) | StationForm::Step(_) => true,
             StationForm::Offset => return true,
         };
         is_told && common.value.abs() > ALIKE * common.between
@@ -443,8 +446,8 @@ impl StationCourse {
             // Near the ends of its records a step is an offset.
             let edge = instants.len() / 16 + 1;
             let inner = instants.iter().skip(edge).take(instants.len().saturating_sub(2 * edge));
-            let steps = inner.step_by(every).map(|at| StationForm::Step(*at)).chain(self.windows(station));
-            all.extend(steps.map(|form| CoursePart { station, form }));
+            let since = inner.step_by(every).flat_map(|at| [StationForm::Step(*at), StationForm::DriftSince(*at)]);
+            all.extend(since.chain(self.windows(station)).map(|form| CoursePart { station, form }));
         }
         all
     }
@@ -493,6 +496,9 @@ impl StationCourse {
         match part.form {
             StationForm::Offset | StationForm::Drift => (part, common),
             StationForm::Step(at) => self.best_about(&instants, at, reach, (part, common), StationForm::Step),
+            StationForm::DriftSince(at) => {
+                self.best_about(&instants, at, reach, (part, common), StationForm::DriftSince)
+            }
             StationForm::Between(from, until) => {
                 let found =
                     self.best_about(&instants, from, reach, (part, common), |at| StationForm::Between(at, until));
@@ -625,7 +631,7 @@ fn rated((part, common): &(CoursePart, Shared)) -> f64 {
 fn by_chance(form: StationForm) -> f64 {
     match form {
         StationForm::Offset | StationForm::Drift => 0.0,
-        StationForm::Step(_) => SEARCHED,
+        StationForm::DriftSince(_) | StationForm::Step(_) => SEARCHED,
         StationForm::Between(..) => SEARCHED_WINDOWS,
     }
 }
@@ -656,7 +662,11 @@ fn own(part: &CoursePart, rows: &[PeerRecord]) -> Option<(f64, f64)> {
         without += usize::from(c == 0.0 && (!is_searched || row.station == part.station));
         (row.weight, c, row.y)
     }));
-    let few = if matches!(part.form, StationForm::Drift) { with < 3 } else { with < 1 || without < 1 };
+    let few = match part.form {
+        StationForm::Drift => with < 3,
+        StationForm::DriftSince(_) => with < 3 || without < 1,
+        _ => with < 1 || without < 1,
+    };
     found.filter(|_| !few)
 }
 

@@ -7,9 +7,9 @@
 //! together. So no gyro that ages or steps by itself makes its station do so. Parts are taken one by one, the most
 //! significant first, and estimated again beside one another.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
-use super::answer::{GyroHistory, StationForm, YEAR_DAYS};
+use super::answer::{GyroHistory, HistoryEntry, StationForm, YEAR_DAYS};
 use super::series::{RecordScatter, RecordSeries, scatter_of};
 use crate::core::numerics::basis::{Basis, dot};
 use crate::core::numerics::median::{median_of, upper_median_of};
@@ -151,7 +151,8 @@ impl StationCourse {
         let mut imus: Vec<&str> = Vec::new();
         let mut out = Vec::new();
         let mut scatters = Vec::new();
-        for peer in peers {
+        let blunders = blunders(peers, column);
+        for (number, peer) in peers.iter().enumerate() {
             let Some(newest) = peer.entries.last() else { continue };
             let imu = imus.iter().position(|imu| **imu == *newest.imu).unwrap_or_else(|| {
                 imus.push(&newest.imu);
@@ -160,7 +161,7 @@ impl StationCourse {
             let scatter = scatter_of(&peer.entries, column);
             let place = |name: &str| stations.iter().position(|known| *known == name);
             let mut there: BTreeMap<&str, Vec<PeerRecord>> = BTreeMap::new();
-            for entry in &peer.entries {
+            for entry in peer.entries.iter().filter(|entry| !blunders.contains(&(number, entry.at))) {
                 let sd = entry.d[column].sd.filter(|sd| *sd > 0.0);
                 let weight = sd.map_or(scatter.absolute, |sd| sd * scatter.of_stated).powi(-2);
                 let (station, years) = (place(&entry.station), entry.at.days_since(origin) / YEAR_DAYS);
@@ -608,6 +609,39 @@ impl StationCourse {
         }
         given_up
     }
+}
+
+/// Records of peers that stand apart from those before and after them at their station, where the records of other IMUs
+/// that are next to them there do not: they are no doing of the station.
+fn blunders(peers: &[&GyroHistory], column: usize) -> HashSet<(usize, UtcMicros)> {
+    // Of each station when which IMU was there, and of which gyro a record stands apart.
+    let mut there: BTreeMap<&str, BTreeMap<(UtcMicros, &str), Vec<usize>>> = BTreeMap::new();
+    for (number, peer) in peers.iter().enumerate() {
+        let mut of_station: BTreeMap<&str, Vec<HistoryEntry>> = BTreeMap::new();
+        for entry in &peer.entries {
+            of_station.entry(&entry.station).or_default().push(entry.clone());
+            there.entry(&entry.station).or_default().entry((entry.at, &entry.imu)).or_default();
+        }
+        for entries in of_station.into_values() {
+            for outlier in RecordSeries::of(&entries, column).take_outliers() {
+                let Some(entry) = peer.entries.iter().find(|entry| entry.at == outlier.at) else { continue };
+                there.entry(&entry.station).or_default().entry((entry.at, &entry.imu)).or_default().push(number);
+            }
+        }
+    }
+    let mut found = HashSet::new();
+    for visits in there.values() {
+        let is_alone = |(at, imu): (UtcMicros, &str)| {
+            let before = visits.range(..(at, imu)).rfind(|((_, other), _)| *other != imu);
+            let after = visits.range((at, imu)..).find(|((_, other), _)| *other != imu);
+            let mut beside = before.into_iter().chain(after).peekable();
+            beside.peek().is_some() && beside.all(|(_, apart)| apart.is_empty())
+        };
+        for ((at, _), gyros) in visits.iter().filter(|(visit, gyros)| !gyros.is_empty() && is_alone(**visit)) {
+            found.extend(gyros.iter().map(|gyro| (*gyro, *at)));
+        }
+    }
+    found
 }
 
 /// Whether the gyro's own estimate lets the part be taken out of its records: beside one IMU it must agree, and beside

@@ -21,7 +21,7 @@ const JUMPED: f64 = 4.0;
 const GYROS: usize = 6;
 const IMUS: usize = 3;
 /// Share of a station's gyros that jump, at the least, and of those elsewhere, at the most.
-const MOST: f64 = 0.5;
+const MOST: f64 = 0.4;
 const FEW: f64 = 0.25;
 /// Share of those that jump to one side of one coefficient from which on they share it: a step.
 const ALIKE: f64 = 0.85;

@@ -47,6 +47,7 @@ pub(super) async fn page(Visit(ref pages, ref viewer): Visit, Path(ref name): Pa
 fn did(t: &Text, figures: &StationFigures, budget: f64) -> Markup {
     let share = |size: &Shared| percent(Measured { value: size.value, sd: Some(size.sd) }.in_units_of(budget));
     html! {
+        @for unlike in &figures.unlike { p.lead { (t.words(&unlike.message())) } }
         @for (column, coefficient) in figures.columns.iter().zip(DRIFTS) {
             @if let Some((from, until, size)) = changes(column).pop() {
                 p.lead {

@@ -61,7 +61,7 @@ pub struct StationFigures {
     pub last: UtcMicros,
     /// The station that its offsets count from; none of itself, and where no gyros lead to another.
     pub against: Option<Arc<str>>,
-    /// When most of its gyros were off in different directions, oldest first.
+    /// When many of its gyros were off in different directions, oldest first.
     pub unlike: Vec<Unlike>,
     /// D_I and D_S.
     pub columns: [StationColumn; 2],

@@ -1,13 +1,15 @@
 //! What a station does to each gyro in a direction of its own, as a table that is wrongly levelled does: the median of
-//! the gyros stays, and most of them are off.
+//! the gyros stays, and many of them are off.
 //!
 //! At an instant gyro g jumps by z_g = (a - b)/(s sqrt(1/n_a + 1/n_b)), with a the mean of its next records at the
-//! station, b that of its last ones there, and s its scatter. Where most of six gyros and of three IMUs jump at once, and
+//! station, b that of its last ones there, and s its scatter. Where many of its gyros, six and of three IMUs at the least, jump at once, and
 //! not to one side, and at other stations few do, it is the station.
 
 use std::collections::BTreeSet;
 
+use crate::core::message::{Message, text};
 use crate::core::time::UtcMicros;
+use crate::message;
 
 use super::answer::{GyroHistory, HistoryEntry};
 use super::series::scatter_of;
@@ -21,12 +23,12 @@ const JUMPED: f64 = 4.0;
 const GYROS: usize = 6;
 const IMUS: usize = 3;
 /// Share of a station's gyros that jump, at the least, and of those elsewhere, at the most.
-const MOST: f64 = 0.4;
+const MANY: f64 = 0.4;
 const FEW: f64 = 0.25;
 /// Share of those that jump to one side of one coefficient from which on they share it: a step.
 const ALIKE: f64 = 0.85;
 
-/// Most gyros of a station were off from the first instant on and before the second, each in its own direction.
+/// Many gyros of a station were off from the first instant on and before the second, each in its own direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Unlike {
     pub from: UtcMicros,
@@ -35,6 +37,18 @@ pub struct Unlike {
     /// How many, of how many.
     pub gyros: usize,
     pub of: usize,
+}
+
+impl Unlike {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        let Self { from, until, gyros, of } = *self;
+        let from = text(from.date());
+        match until {
+            Some(until) => message!("station_unlike", from, until = text(until.date()), gyros, of),
+            None => message!("station_unlike_since", from, gyros, of),
+        }
+    }
 }
 
 /// How far a gyro's D_I and D_S jump at an instant, in standard deviations.
@@ -49,7 +63,7 @@ impl Jump<'_> {
     }
 }
 
-/// When most gyros of `station` were off in different directions, oldest first.
+/// When many gyros of `station` were off in different directions, oldest first.
 pub(super) fn unlike(fleet: &[GyroHistory], station: &str) -> Vec<Unlike> {
     let here: Vec<Seen<'_>> = fleet.iter().map(|gyro| Seen::of(gyro, |entry| *entry.station == *station)).collect();
     let elsewhere: Vec<Seen<'_>> =
@@ -61,7 +75,7 @@ pub(super) fn unlike(fleet: &[GyroHistory], station: &str) -> Vec<Unlike> {
         let jumps: Vec<Jump<'_>> = here.iter().filter_map(|seen| seen.jump(at)).collect();
         let jumped: Vec<&Jump<'_>> = jumps.iter().filter(|jump| jump.has_jumped()).collect();
         let imus: BTreeSet<&str> = jumped.iter().map(|jump| jump.imu).collect();
-        let is_most = jumped.len() >= GYROS && imus.len() >= IMUS && jumped.len() as f64 >= MOST * jumps.len() as f64;
+        let is_many = jumped.len() >= GYROS && imus.len() >= IMUS && jumped.len() as f64 >= MANY * jumps.len() as f64;
         let to_one_side = |column: usize| {
             let big = jumped.iter().filter(|jump| jump.z[column].abs() > JUMPED);
             let above = big.clone().filter(|jump| jump.z[column] > 0.0).count();
@@ -70,7 +84,7 @@ pub(super) fn unlike(fleet: &[GyroHistory], station: &str) -> Vec<Unlike> {
         let others: Vec<Jump<'_>> = elsewhere.iter().filter_map(|seen| seen.jump(at)).collect();
         let of_others = others.iter().filter(|jump| jump.has_jumped()).count();
         let is_its = of_others as f64 <= FEW * others.len() as f64;
-        (is_most && is_its && !to_one_side(0) && !to_one_side(1)).then_some((jumped.len(), jumps.len()))
+        (is_many && is_its && !to_one_side(0) && !to_one_side(1)).then_some((jumped.len(), jumps.len()))
     };
     // Neighbouring instants see the same jump: the one that most gyros show is it.
     let mut found: Vec<(UtcMicros, usize, usize)> = Vec::new();

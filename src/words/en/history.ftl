@@ -30,6 +30,8 @@ change_station_drift = { $station } drifts
 change_station_drift_since = { $station } drifts since { $day }
 change_station_step = { $station } stepped on { $day }
 change_station_between = { $station } was off from { $from } until { $until }
+station_unlike = Many of its gyros were off from { $from } until { $until }, each its own way ({ $gyros } of { $of }): check its levelling and axes.
+station_unlike_since = Many of its gyros are off since { $from }, each its own way ({ $gyros } of { $of }): check its levelling and axes.
 change_proportion = D_O in proportion to D_S
 change_instant = between { $after } and { $before }
 

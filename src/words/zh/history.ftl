@@ -27,6 +27,8 @@ change_station_drift = { $station }漂移
 change_station_drift_since = { $station }自{ $day }起漂移
 change_station_step = { $station }于{ $day }阶跃
 change_station_between = { $station }自{ $from }至{ $until }期间偏离
+station_unlike = 自{ $from }至{ $until }，其许多陀螺偏离且方向各异（{ $of }只中{ $gyros }只）：检查调平与轴向。
+station_unlike_since = 自{ $from }起，其许多陀螺偏离且方向各异（{ $of }只中{ $gyros }只）：检查调平与轴向。
 change_proportion = D_O与D_S成比例
 change_instant = { $after }与{ $before }之间
 

@@ -89,7 +89,8 @@ impl Facts {
             said.status() == Status::Borderline && said.body.coefficient == DRIFTS[column] && said.body.value.is_some()
         };
         let load = |said: &SeenVerdict| said.body.value.map(|value| value / said.body.limit);
-        let all = self.verdicts.iter().filter(of_it).filter_map(|said| Some((Rule::from_name(&said.body.rule)?, load(said))));
+        let all =
+            self.verdicts.iter().filter(of_it).filter_map(|said| Some((Rule::from_name(&said.body.rule)?, load(said))));
         all.max_by(|a, b| a.1.unwrap_or(0.0).total_cmp(&b.1.unwrap_or(0.0)))
     }
 

@@ -15,8 +15,8 @@ use crate::core::time::UtcMicros;
 use super::answer::{GyroHistory, HistoryEntry, StationForm};
 use super::offsets::{Offsets, offsets};
 use super::series::robust;
-use super::unlike::{Unlike, unlike};
 use super::station::{CoursePart, CoursePoint, OF_SCALE, Shared, StationCourse};
+use super::unlike::{Unlike, unlike};
 
 /// Points of a station's course, at most.
 const POINTS: usize = 60;
@@ -207,7 +207,8 @@ fn of_station(
         Some((_, common)) => Some(*common),
         None => course.estimate(&CoursePart { station, form: StationForm::Drift }),
     };
-    let drift_since = taken.and_then(|(part, _)| if let StationForm::DriftSince(at) = part.form { Some(at) } else { None });
+    let drift_since =
+        taken.and_then(|(part, _)| if let StationForm::DriftSince(at) = part.form { Some(at) } else { None });
     let (mut steps, mut windows) = (Vec::new(), Vec::new());
     for (part, common) in course.taken.iter().filter(|(part, _)| part.station == station) {
         match part.form {

@@ -217,7 +217,10 @@ fn most_gyros_that_are_off_in_different_directions_at_once_are_the_stations() {
         let found = stations(&gyros).expect("records").stations.remove(0).unlike;
         let [one] = found[..] else { panic!("{seed}: {found:?}") };
         let day = |at: UtcMicros| at.0 / UtcMicros::DAY;
-        assert!((day(one.from) - 400).abs() <= 21 && one.until.is_some_and(|at| (day(at) - 436).abs() <= 21), "{one:?}");
+        assert!(
+            (day(one.from) - 400).abs() <= 21 && one.until.is_some_and(|at| (day(at) - 436).abs() <= 21),
+            "{one:?}"
+        );
         assert!(one.gyros >= 9 && one.of == 18, "{one:?}");
         let alike = of_one_station(2800 + seed, [400, 436]);
         assert_eq!(stations(&alike).expect("records").stations[0].unlike, [], "to one side: a window");

@@ -231,6 +231,26 @@ fn when_a_step_happened_is_as_unsure_as_its_standard_deviation_says() {
     assert!(all.len() >= 10 && beyond <= 1 && (0.05..1.5).contains(&mean_square), "{all:?}");
 }
 
+/// 0.35 of the campaign: its neighbours on the grid of periods leave of it what passed for a second cause.
+#[test]
+fn a_period_between_those_of_the_grid_is_named_alone() {
+    let named = |seed: u64| {
+        let cycle = EffectChoice {
+            gyros: Some(vec!["G2".into()]),
+            time_h: Some(4.2),
+            ..EffectChoice::detectable("periodic", 26.0)
+        };
+        let scenario = Scenario { seed, effects: vec![cycle], ..Scenario::default() };
+        let answer = diagnose(&simulate(&scenario).unwrap().campaign, &Options::default()).unwrap();
+        let period = answer.effects.first()?.estimates.iter().find(|one| one.name == "period")?.clone();
+        let is_near = (period.value - 4.2 * 3600.0).abs() < 4.0 * period.sd;
+        (names(&answer) == BTreeSet::from(["periodic"]) && is_near).then_some(answer.verdict)
+    };
+    let found: Vec<Verdict> = (1..9).filter_map(named).collect();
+    let explained = found.iter().filter(|verdict| **verdict == Verdict::Explained).count();
+    assert!(found.len() == 8 && explained >= 6, "{found:?}");
+}
+
 /// The default scenario without a cause, as the file of a station that commands something else than it does.
 fn commanded_wrongly(seed: u64, wrong: impl Fn(&mut Value)) -> Diagnosis {
     let scenario = Scenario { seed, ..Scenario::default() };

@@ -8,6 +8,7 @@ use super::verdicts::SeenVerdict;
 use super::view::View;
 use super::{alerts, status};
 use crate::config::JudgedMethod;
+use crate::core::alert_filter::AlertFilter;
 use crate::core::figures::Figures;
 use crate::core::judge::State;
 use crate::pipeline::{Comparison, Course, Standing, Statuses};
@@ -46,8 +47,9 @@ pub(super) struct Facts {
     pub odd_before: Option<Doubted<Figures>>,
     /// Those that are not resolved.
     pub alerts: Vec<AlertBody>,
-    /// That all gyros of its IMU have moved at once, where such an alert is not resolved.
-    pub imu_shifts: Vec<AlertBody>,
+    /// That all gyros of its IMU have moved at once, or what its newest station does to all, where such an alert is not
+    /// resolved.
+    pub shared_shifts: Vec<AlertBody>,
     /// The gyro that has been calibrated in its slot since.
     pub successor: Option<Arc<str>>,
 }
@@ -74,11 +76,16 @@ impl Facts {
         let odd_before = odd_before(pages, serial, &course, &statuses).await?;
         let alerts = alerts::open_ones(pages, number).await?;
         let imu = course.figures.last().map(|newest| pipeline.queries.names().imu(newest.imu).to_owned());
-        let mut imu_shifts = match imu {
+        let mut shared_shifts = match imu {
             Some(imu) => alerts::open_ones_of_imu(pages, &imu).await?,
             None => Vec::new(),
         };
-        imu_shifts.retain(|alert| alert.rule == Rule::ImuShift.name());
+        shared_shifts.retain(|alert| alert.rule == Rule::ImuShift.name());
+        if let Some(newest) = course.figures.last() {
+            let station = pipeline.queries.names().station(newest.station).to_owned();
+            let told = pipeline.alerts.of_no_gyro(&AlertFilter::default()).await?;
+            shared_shifts.extend(told.into_iter().filter(|alert| alerts::is_open_of(alert, &station)));
+        }
         let successor = match course.figures.last() {
             Some(newest) => pipeline.queries.fleet.seated_in(newest.imu).await?.successor(number),
             None => None,
@@ -96,7 +103,7 @@ impl Facts {
             doubted,
             odd_before,
             alerts,
-            imu_shifts,
+            shared_shifts,
             successor,
         })
     }

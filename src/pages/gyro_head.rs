@@ -73,11 +73,25 @@ impl Facts {
     /// The rule by which a coefficient stands as badly as it does; none where it is its load that says so.
     fn violated(&self, column: usize) -> Option<(Rule, Option<f64>)> {
         let standing = self.standing.as_ref()?;
+        if standing.drift[column] == Status::Borderline {
+            return self.undecided(column);
+        }
         let of_it = |one: &&Violation| one.coefficient.name() == DRIFTS[column] && one.status == standing.drift[column];
         let said: Vec<&Violation> = standing.violations.iter().filter(of_it).collect();
         let of_load = said.iter().any(|one| matches!(one.rule, Rule::Baseline | Rule::Closure));
         let worst = said.into_iter().max_by(|a, b| a.load.unwrap_or(0.0).total_cmp(&b.load.unwrap_or(0.0)));
         worst.filter(|_| !of_load).map(|one| (one.rule, one.load))
+    }
+
+    /// The rule that cannot decide on a borderline coefficient, and how much of its limit is taken up.
+    fn undecided(&self, column: usize) -> Option<(Rule, Option<f64>)> {
+        let of_it = |said: &&SeenVerdict| {
+            said.status() == Status::Borderline && said.body.coefficient == DRIFTS[column] && said.body.value.is_some()
+        };
+        let load = |said: &SeenVerdict| said.body.value.map(|value| value / said.body.limit);
+        let all =
+            self.verdicts.iter().filter(of_it).filter_map(|said| Some((Rule::from_name(&said.body.rule)?, load(said))));
+        all.max_by(|a, b| a.1.unwrap_or(0.0).total_cmp(&b.1.unwrap_or(0.0)))
     }
 
     /// Since when it is out of tolerance, or drifts: as the alert says that fires, else the newest records that all are.
@@ -112,21 +126,42 @@ impl Facts {
             let mut answers = self.answers(explained, Status::Drifting).filter(holds_now);
             answers.any(|answer| answer.coefficient == of && answer.is_one_step())
         };
+        let mut borderline = self.answers(explained, Status::Borderline).peekable();
+        let ages = |answer: &HistoryDiagnosis| answer.causes.iter().any(|one| one.cause == ChangeCause::Ageing);
         let moves_on = |one: &&Violation| matches!(one.rule, Rule::Trend | Rule::RmsSuccessive);
         suggest(&Standpoint {
             // Of one that was never calibrated nothing is to be calibrated again.
             status: standing.status.filter(|of| standing.newest.is_some() || *of > Status::NotEnoughData),
             record_in_doubt: self.doubted.is_some(),
+            is_stations: self.is_stations(explained),
+            moved_together: !self.shared_shifts.is_empty(),
             verdicts: judged.chain(told).collect(),
             unsteady: standing.violations.iter().filter(moves_on).any(|one| !has_stepped(one.coefficient)),
             stepped_at_event: out.peek().is_some() && out.all(|answer| answer.is_one_event() && holds_now(&answer)),
             awaits_baseline: self.verdicts.iter().any(SeenVerdict::awaits_baseline),
             overdue: standing.overdue_days.is_some(),
+            ages: borderline.peek().is_some() && borderline.all(ages),
             scatters: self.scatters(),
             reaches_in_days: reaches_at.zip(newest).map(|(at, newest)| at.days_since(newest)),
             may_have_reached: reaches_at.is_some_and(|at| at <= self.now),
             interval_days: self.course.limits.interval_days.map(|limit| limit.value),
         })
+    }
+
+    /// Whether its station has done all that is wrong with it: by its history, or as the station's alert says.
+    fn is_stations(&self, explained: Option<&ExplainedHistory>) -> bool {
+        let of_station = |answer: &HistoryDiagnosis| {
+            let is_all = answer.causes.iter().all(|one| one.cause == ChangeCause::Station);
+            let holds = explained.is_some_and(|explained| answer.newest_left_out(explained.as_of).is_none());
+            !answer.causes.is_empty() && is_all && holds
+        };
+        let mut bad = self.answers(explained, Status::Borderline).peekable();
+        let mut fire = self.alerts.iter().filter(|alert| alert.rule != Rule::Overdue.name()).peekable();
+        let explains = |alert: &AlertBody| {
+            let is_it = |id: &String| self.shared_shifts.iter().any(|one| one.is_of_station() && one.id == *id);
+            alert.inhibited_by.as_ref().is_some_and(is_it)
+        };
+        bad.peek().is_some() && bad.all(of_station) || fire.peek().is_some() && fire.all(explains)
     }
 
     /// Until when all that drifts is within its budget with 95 %, where its history says so.
@@ -166,8 +201,12 @@ impl Facts {
         self.standing.as_ref().is_some_and(|standing| standing.drift.iter().any(|drift| *drift >= ASKED_WHY))
     }
 
-    /// Whether what is too uncertain of it is so by its own scatter.
+    /// Whether what is too uncertain of it is so by its own scatter; where it is borderline, whether by that alone.
     fn scatters(&self) -> bool {
+        if self.standing.as_ref().is_some_and(|standing| standing.status == Some(Status::Borderline)) {
+            let mut undecided = (0..3).filter_map(|column| self.undecided(column)).peekable();
+            return undecided.peek().is_some() && undecided.all(|(rule, _)| rule == Rule::RmsSuccessive);
+        }
         let newest = self.course.figures.last().map(|newest| sample_of(newest, self.judged));
         let stated = |verdict: &Verdict| newest.as_ref()?.d[verdict.coefficient.column()?].sd;
         let too_uncertain = |said: &&SeenVerdict| said.status() == Status::TooUncertain;
@@ -302,7 +341,7 @@ pub(super) fn causes(t: &Text, facts: &Facts, explained: Option<&ExplainedHistor
         @let drifting: Vec<Coefficient> = facts.answers(explained, Status::Drifting).map(|answer| answer.coefficient).collect();
         @let is_changed = |answer: &HistoryDiagnosis| explained.is_some_and(|explained| answer.is_changed(explained.as_of));
         @let is_told = |answer: &&HistoryDiagnosis| is_changed(answer) || drifting.contains(&answer.coefficient);
-        @for alert in &facts.imu_shifts {
+        @for alert in &facts.shared_shifts {
             p {
                 strong { a href={ "/alerts/" (alert.id) } { (alert.name()) ", " (verdicts::violated(t, alert)) } (t.colon) } " "
                 (t.reason(&alert.finding.reason))

@@ -47,6 +47,7 @@ pub(super) async fn page(Visit(ref pages, ref viewer): Visit, Path(ref name): Pa
 fn did(t: &Text, figures: &StationFigures, budget: f64) -> Markup {
     let share = |size: &Shared| percent(Measured { value: size.value, sd: Some(size.sd) }.in_units_of(budget));
     html! {
+        @for unlike in &figures.unlike { p.lead { (t.words(&unlike.message())) } }
         @for (column, coefficient) in figures.columns.iter().zip(DRIFTS) {
             @if let Some((from, until, size)) = changes(column).pop() {
                 p.lead {
@@ -56,7 +57,7 @@ fn did(t: &Text, figures: &StationFigures, budget: f64) -> Markup {
                 }
             }
             @if let Some(drift) = column.drift.as_ref().filter(|_| column.drifts) {
-                p.lead { strong { (symbol(coefficient)) (t.colon) } (t.drift_a_year) " " (share(drift)) (t.share_of_budget_unit) }
+                p.lead { strong { (symbol(coefficient)) (t.colon) } (t.drift_a_year) " " (share(drift)) (t.share_of_budget_unit) (drift_since(t, column)) }
             }
         }
     }
@@ -131,7 +132,7 @@ fn section(
                 }
                 @if let Some(drift) = &column.drift {
                     dt { (t.drift_a_year) } dd {
-                        (shared(drift))
+                        (shared(drift)) (drift_since(t, column))
                         @if !column.drifts { " (" (remark(t, drift)) ")" }
                     }
                 }
@@ -156,6 +157,11 @@ fn section(
 /// What a change is called: a window where it ended.
 fn found(t: &Text, until: Option<UtcMicros>) -> &'static str {
     if until.is_some() { t.off_found } else { t.step_found }
+}
+
+/// Where a drift began within the records.
+pub(super) fn drift_since(t: &Text, column: &StationColumn) -> Markup {
+    html! { @if let Some(at) = column.drift_since { ", " (t.since_then) " " (day(at)) } }
 }
 
 /// Of a drift that is not said to be the station's.

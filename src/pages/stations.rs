@@ -4,7 +4,7 @@ use super::alerts::is_open_of;
 use super::bullet;
 use super::layout::day;
 use super::prelude::*;
-use super::station::changes;
+use super::station::{changes, drift_since};
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{Shared, StationFigures};
 
@@ -73,8 +73,11 @@ fn line(t: &Text, station: &StationFigures, budget: f64, alerts: usize, overdue:
                 }
             } }
             td data-label=(t.drift_a_year) { @for (column, name) in columns() {
-                @if let Some(drift) = column.drift.as_ref().filter(|_| column.drifts) {
-                    span.slope { (symbol(name)) " " (bullet::percent(load(drift))) } " "
+                @if let Some(drift) = column.drift.as_ref().filter(|drift| column.drifts || drift.is_beyond_chance()) {
+                    span.slope {
+                        (symbol(name)) " " (bullet::percent(load(drift))) (drift_since(t, column))
+                        @if !column.drifts { " (" (t.drift_of_gyros) ")" }
+                    } " "
                 }
             } }
             td data-label=(t.last_step) { @for (column, name) in columns() {

@@ -16,7 +16,7 @@ use super::station::changes;
 use super::{bullet, status as badges, verdicts};
 use crate::core::alert_decision;
 use crate::core::alert_filter::AlertFilter;
-use crate::core::changes::{FleetStations, Shared};
+use crate::core::changes::{FleetStations, Shared, Unlike};
 use crate::core::first_of::{DueImu, FirstOf};
 use crate::core::gyro_event::{GyroEvent, standing_decision};
 use crate::pipeline::{
@@ -73,6 +73,10 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &TodayQuery) -> Result<Pag
     let undated = undated + fleet.of_status[Status::Drifting as usize].saturating_sub(drifting.len());
     let approaching = Approaching::of(&today.approaching, &dated, &dues);
     let stations = queries.fleet.station_figures_within(PATIENCE).await?;
+    let unlike: Vec<(&str, &Unlike)> = (stations.iter().flat_map(|found| &found.stations))
+        .flat_map(|station| station.unlike.iter().map(|one| (&*station.name, one)))
+        .filter(|(_, one)| one.until.unwrap_or(now) >= since)
+        .collect();
     let changed = stations.as_deref().map_or_else(Vec::new, |found| station_changes(found, since));
     let gone = no_longer_in_it(pages, &today.overdue.first).await?;
     let told = pages.pipeline.alerts.of_no_gyro(&AlertFilter::default()).await?;
@@ -88,12 +92,12 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &TodayQuery) -> Result<Pag
         div.blocks {
             (worse(viewer, &today.worse, since, &known, &names))
             (still_out(viewer, &fleet, (&today.worse, &out), &known, &names))
-            (approaching.shown(t, undated, now, &names))
-            (due(t, &today, &gone, now, &names))
             div {
-                (several(viewer, &today, &of_groups, &changed, pages.config.judging.budget, &names))
+                (several(viewer, &today, &of_groups, (&changed, &unlike), pages.config.judging.budget, &names))
                 @if stations.is_none() && fleet.total > 0 { p.note { (t.stations_not_compared) } }
             }
+            (approaching.shown(t, undated, now, &names))
+            (due(t, &today, &gone, now, &names))
             @if today.outside.of > 0 { (outside(t, &today)) }
         }
     };
@@ -407,7 +411,7 @@ fn several(
     viewer: &Viewer,
     today: &Today,
     of_groups: &[&AlertBody],
-    changed: &[StationChange<'_>],
+    (changed, unlike): (&[StationChange<'_>], &[(&str, &Unlike)]),
     budget: f64,
     names: &Names<'_>,
 ) -> Markup {
@@ -445,6 +449,9 @@ fn several(
                     strong { (t.wrong_file) }
                 }
             }
+            @for (station, unlike) in unlike {
+                li { a.id href={ "/stations/" (encoded(station)) } { (station) } (t.colon) " " (t.words(&unlike.message())) }
+            }
             @for StationChange { station, column, from, until, size } in changed {
                 li {
                     a.id href={ "/stations/" (encoded(station)) "#" (DRIFTS[*column]) } { (station) } ", "
@@ -472,7 +479,7 @@ fn several(
         }
         p.note { (t.several_note) }
     };
-    let count = of_groups.len() + today.moved.len() + changed.len() + shifts.len();
+    let count = of_groups.len() + today.moved.len() + unlike.len() + changed.len() + shifts.len();
     block(&html! { (t.several_at_once) }, count, t.nothing_together, &rows, None)
 }
 
@@ -509,6 +516,7 @@ mod tests {
             first: day(0),
             last: day(100),
             against: None,
+            unlike: Vec::new(),
             columns: Default::default(),
         };
         figures.columns[0].windows = vec![([day(10), day(20)], size), ([day(40), day(60)], size)];

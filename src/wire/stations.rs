@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::core::changes::{CoursePoint, FleetStations, Shared, Spread, StationColumn, StationFigures};
+use crate::core::changes::{CoursePoint, FleetStations, Shared, Spread, StationColumn, StationFigures, Unlike};
 use crate::core::suspect_window::SuspectWindow;
 use crate::wire::prelude::*;
 use crate::wire::time;
@@ -37,11 +37,26 @@ pub struct StationBody {
     pub against: Option<String>,
     /// Gyros that it calibrated last and that were not calibrated in their interval.
     pub overdue: usize,
+    /// When many of its gyros were off, each in a direction of its own, oldest first; left out where they never were.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unlike: Vec<UnlikeBody>,
     #[serde(flatten)]
     pub coefficients: BothBody<StationColumnBody>,
     /// Windows in which what it measures does not count, oldest first; only where one station is asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub suspect_windows: Option<Vec<SuspectWindowBody>>,
+}
+
+/// Many gyros of a station were off from then on, and until then no more.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct UnlikeBody {
+    pub from: String,
+    /// Null where they still are.
+    #[schema(required)]
+    pub until: Option<String>,
+    /// How many, of how many.
+    pub gyros: usize,
+    pub of: usize,
 }
 
 /// What was calibrated from then to then does not count.
@@ -76,6 +91,9 @@ pub struct StationColumnBody {
     pub drift: Option<SharedBody>,
     /// Whether the drift is beyond chance, and the gyros of several IMUs share it.
     pub drifts: bool,
+    /// When the drift began; left out where it is as old as the records.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drift_since: Option<String>,
     /// Re-levellings and the like that were found, oldest first.
     pub steps: Vec<StationStepBody>,
     /// Times for which it was off, oldest first.
@@ -156,6 +174,7 @@ impl StationBody {
             last: Some(time::format(figures.last)),
             against: figures.against.as_ref().map(ToString::to_string),
             overdue: overdue.get(&*figures.name).copied().unwrap_or_default(),
+            unlike: figures.unlike.to_body(),
             coefficients: BothBody { d_i, d_s },
             suspect_windows: None,
         }
@@ -168,9 +187,10 @@ impl StationBody {
 }
 
 bodies! {
-    StationColumnBody of StationColumn: repeatability, offset, drift, drifts, steps, windows, gyro_by_station = by_gyro,
+    StationColumnBody of StationColumn: repeatability, offset, drift, drifts, drift_since, steps, windows, gyro_by_station = by_gyro,
         course;
     SpreadBody of Spread: sd, interval;
+    UnlikeBody of Unlike: from, until, gyros, of;
     SuspectWindowBody of SuspectWindow: from = span.from, to = span.to, by = author, reason;
     SharedBody of Shared: value, sd, gyros, imus;
     CoursePointBody of CoursePoint: at, value, sd, records;

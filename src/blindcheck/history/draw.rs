@@ -35,6 +35,7 @@ named! {
         LoneImuMoved = "lone_imu_moved",
         Wanders = "wanders",
         AgeingLate = "ageing_late",
+        StationDriftsLate = "station_drifts_late",
     }
 }
 
@@ -116,6 +117,7 @@ struct Sizes {
     per_kelvin: f64,
     offset: f64,
     station_slope: f64,
+    late_station_slope: f64,
     /// Years.
     instant: f64,
     /// Of each record.
@@ -153,6 +155,7 @@ impl Sizes {
                 self.offset
             }
             HiddenCause::StationDrifts => self.station_slope * years,
+            HiddenCause::StationDriftsLate if station == 0 => self.late_station_slope * (years - self.instant).max(0.0),
             HiddenCause::OneOfTwoDrifts if station == 1 => 1.5 * self.station_slope * years,
             HiddenCause::StationRelevelled if years >= self.instant => self.step,
             HiddenCause::StationOff if (self.off[0]..self.off[1]).contains(&years) => self.step,
@@ -215,8 +218,12 @@ impl FleetDraw {
         let span = self.between(1.5, 2.5);
         let stated = self.between(4e-4, 8e-4);
         let sigma = stated * self.between(0.85, 1.1);
-        let single =
-            matches!(kind, HiddenCause::StationDrifts | HiddenCause::StationRelevelled | HiddenCause::StationOff);
+        // Half of those that drift late are measured nowhere else.
+        let single = match kind {
+            HiddenCause::StationDrifts | HiddenCause::StationRelevelled | HiddenCause::StationOff => true,
+            HiddenCause::StationDriftsLate => imus % 2 == 0,
+            _ => false,
+        };
         let moves =
             matches!(kind, HiddenCause::MovedWithPeers | HiddenCause::StepAtStationChange | HiddenCause::LoneImuMoved);
         let noisy = if kind == HiddenCause::NoisyStation { self.between(3.0, 6.0) } else { 1.0 };
@@ -288,8 +295,8 @@ impl FleetDraw {
         let instant = span * self.between(0.3, 0.7);
         let walk = self.walk(occasions, sigma, span);
         let off = if kind == HiddenCause::StationOff { self.window(occasions) } else { [0.0; 2] };
-        let late_slope = slope * span / (span - instant);
-        Sizes { step, slope, late_slope, per_kelvin, offset, station_slope, instant, walk, off }
+        let [late_slope, late_station_slope] = [slope, station_slope].map(|slope| slope * span / (span - instant));
+        Sizes { step, slope, late_slope, per_kelvin, offset, station_slope, late_station_slope, instant, walk, off }
     }
 
     /// Gyros of IMUs of their own, calibrated weekly by one of two stations; nothing is hidden.

@@ -40,6 +40,8 @@ pub enum StationForm {
     Offset,
     /// Its reading changes steadily, deg/(h g0) a year.
     Drift,
+    /// The same from this instant on.
+    DriftSince(UtcMicros),
     /// Its reading changed at this instant and stayed: a re-levelling, a new reference.
     Step(UtcMicros),
     /// Its reading was off from the first instant on and before the second.
@@ -49,12 +51,17 @@ pub enum StationForm {
 impl StationForm {
     /// Whether its instants were searched for.
     pub(super) fn is_searched(self) -> bool {
-        matches!(self, Self::Step(_) | Self::Between(..))
+        matches!(self, Self::DriftSince(_) | Self::Step(_) | Self::Between(..))
+    }
+
+    /// Whether its size is that of a year.
+    pub(super) fn is_drift(self) -> bool {
+        matches!(self, Self::Drift | Self::DriftSince(_))
     }
 
     /// Unit of its size.
     pub(super) fn unit(self) -> &'static str {
-        if self == Self::Drift { "deg/(h*g0)/year" } else { "deg/(h*g0)" }
+        if self.is_drift() { "deg/(h*g0)/year" } else { "deg/(h*g0)" }
     }
 
     /// What it adds at the station, at an instant that is so many years from the first.
@@ -62,6 +69,7 @@ impl StationForm {
         match self {
             Self::Offset => 1.0,
             Self::Drift => years,
+            Self::DriftSince(from) => (at.days_since(from) / YEAR_DAYS).max(0.0),
             Self::Step(from) => f64::from(at >= from),
             Self::Between(from, until) => f64::from(from <= at && at < until),
         }
@@ -138,6 +146,9 @@ impl Tie {
             }
             Self::Station { name, form: StationForm::Drift, .. } => {
                 message!("change_station_drift", station = text(name))
+            }
+            Self::Station { name, form: StationForm::DriftSince(at), .. } => {
+                message!("change_station_drift_since", station = text(name), day = text(at.date()))
             }
             Self::Station { name, form: StationForm::Step(at), .. } => {
                 message!("change_station_step", station = text(name), day = text(at.date()))
@@ -281,8 +292,13 @@ pub struct Outlier {
 }
 
 impl Outlier {
-    fn message(&self) -> Message {
-        message!("history_outlier", day = text(self.at.date()), deviation = signed(self.deviation, 4))
+    /// `is_newest`: whether no record has come since.
+    fn message(&self, is_newest: bool) -> Message {
+        let (day, deviation) = (text(self.at.date()), signed(self.deviation, 4));
+        match is_newest {
+            true => message!("history_outlier_newest", day, deviation),
+            false => message!("history_outlier", day, deviation),
+        }
     }
 }
 
@@ -440,7 +456,7 @@ impl HistoryDiagnosis {
     /// What stands beside the causes where there is room for little: how much is explained, how it wanders, whether that
     /// is said of the newest record, and what lies ahead.
     pub fn in_brief(&self, as_of: AsOf) -> Vec<Message> {
-        let left_out = self.newest_left_out(as_of).map(Outlier::message);
+        let left_out = self.newest_left_out(as_of).map(|outlier| outlier.message(true));
         std::iter::once(self.opening()).chain(self.wanders()).chain(left_out).chain(self.ahead(as_of)).collect()
     }
 
@@ -451,7 +467,7 @@ impl HistoryDiagnosis {
         all.extend(self.excess.iter().map(|excess| {
             message!("history_excess", sd = figure(excess.sd, 5), expected = figure(excess.expected, 5))
         }));
-        all.extend(self.outliers.iter().map(Outlier::message));
+        all.extend(self.outliers.iter().map(|outlier| outlier.message(Some(outlier.at) == as_of.newest)));
         all.extend(self.ahead(as_of));
         all
     }
@@ -585,7 +601,7 @@ mod tests {
             outliers: vec![Outlier { at: day(10), ..apart }, apart],
             ..explained_by(Vec::new())
         };
-        for (newest, of_it) in [(40, vec![apart.message()]), (50, Vec::new())] {
+        for (newest, of_it) in [(40, vec![apart.message(true)]), (50, Vec::new())] {
             let as_of = AsOf { records: 30, newest: Some(day(newest)), now: day(60) };
             let said = std::iter::once(message!("history_no_change")).chain(of_it.clone()).collect::<Vec<_>>();
             assert_eq!((steady.in_brief(as_of), steady.is_changed(as_of)), (said, !of_it.is_empty()), "{newest}");

@@ -31,6 +31,7 @@ mod search;
 mod series;
 mod station;
 mod station_scatter;
+mod unlike;
 
 use crate::core::numerics::median::median_of;
 use std::collections::HashSet;
@@ -48,6 +49,7 @@ pub use due::DriftBudget;
 pub use noise::Process;
 pub use reproducibility::{FleetStations, Spread, StationColumn, StationFigures, stations};
 pub use station::{CoursePoint, Shared};
+pub use unlike::Unlike;
 
 /// Stated standard deviations of a gyro without peers count for nothing where successive records scatter by so many.
 const DISBELIEVED: f64 = 3.0;

@@ -16,6 +16,7 @@ use super::answer::{GyroHistory, HistoryEntry, StationForm};
 use super::offsets::{Offsets, offsets};
 use super::series::robust;
 use super::station::{CoursePart, CoursePoint, OF_SCALE, Shared, StationCourse};
+use super::unlike::{Unlike, unlike};
 
 /// Points of a station's course, at most.
 const POINTS: usize = 60;
@@ -39,6 +40,8 @@ pub struct StationColumn {
     pub drift: Option<Shared>,
     /// Whether the drift is beyond chance, and the gyros of several IMUs share it.
     pub drifts: bool,
+    /// Where it began within the records.
+    pub drift_since: Option<UtcMicros>,
     /// In order of time.
     pub steps: Vec<(UtcMicros, Shared)>,
     /// From the first instant on and before the second it was off; in order of time.
@@ -58,6 +61,8 @@ pub struct StationFigures {
     pub last: UtcMicros,
     /// The station that its offsets count from; none of itself, and where no gyros lead to another.
     pub against: Option<Arc<str>>,
+    /// When many of its gyros were off in different directions, oldest first.
+    pub unlike: Vec<Unlike>,
     /// D_I and D_S.
     pub columns: [StationColumn; 2],
 }
@@ -102,6 +107,7 @@ pub fn stations(fleet: &[GyroHistory]) -> Option<FleetStations> {
                 first: entry.at,
                 last: entry.at,
                 against: None,
+                unlike: Vec::new(),
                 columns: Default::default(),
             });
             figures.records += usize::from(records.insert((&entry.station, &entry.imu, entry.at)));
@@ -122,6 +128,7 @@ pub fn stations(fleet: &[GyroHistory]) -> Option<FleetStations> {
     let gyros: Vec<&GyroHistory> = fleet.iter().collect();
     let mut reproducibility = [None; 2];
     let mut stations: Vec<StationFigures> = found.values().cloned().collect();
+    stations.iter_mut().for_each(|figures| figures.unlike = unlike(fleet, &figures.name));
     for (reference, compared) in &groups {
         let of_group = stations.iter_mut().zip(compared).filter(|(_, compared)| **compared);
         of_group.for_each(|(figures, _)| figures.against = Some(names[*reference].into()));
@@ -194,15 +201,20 @@ fn of_station(
     offset: Option<Shared>,
     repeatability: Option<Spread>,
 ) -> StationColumn {
-    let part = CoursePart { station, form: StationForm::Drift };
-    let taken = course.taken.iter().find(|(taken, _)| *taken == part).map(|(_, common)| *common);
-    let drift = taken.or_else(|| course.estimate(&part));
+    let drifts = course.taken.iter().filter(|(part, _)| part.station == station && part.form.is_drift());
+    let taken = drifts.max_by(|(_, a), (_, b)| a.significance().total_cmp(&b.significance()));
+    let drift = match taken {
+        Some((_, common)) => Some(*common),
+        None => course.estimate(&CoursePart { station, form: StationForm::Drift }),
+    };
+    let drift_since =
+        taken.and_then(|(part, _)| if let StationForm::DriftSince(at) = part.form { Some(at) } else { None });
     let (mut steps, mut windows) = (Vec::new(), Vec::new());
     for (part, common) in course.taken.iter().filter(|(part, _)| part.station == station) {
         match part.form {
             StationForm::Step(at) => steps.push((at, *common)),
             StationForm::Between(from, until) => windows.push(([from, until], *common)),
-            StationForm::Offset | StationForm::Drift => {}
+            StationForm::Offset | StationForm::Drift | StationForm::DriftSince(_) => {}
         }
     }
     steps.sort_by_key(|(at, _)| *at);
@@ -212,6 +224,7 @@ fn of_station(
         offset,
         drift,
         drifts: taken.is_some(),
+        drift_since,
         steps,
         windows,
         by_gyro: by_gyro(course, station),

@@ -516,8 +516,8 @@ impl CauseSearch<'_> {
 
     /// Whether the gyros that share a station's drift do not go on alike where they are elsewhere: then they do not all age
     /// so. Where none of them is, that is not known.
-    fn is_parted_from_ageing(&self, station: usize, drift: &Shared) -> bool {
-        let elsewhere = self.course.slope_elsewhere(station, self.series);
+    fn is_parted_from_ageing(&self, part: &CoursePart, drift: &Shared) -> bool {
+        let elsewhere = self.course.slope_elsewhere(part, self.series);
         elsewhere.is_some_and(|slope| (drift.value - slope.value).abs() > SEEN * slope.sd.hypot(drift.sd))
     }
 
@@ -533,7 +533,7 @@ impl CauseSearch<'_> {
                 continue;
             }
             let tie: Tie = candidates::tie(self.series, self.reference, part);
-            let may_age = part.form == StationForm::Drift && !self.is_parted_from_ageing(part.station, common);
+            let may_age = part.form.is_drift() && !self.is_parted_from_ageing(part, common);
             out.push(NamedCause {
                 cause: ChangeCause::Station,
                 class: may_age.then_some(ChangeCause::Ageing).into_iter().chain([ChangeCause::Station]).collect(),

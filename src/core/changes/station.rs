@@ -1,15 +1,15 @@
 //! What a station does to every gyro that it measures: its offset, drift and steps, from gyros of other IMUs.
 //!
 //! Records of peer p: y = mu_p + sum of b c(t, station) + noise, with c of a part: 1 at the station (offset), t there
-//! (drift), 1 there from an instant on (step) or between two (window). Each peer gives an estimate b_p of its own, its
+//! (drift), t there from an instant on, 1 there from an instant on (step) or between two (window). Each peer gives an estimate b_p of its own, its
 //! level projected out; the station's is their robust mean (Huber from the weighted median), its standard deviation the
 //! larger of what the records' noise gives and the sandwich over IMUs, whose gyros are calibrated together and move
 //! together. So no gyro that ages or steps by itself makes its station do so. Parts are taken one by one, the most
 //! significant first, and estimated again beside one another.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
-use super::answer::{GyroHistory, StationForm, YEAR_DAYS};
+use super::answer::{GyroHistory, HistoryEntry, StationForm, YEAR_DAYS};
 use super::series::{RecordScatter, RecordSeries, scatter_of};
 use crate::core::numerics::basis::{Basis, dot};
 use crate::core::numerics::median::{median_of, upper_median_of};
@@ -151,7 +151,8 @@ impl StationCourse {
         let mut imus: Vec<&str> = Vec::new();
         let mut out = Vec::new();
         let mut scatters = Vec::new();
-        for peer in peers {
+        let blunders = blunders(peers, column);
+        for (number, peer) in peers.iter().enumerate() {
             let Some(newest) = peer.entries.last() else { continue };
             let imu = imus.iter().position(|imu| **imu == *newest.imu).unwrap_or_else(|| {
                 imus.push(&newest.imu);
@@ -160,7 +161,7 @@ impl StationCourse {
             let scatter = scatter_of(&peer.entries, column);
             let place = |name: &str| stations.iter().position(|known| *known == name);
             let mut there: BTreeMap<&str, Vec<PeerRecord>> = BTreeMap::new();
-            for entry in &peer.entries {
+            for entry in peer.entries.iter().filter(|entry| !blunders.contains(&(number, entry.at))) {
                 let sd = entry.d[column].sd.filter(|sd| *sd > 0.0);
                 let weight = sd.map_or(scatter.absolute, |sd| sd * scatter.of_stated).powi(-2);
                 let (station, years) = (place(&entry.station), entry.at.days_since(origin) / YEAR_DAYS);
@@ -201,11 +202,14 @@ impl StationCourse {
         self.peers.iter().filter(|peer| peer.rows.len() >= SCATTERS)
     }
 
-    /// What the peers and the gyro itself do in a year at other stations than one, beside the steps there.
-    pub fn slope_elsewhere(&self, station: usize, own: &RecordSeries) -> Option<Shared> {
+    /// What the peers and the gyro itself do in a year at other stations than one that drifts while it does, beside what is
+    /// taken of those from an instant on.
+    pub fn slope_elsewhere(&self, drift: &CoursePart, own: &RecordSeries) -> Option<Shared> {
         let mut each: Vec<(usize, f64, f64)> = Vec::new();
+        let is_since = |row: &&PeerRecord| !matches!(drift.form, StationForm::DriftSince(from) if row.at < from);
         let mut add = |imu: usize, rows: &[PeerRecord]| {
-            let slope = slope_beside_steps(rows).filter(|_| rows[0].station != station);
+            let rows: Vec<PeerRecord> = rows.iter().filter(is_since).copied().collect();
+            let slope = slope_beside_steps(&rows).filter(|_| rows[0].station != drift.station);
             each.extend(slope.map(|(value, information)| (imu, value, information)));
         };
         for peer in &self.peers {
@@ -420,7 +424,7 @@ impl StationCourse {
     fn is_shared(&self, part: &CoursePart, common: &Shared) -> bool {
         let is_told = match part.form {
             StationForm::Between(..) => common.imus > 1 || self.imus_at(part.station) > 2,
-            StationForm::Drift | StationForm::Step(_) => true,
+            StationForm::Drift | StationForm::DriftSince(_) | StationForm::Step(_) => true,
             StationForm::Offset => return true,
         };
         is_told && common.value.abs() > ALIKE * common.between
@@ -443,8 +447,8 @@ impl StationCourse {
             // Near the ends of its records a step is an offset.
             let edge = instants.len() / 16 + 1;
             let inner = instants.iter().skip(edge).take(instants.len().saturating_sub(2 * edge));
-            let steps = inner.step_by(every).map(|at| StationForm::Step(*at)).chain(self.windows(station));
-            all.extend(steps.map(|form| CoursePart { station, form }));
+            let since = inner.step_by(every).flat_map(|at| [StationForm::Step(*at), StationForm::DriftSince(*at)]);
+            all.extend(since.chain(self.windows(station)).map(|form| CoursePart { station, form }));
         }
         all
     }
@@ -493,6 +497,9 @@ impl StationCourse {
         match part.form {
             StationForm::Offset | StationForm::Drift => (part, common),
             StationForm::Step(at) => self.best_about(&instants, at, reach, (part, common), StationForm::Step),
+            StationForm::DriftSince(at) => {
+                self.best_about(&instants, at, reach, (part, common), StationForm::DriftSince)
+            }
             StationForm::Between(from, until) => {
                 let found =
                     self.best_about(&instants, from, reach, (part, common), |at| StationForm::Between(at, until));
@@ -604,6 +611,39 @@ impl StationCourse {
     }
 }
 
+/// Records of peers that stand apart from those before and after them at their station, where the records of other IMUs
+/// that are next to them there do not: they are no doing of the station.
+fn blunders(peers: &[&GyroHistory], column: usize) -> HashSet<(usize, UtcMicros)> {
+    // Of each station when which IMU was there, and of which gyro a record stands apart.
+    let mut there: BTreeMap<&str, BTreeMap<(UtcMicros, &str), Vec<usize>>> = BTreeMap::new();
+    for (number, peer) in peers.iter().enumerate() {
+        let mut of_station: BTreeMap<&str, Vec<HistoryEntry>> = BTreeMap::new();
+        for entry in &peer.entries {
+            of_station.entry(&entry.station).or_default().push(entry.clone());
+            there.entry(&entry.station).or_default().entry((entry.at, &entry.imu)).or_default();
+        }
+        for entries in of_station.into_values() {
+            for outlier in RecordSeries::of(&entries, column).take_outliers() {
+                let Some(entry) = peer.entries.iter().find(|entry| entry.at == outlier.at) else { continue };
+                there.entry(&entry.station).or_default().entry((entry.at, &entry.imu)).or_default().push(number);
+            }
+        }
+    }
+    let mut found = HashSet::new();
+    for visits in there.values() {
+        let is_alone = |(at, imu): (UtcMicros, &str)| {
+            let before = visits.range(..(at, imu)).rfind(|((_, other), _)| *other != imu);
+            let after = visits.range((at, imu)..).find(|((_, other), _)| *other != imu);
+            let mut beside = before.into_iter().chain(after).peekable();
+            beside.peek().is_some() && beside.all(|(_, apart)| apart.is_empty())
+        };
+        for ((at, _), gyros) in visits.iter().filter(|(visit, gyros)| !gyros.is_empty() && is_alone(**visit)) {
+            found.extend(gyros.iter().map(|gyro| (*gyro, *at)));
+        }
+    }
+    found
+}
+
 /// Whether the gyro's own estimate lets the part be taken out of its records: beside one IMU it must agree, and beside
 /// more it must not be nothing where they show something.
 pub(super) fn is_borne_out(common: &Shared, own: Option<(f64, f64)>) -> bool {
@@ -625,7 +665,7 @@ fn rated((part, common): &(CoursePart, Shared)) -> f64 {
 fn by_chance(form: StationForm) -> f64 {
     match form {
         StationForm::Offset | StationForm::Drift => 0.0,
-        StationForm::Step(_) => SEARCHED,
+        StationForm::DriftSince(_) | StationForm::Step(_) => SEARCHED,
         StationForm::Between(..) => SEARCHED_WINDOWS,
     }
 }
@@ -656,7 +696,11 @@ fn own(part: &CoursePart, rows: &[PeerRecord]) -> Option<(f64, f64)> {
         without += usize::from(c == 0.0 && (!is_searched || row.station == part.station));
         (row.weight, c, row.y)
     }));
-    let few = if matches!(part.form, StationForm::Drift) { with < 3 } else { with < 1 || without < 1 };
+    let few = match part.form {
+        StationForm::Drift => with < 3,
+        StationForm::DriftSince(_) => with < 3 || without < 1,
+        _ => with < 1 || without < 1,
+    };
     found.filter(|_| !few)
 }
 

@@ -177,6 +177,56 @@ fn a_station_of_gyros_that_were_never_elsewhere_is_not_told_from_gyros_that_age_
     assert_eq!(class(&gyros), [ChangeCause::Ageing, ChangeCause::Station]);
 }
 
+/// A station that begins to drift midway, all its gyros alike: no gyro ages, nothing steps.
+#[test]
+fn a_station_that_begins_to_drift_midway_drifts_since_then_for_every_gyro() {
+    for seed in 0..6 {
+        let gyros = small_fleet(2700 + seed, 6, |_, k| 1.3e-3 * (k as f64 - 11.0).max(0.0));
+        let found = stations(&gyros).expect("there are records");
+        let column = &found.stations[0].columns[0];
+        let since = column.drift_since.map(|at| at.days_since(UtcMicros(0)) / 30.0);
+        assert!(column.drifts && since.is_some_and(|month| (month - 11.0).abs() < 2.5), "{seed}: {column:?}");
+        assert!(column.steps.is_empty() && column.windows.is_empty(), "{seed}: {column:?}");
+        for imu in 0..6 {
+            let (before, own) = gyros.split_at(3 * imu);
+            let peers: Vec<GyroHistory> = before.iter().chain(&own[3..]).cloned().collect();
+            let answer = of(&own[0], &peers, Coefficient::DI);
+            let [cause] = &answer.causes[..] else { panic!("{seed}: {answer:?}") };
+            let is_since = matches!(cause.tie, Tie::Station { form: StationForm::DriftSince(_), .. });
+            assert!(cause.cause == ChangeCause::Station && is_since, "{seed}: {answer:?}");
+            assert_eq!(cause.class, [ChangeCause::Ageing, ChangeCause::Station], "they were never elsewhere");
+        }
+    }
+}
+
+/// A table that is wrongly levelled turns each gyro's figures its own way: the median stays, most are off.
+#[test]
+fn most_gyros_that_are_off_in_different_directions_at_once_are_the_stations() {
+    let turned = |gyros: &mut [GyroHistory], days: [i64; 2], but: usize| {
+        for (k, gyro) in gyros.iter_mut().enumerate().filter(|(k, _)| k % but > 0) {
+            let by = 0.008 * if k % 2 == 0 { 1.0 } else { -1.0 };
+            let is_in = |entry: &HistoryEntry| (days[0]..days[1]).contains(&(entry.at.0 / UtcMicros::DAY));
+            change(gyro, 0, |_, entry| if is_in(entry) { by } else { 0.0 });
+        }
+    };
+    for seed in 0..20 {
+        let clean = of_one_station(2800 + seed, [0, 0]);
+        assert_eq!(stations(&clean).expect("records").stations[0].unlike, [], "{seed}");
+        let mut gyros = clean.clone();
+        turned(&mut gyros, [400, 436], 4);
+        let found = stations(&gyros).expect("records").stations.remove(0).unlike;
+        let [one] = found[..] else { panic!("{seed}: {found:?}") };
+        let day = |at: UtcMicros| at.0 / UtcMicros::DAY;
+        assert!(
+            (day(one.from) - 400).abs() <= 21 && one.until.is_some_and(|at| (day(at) - 436).abs() <= 21),
+            "{one:?}"
+        );
+        assert!(one.gyros >= 9 && one.of == 18, "{one:?}");
+        let alike = of_one_station(2800 + seed, [400, 436]);
+        assert_eq!(stations(&alike).expect("records").stations[0].unlike, [], "to one side: a window");
+    }
+}
+
 /// How often the intervals of a date hold the true one, where a slope begins at a month of `onset`.
 fn dates(seeds: std::ops::Range<u64>, onset: impl Fn(u64) -> f64) -> [usize; 4] {
     let [mut all, mut in_80, mut in_95, mut in_time] = [0; 4];

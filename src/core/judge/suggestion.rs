@@ -13,6 +13,8 @@ pub enum Suggestion("suggestion_") {
     MoreRecords = "more_records",
     /// The figures may not be the gyro's.
     CheckRecord = "check_record",
+    /// What changed is its station's doing.
+    CheckStation = "check_station",
     /// Its interval is over.
     Calibrate = "calibrate",
     /// The standard deviations are too large to judge by.
@@ -52,6 +54,10 @@ pub struct Standpoint {
     pub status: Option<Status>,
     /// Whether the newest record may show another gyro's figures, or those in another unit.
     pub record_in_doubt: bool,
+    /// Whether all that is wrong with it is put down to its station.
+    pub is_stations: bool,
+    /// Whether an alert says that it has moved together with others.
+    pub moved_together: bool,
     /// What each rule that could judge says of which coefficient.
     pub verdicts: Vec<(Coefficient, Status)>,
     /// Whether it moves on or scatters, by more than one step does: it has no level that could be accepted.
@@ -62,7 +68,9 @@ pub struct Standpoint {
     pub awaits_baseline: bool,
     /// Whether its interval is over.
     pub overdue: bool,
-    /// Whether what is too uncertain is so by how the gyro scatters, and not by what its records state.
+    /// Whether all that is borderline changes by itself as time goes by: no other record decides that.
+    pub ages: bool,
+    /// Whether what is too uncertain or borderline is so by how the gyro scatters, and not by what its records state.
     pub scatters: bool,
     /// Days from its newest calibration until it may have reached its budget: the early edge of its band.
     pub reaches_in_days: Option<f64>,
@@ -82,6 +90,7 @@ pub fn suggest(of: &Standpoint) -> Option<Suggestion> {
     let soon = of.reaches_in_days.is_some_and(|days| days <= of.interval_days.unwrap_or(0.0));
     Some(match of.status? {
         _ if of.record_in_doubt => Suggestion::CheckRecord,
+        _ if of.is_stations => Suggestion::CheckStation,
         status if certain(status) => {
             let any = out.clone().next().is_some();
             let closure_alone = any && out.all(|coefficient| coefficient == Coefficient::DO);
@@ -97,6 +106,10 @@ pub fn suggest(of: &Standpoint) -> Option<Suggestion> {
         Status::Drifting if of.may_have_reached => Suggestion::CalibrateNow,
         Status::Drifting if soon => Suggestion::ShortenInterval,
         Status::Drifting => Suggestion::Watch,
+        Status::Borderline if of.scatters => Suggestion::FindCause,
+        Status::Borderline if of.ages && of.may_have_reached => Suggestion::CalibrateNow,
+        Status::Borderline if of.ages && soon => Suggestion::ShortenInterval,
+        Status::Borderline if of.ages => Suggestion::Watch,
         Status::Borderline => Suggestion::Retest,
         Status::TooUncertain if of.scatters => Suggestion::FindCause,
         Status::TooUncertain => Suggestion::LowerUncertainty,
@@ -104,6 +117,8 @@ pub fn suggest(of: &Standpoint) -> Option<Suggestion> {
         _ if of.may_have_reached => Suggestion::CalibrateNow,
         _ if soon => Suggestion::ShortenInterval,
         _ if of.awaits_baseline => Suggestion::MoreRecords,
+        // The alert may be about to end: until it has, nothing is released beside it.
+        _ if of.moved_together => return None,
         _ => Suggestion::Release,
     })
 }
@@ -150,6 +165,14 @@ mod tests {
         assert_eq!(suggest(&young), Some(Suggestion::MoreRecords), "two records that agree are no release");
         let doubtful = Standpoint { record_in_doubt: true, ..stepped.clone() };
         assert_eq!(suggest(&doubtful), Some(Suggestion::CheckRecord), "whose figures are they?");
+        let of_station = Standpoint { is_stations: true, ..stepped.clone() };
+        assert_eq!(suggest(&of_station), Some(Suggestion::CheckStation), "no gyro goes for what its station did");
+        for status in [Status::Borderline, Status::Overdue, Status::Drifting, Status::Unconfirmed] {
+            let seen = Standpoint { is_stations: true, may_have_reached: true, ..of(status, &[(DI, status)]) };
+            assert_eq!(suggest(&seen), Some(Suggestion::CheckStation), "{status:?}");
+        }
+        let moved = Standpoint { moved_together: true, ..of(Status::InTolerance, &[(DI, Status::InTolerance)]) };
+        assert_eq!(suggest(&moved), None, "nothing is released while its IMU is said to have moved");
         let both = Standpoint { unsteady: true, ..stepped };
         assert_eq!(suggest(&both), Some(Suggestion::Remove), "what scatters about a new level has none");
     }
@@ -186,6 +209,20 @@ mod tests {
             "the record says more than its course"
         );
         assert!(!Suggestion::CalibrateNow.is_of_drift(), "no day by which it should have been");
+    }
+
+    #[test]
+    fn no_re_test_decides_a_slope_or_a_scatter() {
+        let borderline = || of(Status::Borderline, &[(Coefficient::DS, Status::Borderline)]);
+        let ages = |reaches: f64, may_have_reached: bool| {
+            let (reaches_in_days, interval_days) = (Some(reaches), Some(30.0));
+            suggest(&Standpoint { ages: true, reaches_in_days, may_have_reached, interval_days, ..borderline() })
+        };
+        assert_eq!(ages(60.0, false), Some(Suggestion::Watch));
+        assert_eq!(ages(20.0, false), Some(Suggestion::ShortenInterval));
+        assert_eq!(ages(-1.0, true), Some(Suggestion::CalibrateNow));
+        assert_eq!(suggest(&Standpoint { scatters: true, ..borderline() }), Some(Suggestion::FindCause));
+        assert_eq!(suggest(&borderline()), Some(Suggestion::Retest));
     }
 
     #[test]

@@ -27,8 +27,11 @@ change_temperature_gaps = about { $mean } degrees Celsius; { $missing ->
 } no temperature
 change_station_offset = { $station } reads differently from { $against }
 change_station_drift = { $station } drifts
+change_station_drift_since = { $station } drifts since { $day }
 change_station_step = { $station } stepped on { $day }
 change_station_between = { $station } was off from { $from } until { $until }
+station_unlike = Many of its gyros were off from { $from } until { $until }, each its own way ({ $gyros } of { $of }): check its levelling and axes.
+station_unlike_since = Many of its gyros are off since { $from }, each its own way ({ $gyros } of { $of }): check its levelling and axes.
 change_proportion = D_O in proportion to D_S
 change_instant = between { $after } and { $before }
 
@@ -60,6 +63,7 @@ history_excess = What is left varies by { $sd } deg/(h g0), where the noise of c
 history_cause = { $cause }: { $detail }, { $value } +- { $sd } { $unit }
 history_class = These records cannot tell it from: { $others }.
 history_closure = Closes { $closure } of the change on records left out ({ $low } to { $high }).
+history_outlier_newest = The newest record, of { $day }, is { $deviation } from those before it and was left out: one record cannot tell a step from a blunder.
 history_outlier = The record of { $day } is { $deviation } from its neighbours and was left out.
 history_wander_random_walk = It wanders by { $size } deg/(h g0) a root year.
 history_wander_walk_by_record = It wanders by { $size } deg/(h g0) from record to record.

@@ -139,6 +139,7 @@ in_days = in { $days } days
 suggestion_release = Release: in tolerance by every rule that could judge.
 suggestion_more_records = Calibrate again: there are too few records to judge by, or no baseline yet.
 suggestion_check_record = Check the newest record first, and revise or void it where it is wrong: a name may be misspelt, or its figures may be another gyro's or in another unit.
+suggestion_check_station = Check the station first: what changed is put down to it, and other gyros that it measures share it.
 suggestion_calibrate = Calibrate: its interval is over.
 suggestion_lower_uncertainty = Calibrate again with a smaller uncertainty: nothing can be decided with this one.
 suggestion_find_cause = Find why it changes: the gyro scatters by more than its records are uncertain, and a smaller uncertainty decides nothing.

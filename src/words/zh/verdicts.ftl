@@ -131,6 +131,7 @@ in_days = { $days }天后
 suggestion_release = 放行：凡可判定的规则均合格。
 suggestion_more_records = 再次标定：记录过少，无法判定，或尚无基线。
 suggestion_check_record = 先核对最新记录，有误则修订或作废：编号可能写错，或其数值可能属于另一只陀螺，或采用了别的单位。
+suggestion_check_station = 先检查测试站：变化归因于测试站，它所测的其他陀螺也有此变化。
 suggestion_calibrate = 标定：已超过标定间隔。
 suggestion_lower_uncertainty = 以更小的不确定度再次标定：目前无法判定。
 suggestion_find_cause = 查明变化原因：陀螺的离散大于各次记录的不确定度，减小不确定度也无法判定。

@@ -1,0 +1,138 @@
+//! What a station does to each gyro in a direction of its own, as a table that is wrongly levelled does: the median of
+//! the gyros stays, and many of them are off.
+//!
+//! At an instant gyro g jumps by z_g = (a - b)/(s sqrt(1/n_a + 1/n_b)), with a the mean of its next records at the
+//! station, b that of its last ones there, and s its scatter. Where many of its gyros, six and of three IMUs at the least, jump at once, and
+//! not to one side, and at other stations few do, it is the station.
+
+use std::collections::BTreeSet;
+
+use crate::core::message::{Message, text};
+use crate::core::time::UtcMicros;
+use crate::message;
+
+use super::answer::{GyroHistory, HistoryEntry};
+use super::series::scatter_of;
+
+/// Records of a gyro on either side of an instant, at most, and the days within which they lie.
+const RECORDS: usize = 2;
+const NEAR_DAYS: f64 = 45.0;
+/// |z| from which a gyro has jumped: of normal ones, of two coefficients, one in 4,000.
+const JUMPED: f64 = 4.0;
+/// Gyros and IMUs that tell, at the least.
+const GYROS: usize = 6;
+const IMUS: usize = 3;
+/// Share of a station's gyros that jump, at the least, and of those elsewhere, at the most.
+const MANY: f64 = 0.4;
+const FEW: f64 = 0.25;
+/// Share of those that jump to one side of one coefficient from which on they share it: a step.
+const ALIKE: f64 = 0.85;
+
+/// Many gyros of a station were off from the first instant on and before the second, each in its own direction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Unlike {
+    pub from: UtcMicros,
+    /// None where they still are.
+    pub until: Option<UtcMicros>,
+    /// How many, of how many.
+    pub gyros: usize,
+    pub of: usize,
+}
+
+impl Unlike {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        let Self { from, until, gyros, of } = *self;
+        let from = text(from.date());
+        match until {
+            Some(until) => message!("station_unlike", from, until = text(until.date()), gyros, of),
+            None => message!("station_unlike_since", from, gyros, of),
+        }
+    }
+}
+
+/// How far a gyro's D_I and D_S jump at an instant, in standard deviations.
+struct Jump<'a> {
+    imu: &'a str,
+    z: [f64; 2],
+}
+
+impl Jump<'_> {
+    fn has_jumped(&self) -> bool {
+        self.z.iter().any(|z| z.abs() > JUMPED)
+    }
+}
+
+/// When many gyros of `station` were off in different directions, oldest first.
+pub(super) fn unlike(fleet: &[GyroHistory], station: &str) -> Vec<Unlike> {
+    let here: Vec<Seen<'_>> = fleet.iter().map(|gyro| Seen::of(gyro, |entry| *entry.station == *station)).collect();
+    let elsewhere: Vec<Seen<'_>> =
+        fleet.iter().map(|gyro| Seen::of(gyro, |entry| *entry.station != *station)).collect();
+    let mut instants: Vec<UtcMicros> = here.iter().flat_map(|seen| seen.entries.iter().map(|entry| entry.at)).collect();
+    instants.sort_unstable();
+    instants.dedup();
+    let counted = |at: UtcMicros| -> Option<(usize, usize)> {
+        let jumps: Vec<Jump<'_>> = here.iter().filter_map(|seen| seen.jump(at)).collect();
+        let jumped: Vec<&Jump<'_>> = jumps.iter().filter(|jump| jump.has_jumped()).collect();
+        let imus: BTreeSet<&str> = jumped.iter().map(|jump| jump.imu).collect();
+        let is_many = jumped.len() >= GYROS && imus.len() >= IMUS && jumped.len() as f64 >= MANY * jumps.len() as f64;
+        let to_one_side = |column: usize| {
+            let big = jumped.iter().filter(|jump| jump.z[column].abs() > JUMPED);
+            let above = big.clone().filter(|jump| jump.z[column] > 0.0).count();
+            above.max(big.count() - above) as f64 >= ALIKE * jumped.len() as f64
+        };
+        let others: Vec<Jump<'_>> = elsewhere.iter().filter_map(|seen| seen.jump(at)).collect();
+        let of_others = others.iter().filter(|jump| jump.has_jumped()).count();
+        let is_its = of_others as f64 <= FEW * others.len() as f64;
+        (is_many && is_its && !to_one_side(0) && !to_one_side(1)).then_some((jumped.len(), jumps.len()))
+    };
+    // Neighbouring instants see the same jump: the one that most gyros show is it.
+    let mut found: Vec<(UtcMicros, usize, usize)> = Vec::new();
+    for (at, (gyros, of)) in instants.iter().filter_map(|at| Some((*at, counted(*at)?))) {
+        match found.last_mut() {
+            Some(last) if at.days_since(last.0) < NEAR_DAYS / 3.0 => {
+                if gyros > last.1 {
+                    *last = (at, gyros, of);
+                }
+            }
+            _ => found.push((at, gyros, of)),
+        }
+    }
+    // There, and back.
+    let window = |pair: &[(UtcMicros, usize, usize)]| {
+        let (from, gyros, of) = pair[0];
+        Unlike { from, until: pair.get(1).map(|back| back.0), gyros, of }
+    };
+    found.chunks(2).map(window).collect()
+}
+
+/// The records of a gyro that are looked at, and how they scatter.
+struct Seen<'a> {
+    entries: Vec<&'a HistoryEntry>,
+    sd: [f64; 2],
+}
+
+impl<'a> Seen<'a> {
+    fn of(gyro: &'a GyroHistory, is_one: impl Fn(&HistoryEntry) -> bool) -> Self {
+        let sd = [0, 1].map(|column| {
+            let stated = gyro.entries.iter().filter_map(|entry| entry.d[column].sd).fold(0.0, f64::max);
+            scatter_of(&gyro.entries, column).absolute.max(stated)
+        });
+        Self { entries: gyro.entries.iter().filter(|entry| is_one(entry)).collect(), sd }
+    }
+
+    fn jump(&self, at: UtcMicros) -> Option<Jump<'a>> {
+        let cut = self.entries.partition_point(|entry| entry.at < at);
+        let is_near = |entry: &&&HistoryEntry| entry.at.days_since(at).abs() <= NEAR_DAYS;
+        let before: Vec<&&HistoryEntry> = self.entries[..cut].iter().rev().take(RECORDS).filter(is_near).collect();
+        let after: Vec<&&HistoryEntry> = self.entries[cut..].iter().take(RECORDS).filter(is_near).collect();
+        let imu = &*before.first()?.imu;
+        let mean = |some: &[&&HistoryEntry], column: usize| {
+            some.iter().map(|entry| entry.d[column].value).sum::<f64>() / some.len() as f64
+        };
+        let many = (1.0 / before.len() as f64 + 1.0 / after.len() as f64).sqrt();
+        let is_known = !after.is_empty() && self.sd.iter().all(|sd| *sd > 0.0);
+        let z = [0, 1].map(|k| (mean(&after, k) - mean(&before, k)) / (self.sd[k] * many));
+        is_known.then_some(Jump { imu, z })
+    }
+}

@@ -2,8 +2,8 @@
 //! the gyros stays, and many of them are off.
 //!
 //! At an instant gyro g jumps by z_g = (a - b)/(s sqrt(1/n_a + 1/n_b)), with a the mean of its next records at the
-//! station, b that of its last ones there, and s its scatter. Where many of its gyros, six and of three IMUs at the least, jump at once, and
-//! not to one side, and at other stations few do, it is the station.
+//! station, b that of its last ones there, and s its scatter. Where many of its gyros, six and of three IMUs at the
+//! least, jump at once, and not to one side, and at other stations few do, it is the station.
 
 use std::collections::BTreeSet;
 
@@ -17,6 +17,8 @@ use super::series::scatter_of;
 /// Records of a gyro on either side of an instant, at most, and the days within which they lie.
 const RECORDS: usize = 2;
 const NEAR_DAYS: f64 = 45.0;
+/// Instants nearer to one another than this see the same records.
+const APART_DAYS: f64 = 2.0;
 /// |z| from which a gyro has jumped: of normal ones, of two coefficients, one in 4,000.
 const JUMPED: f64 = 4.0;
 /// Gyros and IMUs that tell, at the least.
@@ -70,7 +72,7 @@ pub(super) fn unlike(fleet: &[GyroHistory], station: &str) -> Vec<Unlike> {
         fleet.iter().map(|gyro| Seen::of(gyro, |entry| *entry.station != *station)).collect();
     let mut instants: Vec<UtcMicros> = here.iter().flat_map(|seen| seen.entries.iter().map(|entry| entry.at)).collect();
     instants.sort_unstable();
-    instants.dedup();
+    instants.dedup_by(|later, earlier| later.days_since(*earlier) < APART_DAYS);
     let counted = |at: UtcMicros| -> Option<(usize, usize)> {
         let jumps: Vec<Jump<'_>> = here.iter().filter_map(|seen| seen.jump(at)).collect();
         let jumped: Vec<&Jump<'_>> = jumps.iter().filter(|jump| jump.has_jumped()).collect();
@@ -81,10 +83,11 @@ pub(super) fn unlike(fleet: &[GyroHistory], station: &str) -> Vec<Unlike> {
             let above = big.clone().filter(|jump| jump.z[column] > 0.0).count();
             above.max(big.count() - above) as f64 >= ALIKE * jumped.len() as f64
         };
-        let others: Vec<Jump<'_>> = elsewhere.iter().filter_map(|seen| seen.jump(at)).collect();
-        let of_others = others.iter().filter(|jump| jump.has_jumped()).count();
-        let is_its = of_others as f64 <= FEW * others.len() as f64;
-        (is_many && is_its && !to_one_side(0) && !to_one_side(1)).then_some((jumped.len(), jumps.len()))
+        let is_its = || {
+            let others: Vec<Jump<'_>> = elsewhere.iter().filter_map(|seen| seen.jump(at)).collect();
+            others.iter().filter(|jump| jump.has_jumped()).count() as f64 <= FEW * others.len() as f64
+        };
+        (is_many && !to_one_side(0) && !to_one_side(1) && is_its()).then_some((jumped.len(), jumps.len()))
     };
     // Neighbouring instants see the same jump: the one that most gyros show is it.
     let mut found: Vec<(UtcMicros, usize, usize)> = Vec::new();

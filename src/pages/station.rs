@@ -57,7 +57,10 @@ fn did(t: &Text, figures: &StationFigures, budget: f64) -> Markup {
                 }
             }
             @if let Some(drift) = column.drift.as_ref().filter(|_| column.drifts) {
-                p.lead { strong { (symbol(coefficient)) (t.colon) } (t.drift_a_year) " " (share(drift)) (t.share_of_budget_unit) (drift_since(t, column)) }
+                p.lead {
+                    strong { (symbol(coefficient)) (t.colon) } (t.drift_a_year) " " (share(drift)) (t.share_of_budget_unit)
+                    (drift_since(t, column))
+                }
             }
         }
     }

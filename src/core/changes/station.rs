@@ -1,10 +1,10 @@
 //! What a station does to every gyro that it measures: its offset, drift and steps, from gyros of other IMUs.
 //!
 //! Records of peer p: y = mu_p + sum of b c(t, station) + noise, with c of a part: 1 at the station (offset), t there
-//! (drift), t there from an instant on, 1 there from an instant on (step) or between two (window). Each peer gives an estimate b_p of its own, its
-//! level projected out; the station's is their robust mean (Huber from the weighted median), its standard deviation the
-//! larger of what the records' noise gives and the sandwich over IMUs, whose gyros are calibrated together and move
-//! together. So no gyro that ages or steps by itself makes its station do so. Parts are taken one by one, the most
+//! (drift), t there from an instant on, 1 there from an instant on (step) or between two (window). Each peer gives an
+//! estimate b_p of its own, its level projected out; the station's is their robust mean (Huber from the weighted
+//! median), its standard deviation the larger of what the records' noise gives and the sandwich over IMUs, whose gyros
+//! are calibrated together and move together. So no gyro that ages or steps by itself makes its station do so. Parts are taken one by one, the most
 //! significant first, and estimated again beside one another.
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
@@ -202,8 +202,8 @@ impl StationCourse {
         self.peers.iter().filter(|peer| peer.rows.len() >= SCATTERS)
     }
 
-    /// What the peers and the gyro itself do in a year at other stations than one that drifts while it does, beside what is
-    /// taken of those from an instant on.
+    /// What the peers and the gyro itself do in a year at other stations than one that drifts while it does, beside what
+    /// is taken of those from an instant on.
     pub fn slope_elsewhere(&self, drift: &CoursePart, own: &RecordSeries) -> Option<Shared> {
         let mut each: Vec<(usize, f64, f64)> = Vec::new();
         let is_since = |row: &&PeerRecord| !matches!(drift.form, StationForm::DriftSince(from) if row.at < from);

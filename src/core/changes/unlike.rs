@@ -90,7 +90,7 @@ pub(super) fn unlike(fleet: &[GyroHistory], station: &str) -> Vec<Unlike> {
     let mut found: Vec<(UtcMicros, usize, usize)> = Vec::new();
     for (at, (gyros, of)) in instants.iter().filter_map(|at| Some((*at, counted(*at)?))) {
         match found.last_mut() {
-            Some(last) if at.days_since(last.0) < NEAR_DAYS / 3.0 => {
+            Some(last) if at.days_since(last.0) < NEAR_DAYS / 2.0 => {
                 if gyros > last.1 {
                     *last = (at, gyros, of);
                 }

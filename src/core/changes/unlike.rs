@@ -17,8 +17,8 @@ use super::series::scatter_of;
 /// Records of a gyro on either side of an instant, at most, and the days within which they lie.
 const RECORDS: usize = 2;
 const NEAR_DAYS: f64 = 45.0;
-/// Instants nearer to one another than this see the same records.
-const APART_DAYS: f64 = 2.0;
+/// Instants of a station that are looked at, at the most.
+const INSTANTS: usize = 1000;
 /// |z| from which a gyro has jumped: of normal ones, of two coefficients, one in 4,000.
 const JUMPED: f64 = 4.0;
 /// Gyros and IMUs that tell, at the least.
@@ -65,6 +65,23 @@ impl Jump<'_> {
     }
 }
 
+/// What the gyros of a station do at an instant: how many jump, of how many.
+struct SeenJump<'a> {
+    at: UtcMicros,
+    gyros: usize,
+    of: usize,
+    /// In the order of the fleet.
+    each: Vec<Option<Jump<'a>>>,
+}
+
+impl SeenJump<'_> {
+    /// Whether the gyros jump to the same sides on the whole.
+    fn is_alike(&self, other: &Self) -> bool {
+        let both = self.each.iter().zip(&other.each).filter_map(|(a, b)| a.as_ref().zip(b.as_ref()));
+        both.map(|(a, b)| a.z[0] * b.z[0] + a.z[1] * b.z[1]).sum::<f64>() > 0.0
+    }
+}
+
 /// When many gyros of `station` were off in different directions, oldest first.
 pub(super) fn unlike(fleet: &[GyroHistory], station: &str) -> Vec<Unlike> {
     let here: Vec<Seen<'_>> = fleet.iter().map(|gyro| Seen::of(gyro, |entry| *entry.station == *station)).collect();
@@ -72,10 +89,11 @@ pub(super) fn unlike(fleet: &[GyroHistory], station: &str) -> Vec<Unlike> {
         fleet.iter().map(|gyro| Seen::of(gyro, |entry| *entry.station != *station)).collect();
     let mut instants: Vec<UtcMicros> = here.iter().flat_map(|seen| seen.entries.iter().map(|entry| entry.at)).collect();
     instants.sort_unstable();
-    instants.dedup_by(|later, earlier| later.days_since(*earlier) < APART_DAYS);
-    let counted = |at: UtcMicros| -> Option<(usize, usize)> {
-        let jumps: Vec<Jump<'_>> = here.iter().filter_map(|seen| seen.jump(at)).collect();
-        let jumped: Vec<&Jump<'_>> = jumps.iter().filter(|jump| jump.has_jumped()).collect();
+    instants.dedup();
+    let counted = |at: UtcMicros| -> Option<SeenJump<'_>> {
+        let each: Vec<Option<Jump<'_>>> = here.iter().map(|seen| seen.jump(at)).collect();
+        let jumps: Vec<&Jump<'_>> = each.iter().flatten().collect();
+        let jumped: Vec<&Jump<'_>> = jumps.iter().filter(|jump| jump.has_jumped()).copied().collect();
         let imus: BTreeSet<&str> = jumped.iter().map(|jump| jump.imu).collect();
         let is_many = jumped.len() >= GYROS && imus.len() >= IMUS && jumped.len() as f64 >= MANY * jumps.len() as f64;
         let to_one_side = |column: usize| {
@@ -87,24 +105,27 @@ pub(super) fn unlike(fleet: &[GyroHistory], station: &str) -> Vec<Unlike> {
             let others: Vec<Jump<'_>> = elsewhere.iter().filter_map(|seen| seen.jump(at)).collect();
             others.iter().filter(|jump| jump.has_jumped()).count() as f64 <= FEW * others.len() as f64
         };
-        (is_many && !to_one_side(0) && !to_one_side(1) && is_its()).then_some((jumped.len(), jumps.len()))
+        let is_found = is_many && !to_one_side(0) && !to_one_side(1) && is_its();
+        let (gyros, of) = (jumped.len(), jumps.len());
+        is_found.then_some(SeenJump { at, gyros, of, each })
     };
-    // Neighbouring instants see the same jump: the one that most gyros show is it.
-    let mut found: Vec<(UtcMicros, usize, usize)> = Vec::new();
-    for (at, (gyros, of)) in instants.iter().filter_map(|at| Some((*at, counted(*at)?))) {
+    // Neighbouring instants see the same jump, and the way back is another: the one that most gyros show is it.
+    let mut found: Vec<SeenJump<'_>> = Vec::new();
+    let every = instants.len().div_ceil(INSTANTS).max(1);
+    for one in instants.iter().step_by(every).filter_map(|at| counted(*at)) {
         match found.last_mut() {
-            Some(last) if at.days_since(last.0) < NEAR_DAYS / 3.0 => {
-                if gyros > last.1 {
-                    *last = (at, gyros, of);
+            Some(last) if one.at.days_since(last.at) < NEAR_DAYS && one.is_alike(last) => {
+                if one.gyros > last.gyros {
+                    *last = one;
                 }
             }
-            _ => found.push((at, gyros, of)),
+            _ => found.push(one),
         }
     }
     // There, and back.
-    let window = |pair: &[(UtcMicros, usize, usize)]| {
-        let (from, gyros, of) = pair[0];
-        Unlike { from, until: pair.get(1).map(|back| back.0), gyros, of }
+    let window = |pair: &[SeenJump<'_>]| {
+        let SeenJump { at: from, gyros, of, .. } = pair[0];
+        Unlike { from, until: pair.get(1).map(|back| back.at), gyros, of }
     };
     found.chunks(2).map(window).collect()
 }

@@ -5,7 +5,7 @@ use crate::command;
 #[test]
 fn hidden_causes_are_found_through_the_real_ingest() {
     let report = command::answer(&["blindcheck", "history", "--count", "4", "--seed", "2026"]);
-    assert_eq!(report["fleets"], 76);
+    assert_eq!(report["fleets"], 80);
     let figure = |what: &str| {
         let rows = report["rows"].as_array().unwrap();
         let row = rows.iter().find(|row| row["what"] == what).unwrap_or_else(|| panic!("no row {what}: {report}"));

@@ -55,8 +55,10 @@ const SAME_SCALE: f64 = 0.2;
 pub const UNCERTAINTY_FACTOR: f64 = 30.0;
 /// A gyro alone whose drift has grown by a factor that is no unit's is off by so many budgets,
 const FAR_BUDGETS: f64 = 100.0;
-/// and all of its drift has, within this part of it.
+/// and all of its drift has, within this part of it,
 const ONE_FACTOR: f64 = 0.01;
+/// which was so many times what it may be off by without a word.
+const LEAST_LEVEL: f64 = 20.0;
 
 /// Factors between units that are mistaken for one another: minutes, hours or degrees, radians, g0 and m/s2.
 const FACTORS: [f64; 5] = [60.0, 3600.0, 206_264.806, 57.295_779_5, 9.806_65];
@@ -185,12 +187,12 @@ impl Looked<'_> {
         self.now.scale.is_some_and(|scale| is(scale) || is(scale.recip()))
     }
 
-    /// Whether nothing but a factor tells its drift from its level.
+    /// Whether nothing but a factor tells its drift from its level, which has to be large enough to show one.
     fn grew_by(&self, factor: f64) -> bool {
         let level = level(self.before);
         let off = norm([0, 1, 2].map(|i| self.now.d[i] / factor - level[i]));
         let tolerance = (0..2).map(|i| self.tolerance(self.before, i)).fold(0.0, f64::max);
-        off <= ONE_FACTOR * norm(level) + tolerance
+        norm(level) > LEAST_LEVEL * tolerance && off <= ONE_FACTOR * norm(level) + tolerance
     }
 }
 

@@ -42,6 +42,12 @@ impl Hashes {
         found.map(|(_, place)| *place)
     }
 
+    /// Places under the hash of `text`, in no order.
+    fn each(&self, text: &str) -> impl Iterator<Item = u32> {
+        let hash = hash(text);
+        self.0.iter_hash(spread(hash)).filter(move |(known, _)| *known == hash).map(|(_, place)| *place)
+    }
+
     fn enter(&mut self, text: &str, place: u32) {
         let hash = hash(text);
         self.0.insert_unique(spread(hash), (hash, place), |(hash, _)| spread(*hash));
@@ -119,14 +125,15 @@ impl Table {
         self.by_name.find(name, |place| self.at(place) == name)
     }
 
-    /// A known name that looks like `name` and is another.
+    /// The known name that looks like `name` and is another; of several the one that was known first.
     pub fn look_alike(&self, name: &str) -> Option<&str> {
         let keys = look_keys(name);
-        let looks_like = |place: u32| {
-            let known = self.at(place);
+        let looks_like = |place: &u32| {
+            let known = self.at(*place);
             known != name && look_keys(known).iter().any(|key| keys.contains(key))
         };
-        keys.iter().find_map(|key| self.by_look.find(key, looks_like)).map(|place| self.at(place))
+        let alike = keys.iter().flat_map(|key| self.by_look.each(key)).filter(looks_like);
+        alike.min().map(|place| self.at(place))
     }
 
     /// The name of a number that a row refers to; a number that was never given out has none.

@@ -53,18 +53,15 @@ const SAME_SCALE: f64 = 0.2;
 
 /// Standard deviations that are so many times those before, or such a part of them, are stated in another unit.
 pub const UNCERTAINTY_FACTOR: f64 = 30.0;
-/// A gyro alone whose drift has grown by a factor that is no unit's is off by so many budgets,
-const FAR_BUDGETS: f64 = 100.0;
-/// and all of its drift has, within this part of it,
+/// All of a gyro's drift has grown by one factor, within this part of it,
 const ONE_FACTOR: f64 = 0.01;
-/// which was so many times what it may be off by without a word.
+/// where it was so many times what it may be off by without a word.
 const LEAST_LEVEL: f64 = 20.0;
 
 /// Factors between units that are mistaken for one another: minutes, hours or degrees, radians, g0 and m/s2.
 const FACTORS: [f64; 5] = [60.0, 3600.0, 206_264.806, 57.295_779_5, 9.806_65];
 
-/// What is to be noted. `OtherUnit`, and a `UnitFactor` that is no unit's, are for the caller to drop where something
-/// was done to one of the gyros.
+/// What is to be noted. `OtherUnit` is for the caller to drop where something was done to one of the gyros.
 pub fn against_histories(gyros: &[Looked<'_>]) -> Vec<HistoryNote> {
     let mut notes = of_figures(gyros);
     let has_factor = |serial: &str| {
@@ -101,8 +98,6 @@ fn of_figures(gyros: &[Looked<'_>]) -> Vec<HistoryNote> {
         factor,
         by_scale: same.iter().all(|(gyro, factor)| gyro.is_by_scale(*factor)),
     };
-    // By a factor that is no unit's, of one gyro alone.
-    let mut alone = Vec::new();
     for quantity in [Quantity::E, Quantity::G] {
         let mut left: Vec<(&Looked<'_>, f64)> =
             found.iter().filter(|one| one.1 == quantity).map(|one| (one.0, one.2)).collect();
@@ -114,11 +109,6 @@ fn of_figures(gyros: &[Looked<'_>]) -> Vec<HistoryNote> {
             let is_by_scale = quantity == Quantity::G && gyro.is_by_scale(factor) && gyro.grew_by(factor);
             if is_of_units(factor) || is_by_scale || same.len() >= 2 && same.len() == known {
                 notes.push(note(&same, quantity, factor));
-            } else if quantity == Quantity::G {
-                let far = |(gyro, factor): &(&Looked<'_>, f64)| {
-                    *factor > 0.0 && gyro.off_by() >= FAR_BUDGETS && gyro.grew_by(*factor)
-                };
-                alone.extend(same.into_iter().filter(far).map(|one| note(&[one], quantity, one.1)));
             }
         }
     }
@@ -127,8 +117,6 @@ fn of_figures(gyros: &[Looked<'_>]) -> Vec<HistoryNote> {
     }
     if let Some(fits) = exchanged(gyros) {
         notes.push(HistoryNote::SerialsExchanged { fits });
-    } else if !alone.is_empty() {
-        notes = alone;
     } else if gyros.len() >= 2 && gyros.iter().all(|gyro| gyro.off_by() > OFF_BUDGETS) {
         let least = gyros.iter().map(Looked::off_by).fold(f64::INFINITY, f64::min);
         let serials = gyros.iter().map(|gyro| gyro.serial.to_owned()).collect();
@@ -288,7 +276,7 @@ fn unit_of(ratio: f64) -> Option<f64> {
 }
 
 /// Whether a factor is one between units, in the same sense.
-pub fn is_of_units(factor: f64) -> bool {
+fn is_of_units(factor: f64) -> bool {
     factor > 0.0 && unit_of(factor).is_some()
 }
 

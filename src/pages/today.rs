@@ -416,13 +416,15 @@ fn several(
     names: &Names<'_>,
 ) -> Markup {
     let t = viewer.text();
+    let is_of = |one: &StationChange<'_>, found: &CommonShift| {
+        one.column == found.column && matches!(&found.of, Together::Station(name) if **name == *one.station)
+    };
+    // What only the newest records show is told by these.
+    let is_new = |one: &&StationChange<'_>| today.shifts.iter().any(|s| is_of(one, s) && s.between[0] <= one.from);
+    let changed: Vec<&StationChange<'_>> = changed.iter().filter(|one| !is_new(one)).collect();
     // What is over says nothing of the newest records.
     let is_told = |found: &&CommonShift| {
-        let of_it = |one: &&StationChange<'_>| {
-            let is_same = matches!(&found.of, Together::Station(name) if **name == *one.station);
-            is_same && one.column == found.column && one.until.is_none_or(|until| until > found.between[1])
-        };
-        changed.iter().any(|one| of_it(&one))
+        changed.iter().any(|one| is_of(one, found) && one.until.is_none_or(|until| until > found.between[1]))
     };
     let shifts: Vec<&CommonShift> = today.shifts.iter().filter(|found| !is_told(found)).collect();
     let rows = html! {
@@ -452,7 +454,7 @@ fn several(
             @for (station, unlike) in unlike {
                 li { a.id href={ "/stations/" (encoded(station)) } { (station) } (t.colon) " " (t.words(&unlike.message())) }
             }
-            @for StationChange { station, column, from, until, size } in changed {
+            @for StationChange { station, column, from, until, size } in &changed {
                 li {
                     a.id href={ "/stations/" (encoded(station)) "#" (DRIFTS[*column]) } { (station) } ", "
                     @match until {

@@ -9,7 +9,7 @@ use crate::core::history_note::{
     EARLIER_IN_DOUBT, FAR_DAYS, HistoryNote, NameKind, NamedRecord, SERVICE, Seat, TimeDoubt, doubt, slipped_year,
 };
 use crate::core::note::Note;
-use crate::core::own_history::{LEVEL_RECORDS, Looked, Shown, UNCERTAINTY_FACTOR, against_histories, is_of_units};
+use crate::core::own_history::{LEVEL_RECORDS, Looked, Shown, UNCERTAINTY_FACTOR, against_histories};
 use crate::core::suspect_window::SuspectWindow;
 use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
 use crate::pipeline::prelude::*;
@@ -225,14 +225,8 @@ impl<'c> Check<'c> {
                 if let HistoryNote::SerialsExchanged { fits } = &note {
                     exchanged.extend(fits.iter().map(|(serial, _)| serial.clone()));
                 }
-                let may_be_deed = match &note {
-                    HistoryNote::OtherUnit { .. } => true,
-                    HistoryNote::UnitFactor { serials, factor, by_scale: false, .. } => {
-                        serials.len() == 1 && !is_of_units(*factor)
-                    }
-                    _ => false,
-                };
-                let explained = may_be_deed && something_was_done(gyros, sent.calibrated_at, known).await?;
+                let explained = matches!(note, HistoryNote::OtherUnit { .. })
+                    && something_was_done(gyros, sent.calibrated_at, known).await?;
                 if !explained {
                     notes.push(note);
                 }

@@ -299,7 +299,7 @@ async fn one_gyros_g_that_was_divided_by_its_scale_factor_is_noted() {
     };
     // Divided by its scale factor already: in deg/(h g0).
     let scale = units[1].scale;
-    for (at, factor, words) in [(60, scale.recip(), "is it in deg/(h g0)?"), (80, scale, "is it in deg/(h g0)?")] {
+    for (at, factor, words) in [(60, scale.recip(), "is it in deg/(h g0)?"), (80, scale, "is it in another unit?")] {
         let answer = lab.posts(&sent(at, factor, &mut rng)).await;
         assert_eq!(codes(&answer), ["unit_factor"], "{factor}");
         let note = noted(&answer, "unit_factor");

@@ -1320,15 +1320,15 @@ async fn a_record_in_another_unit_or_under_a_misspelt_name_is_checked_first() {
         server.post_json("/v1/records", &stating("LFG-01", 7 * day, 1.0, 7e-4)).await.created();
     }
     const CHECK: &str = "Check the newest record first";
-    server.post_json("/v1/records", &stating("LFG-01", 35, 7.0, 7e-4)).await.created();
-    holds(&page(&server, "/gyros/LFG-01", &[]).await, &["is it in another unit?", CHECK]);
+    server.post_json("/v1/records", &stating("LFG-01", 35, 60.0, 7e-4)).await.created();
+    holds(&page(&server, "/gyros/LFG-01", &[]).await, &["is it in pulse/(min g0)?", CHECK]);
     // The next one is good, and what was odd before is still told of.
     server.post_json("/v1/records", &stating("LFG-01", 42, 1.0, 7e-4)).await.created();
     for path in ["/gyros/LFG-01", "/gyros/LFG-01/report"] {
         let shown = page(&server, path, &[]).await;
         holds(
             &shown,
-            &["The record of 2026-02-08 was out of tolerance and the newest is not", "is it in another unit?"],
+            &["The record of 2026-02-08 was out of tolerance and the newest is not", "is it in pulse/(min g0)?"],
         );
         assert!(!shown.contains(CHECK), "{shown}");
     }

@@ -92,12 +92,6 @@ fn of_figures(gyros: &[Looked<'_>]) -> Vec<HistoryNote> {
             wrong_units(gyro).into_iter().flatten().map(move |(quantity, factor)| (gyro, quantity, factor))
         })
         .collect();
-    let note = |same: &[(&Looked<'_>, f64)], quantity, factor| HistoryNote::UnitFactor {
-        serials: same.iter().map(|(gyro, _)| gyro.serial.to_owned()).collect(),
-        quantity,
-        factor,
-        by_scale: same.iter().all(|(gyro, factor)| gyro.is_by_scale(*factor)),
-    };
     for quantity in [Quantity::E, Quantity::G] {
         let mut left: Vec<(&Looked<'_>, f64)> =
             found.iter().filter(|one| one.1 == quantity).map(|one| (one.0, one.2)).collect();
@@ -107,8 +101,14 @@ fn of_figures(gyros: &[Looked<'_>]) -> Vec<HistoryNote> {
             // A factor that is no unit's, or a sense the other way round, is believed only where all gyros have it, or
             // where it is the gyro's own scale factor.
             let is_by_scale = quantity == Quantity::G && gyro.is_by_scale(factor) && gyro.grew_by(factor);
-            if is_of_units(factor) || is_by_scale || same.len() >= 2 && same.len() == known {
-                notes.push(note(&same, quantity, factor));
+            let is_units = factor > 0.0 && unit_of(factor).is_some();
+            if is_units || is_by_scale || same.len() >= 2 && same.len() == known {
+                notes.push(HistoryNote::UnitFactor {
+                    serials: same.iter().map(|(gyro, _)| gyro.serial.to_owned()).collect(),
+                    quantity,
+                    factor,
+                    by_scale: same.iter().all(|(gyro, factor)| gyro.is_by_scale(*factor)),
+                });
             }
         }
     }
@@ -273,11 +273,6 @@ fn drift_factor(now: [f64; 3], level: [f64; 3], tolerance: f64) -> Option<f64> {
 fn unit_of(ratio: f64) -> Option<f64> {
     let signed = FACTORS.into_iter().flat_map(|f| [f, -f, f.recip(), -f.recip()]).chain([-1.0]);
     signed.into_iter().find(|factor| (ratio / factor - 1.0).abs() < UNIT_TOLERANCE)
-}
-
-/// Whether a factor is one between units, in the same sense.
-fn is_of_units(factor: f64) -> bool {
-    factor > 0.0 && unit_of(factor).is_some()
 }
 
 fn is_about(a: f64, b: f64) -> bool {

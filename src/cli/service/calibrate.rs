@@ -46,8 +46,8 @@ struct FittedFile {
     campaign: Campaign,
     outcome: Outcome,
     answer: CampaignAnswer,
-    /// What a diagnosis finds beyond noise, for tables.
-    gap: Option<DiagnosisBody>,
+    /// The verdict, in words, of a diagnosis that sees more than noise; asked for tables alone.
+    gap: Option<String>,
 }
 
 /// Refuses campaigns, in the order of time, that are not of one IMU, by the names of their files.
@@ -106,7 +106,8 @@ impl Calibrate {
         answer.notes.extend(open_table(&bytes).as_ref().map(NoteBody::of));
         let is_asked = campaign.test == TestKind::Imu && matches!(self.format, Format::Table);
         let diagnosed = is_asked.then(|| diagnose(&campaign, &options).ok()).flatten();
-        let gap = diagnosed.filter(|d| d.verdict != Verdict::NoGap).map(|d| DiagnosisBody::from(&d));
+        let seen = diagnosed.filter(|diagnosis| diagnosis.verdict != Verdict::NoGap);
+        let gap = seen.map(|diagnosis| DiagnosisBody::from(&diagnosis).verdict_in_words(asked()));
         Ok(FittedFile { file: file(), campaign, outcome, answer, gap })
     }
 }
@@ -164,10 +165,9 @@ fn tables_between(fitted: &[FittedFile], between: &[RepeatedBody]) -> String {
 
 /// What is said below the tables of a campaign.
 fn remarks(FittedFile { file, answer, gap, .. }: &FittedFile) -> impl Iterator<Item = String> {
-    let beyond = gap.iter().map(|gap| {
-        let verdict = gap.verdict_in_words(asked());
-        said(message!("terminal_gap_beside_fit", verdict, file = file.clone()))
-    });
+    let beyond = gap
+        .iter()
+        .map(|verdict| said(message!("terminal_gap_beside_fit", verdict = verdict.clone(), file = file.clone())));
     let separated = answer.not_separated.iter().map(|gyro| {
         let slot = gyro.slot.name().to_owned();
         let (serial, reason) = (gyro.serial.clone(), gyro.reason.clone());

@@ -622,10 +622,12 @@ fn blunders(peers: &[&GyroHistory], column: usize) -> HashSet<(usize, UtcMicros)
             of_station.entry(&entry.station).or_default().push(entry.clone());
             there.entry(&entry.station).or_default().entry((entry.at, &entry.imu)).or_default();
         }
-        for entries in of_station.into_values() {
-            for outlier in RecordSeries::of(&entries, column).take_outliers() {
-                let Some(entry) = peer.entries.iter().find(|entry| entry.at == outlier.at) else { continue };
-                there.entry(&entry.station).or_default().entry((entry.at, &entry.imu)).or_default().push(number);
+        for (station, entries) in of_station {
+            let apart: HashSet<UtcMicros> =
+                RecordSeries::of(&entries, column).take_outliers().into_iter().map(|outlier| outlier.at).collect();
+            let visits = there.entry(station).or_default();
+            for entry in peer.entries.iter().filter(|entry| *entry.station == *station && apart.contains(&entry.at)) {
+                visits.entry((entry.at, &entry.imu)).or_default().push(number);
             }
         }
     }

@@ -82,11 +82,25 @@ impl SeenJump<'_> {
     }
 }
 
-/// When many gyros of `station` were off in different directions, oldest first.
-pub(super) fn unlike(fleet: &[GyroHistory], station: &str) -> Vec<Unlike> {
-    let here: Vec<Seen<'_>> = fleet.iter().map(|gyro| Seen::of(gyro, |entry| *entry.station == *station)).collect();
-    let elsewhere: Vec<Seen<'_>> =
-        fleet.iter().map(|gyro| Seen::of(gyro, |entry| *entry.station != *station)).collect();
+/// How D_I and D_S of each gyro scatter from record to record, or as is stated where that is more, deg/(h g0).
+pub(super) fn scatters(fleet: &[GyroHistory]) -> Vec<[f64; 2]> {
+    let of_gyro = |gyro: &GyroHistory| {
+        [0, 1].map(|column| {
+            let stated = gyro.entries.iter().filter_map(|entry| entry.d[column].sd).fold(0.0, f64::max);
+            scatter_of(&gyro.entries, column).absolute.max(stated)
+        })
+    };
+    fleet.iter().map(of_gyro).collect()
+}
+
+/// When many gyros of `station` were off in different directions, oldest first; `scatters` are those of the fleet.
+pub(super) fn unlike(fleet: &[GyroHistory], scatters: &[[f64; 2]], station: &str) -> Vec<Unlike> {
+    let seen = |is_here: bool| -> Vec<Seen<'_>> {
+        let is_one = |entry: &&HistoryEntry| (*entry.station == *station) == is_here;
+        let gyros = fleet.iter().zip(scatters);
+        gyros.map(|(gyro, sd)| Seen { entries: gyro.entries.iter().filter(is_one).collect(), sd: *sd }).collect()
+    };
+    let (here, elsewhere) = (seen(true), seen(false));
     let mut instants: Vec<UtcMicros> = here.iter().flat_map(|seen| seen.entries.iter().map(|entry| entry.at)).collect();
     instants.sort_unstable();
     instants.dedup();
@@ -137,14 +151,6 @@ struct Seen<'a> {
 }
 
 impl<'a> Seen<'a> {
-    fn of(gyro: &'a GyroHistory, is_one: impl Fn(&HistoryEntry) -> bool) -> Self {
-        let sd = [0, 1].map(|column| {
-            let stated = gyro.entries.iter().filter_map(|entry| entry.d[column].sd).fold(0.0, f64::max);
-            scatter_of(&gyro.entries, column).absolute.max(stated)
-        });
-        Self { entries: gyro.entries.iter().filter(|entry| is_one(entry)).collect(), sd }
-    }
-
     fn jump(&self, at: UtcMicros) -> Option<Jump<'a>> {
         let cut = self.entries.partition_point(|entry| entry.at < at);
         let is_near = |entry: &&&HistoryEntry| entry.at.days_since(at).abs() <= NEAR_DAYS;

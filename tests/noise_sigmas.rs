@@ -2,7 +2,7 @@
 //! a generator of its own, which shares nothing with the fit but the mounting.
 
 use gyrowatch::core::augmented::Options;
-use gyrowatch::core::calibrate::calibrate;
+use gyrowatch::core::calibrate::{Calibration, calibrate};
 use gyrowatch::core::campaign::{Campaign, CampaignGyro, Dwell, Phase, StationUncertainty, TestKind};
 use gyrowatch::core::diagnose::diagnose;
 use gyrowatch::core::model::Terms;
@@ -70,6 +70,10 @@ enum Kind {
     Grows,
     /// Threefold at the fastest rate, one standard error for all.
     Fast,
+    /// White, each standard error estimated from so many values.
+    FewValues(usize),
+    /// Dwells that differ by half of themselves, as they state.
+    Uneven,
 }
 
 const SIGMA: f64 = 0.0015;
@@ -120,6 +124,7 @@ fn draw(kind: Kind, states_errors: bool, seed: u64) -> (Campaign, Vec<[Vector3<f
     let durations: Vec<f64> =
         (0..n).map(|_| if kind == Kind::Durations { 60.0 * f64::powf(10.0, dice.uniform()) } else { 180.0 }).collect();
     let common: Vec<f64> = (0..n).map(|_| dice.normal()).collect();
+    let uneven: Vec<f64> = common.iter().map(|x| (0.5 * x).exp()).collect();
     let noise: Vec<Vec<f64>> = (0..3)
         .map(|j| {
             let white: Vec<f64> = (0..n).map(|_| dice.normal()).collect();
@@ -133,12 +138,22 @@ fn draw(kind: Kind, states_errors: bool, seed: u64) -> (Campaign, Vec<[Vector3<f
                 Kind::Correlated(r) => r.sqrt() * common[k] + (1.0 - r).sqrt() * white[k],
                 Kind::Durations => white[k] * (180.0 / durations[k]).sqrt(),
                 Kind::Fast => white[k] * (1.0 + 8.0 * (programme[k].2.norm() / 36_000.0).powi(2)).sqrt(),
+                Kind::Uneven => white[k] * uneven[k],
                 Kind::Grows => white[k] * f64::powf(3.0, k as f64 / n as f64 - 0.5),
                 _ => white[k] + memory[k],
             };
             (0..n).map(|k| SIGMA * of(k)).collect()
         })
         .collect();
+    let mut stated = vec![vec![SIGMA; 3]; n];
+    match kind {
+        Kind::FewValues(m) => stated.iter_mut().flatten().for_each(|sem| {
+            let squares: f64 = (1..m).map(|_| dice.normal().powi(2)).sum();
+            *sem *= (squares / (m - 1) as f64).sqrt();
+        }),
+        Kind::Uneven => stated.iter_mut().zip(&uneven).for_each(|(sems, times)| sems.fill(SIGMA * times)),
+        _ => {}
+    }
     let bias: Vec<f64> = (0..3).map(|_| dice.normal()).collect();
     let mut start_s = 0.0;
     let dwells = programme
@@ -155,7 +170,7 @@ fn draw(kind: Kind, states_errors: bool, seed: u64) -> (Campaign, Vec<[Vector3<f
                 rate_arcsec_s: rate,
                 temperature_c: None,
                 output_pulse_s: (0..3).map(output).collect(),
-                output_sem_pulse_s: states_errors.then(|| vec![SIGMA; 3]),
+                output_sem_pulse_s: states_errors.then(|| stated[k].clone()),
             };
             start_s += durations[k] + SPACING_S - 180.0;
             dwell
@@ -277,6 +292,52 @@ fn one_standard_error_for_all_does_not_hide_how_noise_goes() {
         assert_honest("three times as large at the fastest rate", Kind::Fast, states_errors, HONEST);
         assert_honest("three times as large at the end", Kind::Grows, states_errors, HONEST);
     }
+}
+
+#[test]
+fn standard_errors_of_few_values_are_shrunk_to_their_law_and_those_of_uneven_dwells_are_not() {
+    for values in [3, 4, 6, 10] {
+        assert_honest(&format!("standard errors of {values} values"), Kind::FewValues(values), true, HONEST);
+    }
+    assert_honest("uneven dwells", Kind::Uneven, true, HONEST);
+    let (mut said, mut false_notes, mut other) = ([0; 2], 0, 0);
+    for seed in 32_000..32_100 {
+        let fit = |kind| calibrate(&draw(kind, true, seed).0, Terms::MODEL_6);
+        let is_said = |fit: &Calibration| fit.all_notes().iter().any(|note| note.code() == "standard_errors_scatter");
+        for (values, said) in [4, 10].into_iter().zip(&mut said) {
+            let fit = fit(Kind::FewValues(values));
+            *said += usize::from(is_said(&fit));
+            other += usize::from(!fit.noise_found.is_empty() || fit.all_notes().len() > 1 + usize::from(is_said(&fit)));
+        }
+        false_notes += usize::from(is_said(&fit(Kind::Uneven))) + usize::from(is_said(&fit(Kind::White)));
+    }
+    println!(
+        "of 4 values said {} of 100, of 10 {}, falsely {false_notes} of 200, other notes {other}",
+        said[0], said[1]
+    );
+    assert!(said[0] == 100 && said[1] >= 90 && false_notes <= 4 && other <= 4);
+}
+
+#[test]
+fn noise_is_said_to_grow_with_rate_where_residuals_show_it() {
+    let said = |kind, seed| {
+        let notes = calibrate(&draw(kind, false, seed).0, Terms::MODEL_6).all_notes();
+        notes.iter().any(|note| note.code() == "noise_grows_with_rate")
+    };
+    let count = |kind| (33_000..33_100).filter(|seed| said(kind, *seed)).count();
+    let (grows, white, durations) = (count(Kind::Fast), count(Kind::White), count(Kind::Durations));
+    println!("said {grows} of 100, falsely {white} and {durations}");
+    assert!(grows >= 98 && white <= 4 && durations <= 4);
+}
+
+#[test]
+fn standard_errors_far_too_large_are_no_law_of_the_noise() {
+    let is_law = |seed| {
+        let mut campaign = draw(Kind::White, true, seed).0;
+        campaign.dwells.iter_mut().flat_map(|d| d.output_sem_pulse_s.iter_mut().flatten()).for_each(|sem| *sem *= 60.0);
+        !calibrate(&campaign, Terms::MODEL_6).noise_found.is_empty()
+    };
+    assert!((34_000..34_060).filter(|seed| is_law(*seed)).count() <= 2);
 }
 
 #[test]

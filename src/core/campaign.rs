@@ -174,18 +174,27 @@ impl Campaign {
     /// Standard errors of gyro `j` by dwell, none where no dwell states any. A dwell without one gets what the law of
     /// the others gives it: [`stated_errors`].
     pub fn errors_of(&self, j: usize) -> Option<Vec<f64>> {
-        let stated = |gyro: usize| self.dwells.iter().map(move |d| Some(d.output_sem_pulse_s.as_ref()?[gyro]));
-        if !self.states_errors() {
-            return None;
+        let stated: Vec<Option<f64>> = self.stated_errors(j).collect();
+        if stated.iter().all(Option::is_some) {
+            return stated.into_iter().collect();
         }
-        stated(j).collect::<Option<_>>().or_else(|| {
-            let dwells: Vec<_> = self.dwells.iter().map(|d| (d.duration_s, d.rate_arcsec_s)).collect();
-            let gyros = self.gyros.iter().enumerate().map(|(gyro, CampaignGyro { slot, .. })| Stated {
-                errors: stated(gyro).collect(),
-                input: self.geometry.triad(*slot).map(|triad| triad.input()),
-            });
-            Some(stated_errors::filled_in(&dwells, &gyros.collect::<Vec<_>>(), j))
-        })
+        let law = self.law_of_errors(j)?;
+        Some(stated.into_iter().zip(law).map(|(sem, law)| sem.unwrap_or(law)).collect())
+    }
+
+    /// What the standard errors of gyro `j` go by in duration and rate, by dwell, pulse/s; none where no dwell states
+    /// any.
+    pub fn law_of_errors(&self, j: usize) -> Option<Vec<f64>> {
+        let dwells: Vec<_> = self.dwells.iter().map(|d| (d.duration_s, d.rate_arcsec_s)).collect();
+        let gyros = self.gyros.iter().enumerate().map(|(gyro, CampaignGyro { slot, .. })| Stated {
+            errors: self.stated_errors(gyro).collect(),
+            input: self.geometry.triad(*slot).map(|triad| triad.input()),
+        });
+        self.states_errors().then(|| stated_errors::law(&dwells, &gyros.collect::<Vec<_>>(), j))
+    }
+
+    fn stated_errors(&self, j: usize) -> impl Iterator<Item = Option<f64>> {
+        self.dwells.iter().map(move |d| Some(d.output_sem_pulse_s.as_ref()?[j]))
     }
 }
 

@@ -81,7 +81,7 @@ pub struct GyroCalibration {
     /// Of the parameters.
     pub rank: usize,
     pub null_directions: Vec<NullDirection>,
-    /// Sum of squared residuals over the standard errors as given (over 1 pulse/s without any).
+    /// Sum of squared residuals over the standard errors that weigh (over 1 pulse/s without any).
     pub chi2: f64,
     pub dof: usize,
     /// Chance of residuals as large as these if the model and the noise scale are right.
@@ -109,6 +109,8 @@ pub struct Calibration {
     pub repeats: Vec<Vec<usize>>,
     /// Without standard errors: rho, by how much the variance at the fastest rate exceeds that at rest.
     pub growth: f64,
+    /// Chance of so much growth in residuals whose noise does not grow.
+    pub growth_chance: f64,
     pub gyros: Vec<GyroCalibration>,
     /// Effects of the model that this campaign could not be fitted with, and why; what its figures look like.
     pub notes: Vec<CampaignNote>,
@@ -121,12 +123,16 @@ pub fn weights_sd(campaign: &Campaign, j: usize) -> Vec<f64> {
     campaign.errors_of(j).unwrap_or_else(|| vec![1.0; campaign.dwells.len()])
 }
 
+/// Chance of the growth below which noise is said to grow with rate.
+const GROWTH_CHANCE: f64 = 0.01;
+
 impl Calibration {
     /// The notes of the fit, and what its noise is found to be: nothing that is said of it anywhere else is missing.
     pub fn all_notes(&self) -> Vec<CampaignNote> {
         let mut notes = self.notes.clone();
         notes.extend((!self.has_sem).then_some(CampaignNote::NoStandardErrors));
-        notes.extend((self.growth > 0.1).then(|| CampaignNote::NoiseGrows { times: (1.0 + self.growth).sqrt() }));
+        let grows = self.growth_chance < GROWTH_CHANCE;
+        notes.extend(grows.then(|| CampaignNote::NoiseGrows { times: (1.0 + self.growth).sqrt() }));
         let found = &self.noise_found;
         notes.extend(found.largest_correlation().map(|correlation| CampaignNote::NoiseShared { correlation }));
         notes.extend(found.memory.as_ref().map(|memory| CampaignNote::NoiseRemembers {
@@ -200,7 +206,7 @@ impl GyroCalibration {
         self.terms.contains(term).then(|| &self.parameters[first..first + term.columns()])
     }
 
-    /// Reduced chi-square against the standard errors as given; none where nothing is left over.
+    /// Reduced chi-square against the standard errors that weigh; none where nothing is left over.
     pub fn reduced_chi2(&self) -> Option<f64> {
         (self.dof > 0).then(|| self.chi2 / self.dof as f64)
     }

@@ -8,6 +8,8 @@
 
 use nalgebra::{DVector, Vector3};
 
+use crate::core::numerics::tails::chi2_tail;
+
 /// Rates up to this are the Earth's and the table's creep, arcsec/s.
 pub(super) const SLOW_ARCSEC_S: f64 = 20.0;
 
@@ -106,6 +108,14 @@ pub fn law(gyros: &[Unweighted]) -> NoiseGrowth {
     let laws = falls.iter().map(|&fall| NoiseGrowth { growth: growth(gyros, fall), fall });
     let likelihood = |law: &NoiseGrowth| gyros.iter().map(|gyro| gyro.log_likelihood(*law)).sum::<f64>();
     laws.max_by(|a, b| likelihood(a).total_cmp(&likelihood(b))).unwrap_or_default()
+}
+
+/// Chance of residuals that speak so much for the growth of `law` where there is none: of the likelihood ratio, half
+/// of a chi-square of one degree of freedom (Self and Liang, J. Am. Stat. Assoc. 82, 1987), as rho is never below 0.
+pub fn chance(gyros: &[Unweighted], law: NoiseGrowth) -> f64 {
+    let even = NoiseGrowth { growth: 0.0, ..law };
+    let gain: f64 = gyros.iter().map(|gyro| gyro.log_likelihood(law) - gyro.log_likelihood(even)).sum();
+    chi2_tail(2.0 * gain.max(0.0), 1).map_or(1.0, |tail| 0.5 * tail)
 }
 
 /// rho >= 0, by least squares on the squared residuals with weights 1/v^2 (as their own scatter asks), all gyros

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, DVectorView, Vector3};
 
-use super::calibration::{EffectParameter, GAUGE, GyroCalibration, NullDirection, Parameter, ScaleSource, weights_sd};
+use super::calibration::{EffectParameter, GAUGE, GyroCalibration, NullDirection, Parameter, ScaleSource};
 use super::design::{self, Design};
 use super::growth::{Exposure, Unweighted};
 use super::memory::{self, FittedGyro};
@@ -99,14 +99,13 @@ pub(super) fn fit_gyro(
     j: usize,
     terms: Terms,
     (regressors, known): (Vec<Regressor>, &[KnownCoefficient]),
-    repeats: &[Vec<usize>],
+    (sd, repeats): (Vec<f64>, &[Vec<usize>]),
     shared: &mut SharedFactors,
 ) -> GyroFit {
     let known_e = c.gyros[j].known_e;
     let fitted =
         if known_e.is_some() && terms != Terms::of(&[Term::Scale]) { terms.without(Term::Scale) } else { terms };
     let mut y = DVector::from_iterator(c.dwells.len(), c.free_outputs(j));
-    let sd = weights_sd(c, j);
     let plain = shared.index(&c.dwells, fitted, &sd);
     let known: Vec<&KnownCoefficient> = known.iter().filter(|known| known.slot == c.gyros[j].slot).collect();
     let (mut regressors, to_hold) = match known.is_empty() {

@@ -20,7 +20,7 @@ use std::ops::AddAssign;
 use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 
 use super::law::{AS_STATED, Course, Law};
-use super::noise::PRIOR_DOF;
+use super::noise::{PRIOR_DOF, overstated};
 use crate::core::named::named;
 use crate::core::numerics::log_sum::LogSum;
 use crate::core::numerics::median::median_of;
@@ -211,8 +211,8 @@ impl FittedGyro<'_> {
         self.even.component_mul(&factors.component_mul(&factors))
     }
 
-    /// Likelihood of independent noise of these standard deviations.
-    fn independent(&self, d: &DVector<f64>, stated: bool) -> Option<(f64, f64)> {
+    /// Restricted likelihood (ln L) of independent noise of these standard deviations, and RSS.
+    pub fn independent(&self, d: &DVector<f64>, stated: bool) -> Option<(f64, f64)> {
         let mut columns = self.columns();
         for (mut row, d) in columns.row_iter_mut().zip(d.iter()) {
             row /= *d;
@@ -229,9 +229,12 @@ pub(super) fn weigh(
     plain: &mut [Option<DMatrix<f64>>],
     stated: bool,
 ) -> DepartureWeights {
+    // Errors that are far too large for the residuals say nothing of the scale.
+    let chi2 = gyros.iter().map(|gyro| gyro.residuals.component_mul(gyro.weights).norm_squared()).sum();
+    let is_told = stated && overstated(chi2, gyros.iter().map(|gyro| gyro.dof).sum()).is_none();
     let deviations = |gyro: &FittedGyro| gyro.variances.zip_map(gyro.weights, |v, w| v.sqrt() / w);
     let d: Vec<DVector<f64>> = gyros.iter().map(deviations).collect();
-    let white = gyros.iter().zip(&d).map(|(gyro, d)| gyro.independent(d, stated)).collect::<Option<Vec<_>>>();
+    let white = gyros.iter().zip(&d).map(|(gyro, d)| gyro.independent(d, is_told)).collect::<Option<Vec<_>>>();
     let Some(white) = white.filter(|_| gyros.iter().all(|gyro| gyro.dof > LEAST_DOF && gyro.residuals.norm() > 0.0))
     else {
         return Vec::new();
@@ -248,11 +251,11 @@ pub(super) fn weigh(
     let under = |kind: NoiseDeparture, j: usize| match kind {
         NoiseDeparture::Law(law) => {
             let variances = gyros[j].under(law, course);
-            gyros[j].independent(&variances.zip_map(gyros[j].weights, |v, w| v.sqrt() / w), stated)
+            gyros[j].independent(&variances.zip_map(gyros[j].weights, |v, w| v.sqrt() / w), is_told)
         }
         NoiseDeparture::Memory(memory, power) => {
             let whitened = memory.whitened(course.times, &d[j], power * usual[j].powi(2), gyros[j].columns());
-            gyros[j].restricted(whitened, stated)
+            gyros[j].restricted(whitened, is_told)
         }
     };
     let as_stated = (AS_STATED - (1.0 - WITHOUT_MEMORY)).ln();
@@ -267,7 +270,7 @@ pub(super) fn weigh(
         }
     }
     let weight = |log: f64| (log - all.log()).exp();
-    let k = if stated { PRIOR_DOF } else { 0.0 };
+    let k = if is_told { PRIOR_DOF } else { 0.0 };
     for (j, (plain, gyro)) in plain.iter_mut().zip(gyros).enumerate() {
         let Some(covariance) = plain else { continue };
         let nu = gyro.dof as f64 + k;

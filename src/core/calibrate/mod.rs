@@ -22,6 +22,7 @@ pub mod outcome;
 mod regressor;
 pub mod repeats_between;
 mod shared_coefficients;
+mod shrunken_errors;
 mod station;
 pub mod uncertainty;
 
@@ -36,6 +37,7 @@ use super::campaign::{Campaign, CampaignNote, Dwell, LeftOut, Phase, StationUnce
 use super::effects::Effect;
 use super::model::Terms;
 use crate::core::calibrate::effect_columns::Regressors;
+use crate::core::calibrate::regressor::Regressor;
 use crate::core::calibrate::shared_coefficients::{CommonFit, OwnFit, SharedRegressors};
 use crate::core::campaign::repeats::PureError;
 use growth::{Exposure, NoiseGrowth};
@@ -46,8 +48,9 @@ use noise::{Evidence, NoiseScale};
 
 /// Fits `terms` to every gyro of a campaign that passed [`Campaign::check`].
 ///
-/// y_k = D0 + G.A_k + P.A_k^2 + E.w_k + noise, weights 1/sem^2 (equal without standard errors). A gyro with a known
-/// E has E.w_k taken off first and no scale term fitted.
+/// y_k = D0 + G.A_k + P.A_k^2 + E.w_k + noise, weights 1/sem^2 (equal without standard errors; those of a law where
+/// standard errors are estimates of few values). A gyro with a known E has E.w_k taken off first and no scale term
+/// fitted.
 ///
 /// ```
 /// use gyrowatch::core::{calibrate::calibrate, model::Terms};
@@ -102,6 +105,17 @@ pub fn calibrate_at_station(
     calibrate_in(Kinds::All, campaign, terms, effects, reference_c, &campaign.station_uncertainty)
 }
 
+/// Standard errors by gyro and dwell, pulse/s, as a fit weighs by them: as stated, or shrunk to the law that they scatter
+/// about where residuals follow that. None where no dwell states any.
+pub fn errors_as_weighed(campaign: &Campaign) -> Option<Vec<Vec<f64>>> {
+    let gyros = 0..campaign.gyros.len();
+    let stated = gyros.clone().map(|j| campaign.errors_of(j)).collect::<Option<Vec<_>>>()?;
+    let mut shared = SharedFactors::default();
+    let fit = |j: usize| fit_gyro(campaign, j, campaign.terms(), (vec![], &[]), (stated[j].clone(), &[]), &mut shared);
+    let fits: Vec<GyroFit> = gyros.map(fit).collect();
+    Some(shrunken_errors::shrunken(campaign, &fits, &shared).map_or(stated, |shrunken| shrunken.sd))
+}
+
 /// Which kinds of noise are weighed.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kinds {
@@ -123,11 +137,17 @@ fn calibrate_in(
     let has_sem = campaign.states_errors();
     let repeats = crate::core::campaign::repeats::repeats(dwells);
     let mut shared = SharedFactors::default();
-    let mut fits: Vec<GyroFit> = own
-        .into_iter()
-        .enumerate()
-        .map(|(j, r)| fit_gyro(campaign, j, terms, (r, &known), &repeats, &mut shared))
-        .collect();
+    let fit_each = |sd: &dyn Fn(usize) -> Vec<f64>, shared: &mut SharedFactors| -> Vec<GyroFit> {
+        let one = |(j, r): (usize, &Vec<Regressor>)| {
+            fit_gyro(campaign, j, terms, (r.clone(), &known), (sd(j), &repeats), shared)
+        };
+        own.iter().enumerate().map(one).collect()
+    };
+    let mut fits = fit_each(&|j| weights_sd(campaign, j), &mut shared);
+    let shrunken = shrunken_errors::shrunken(campaign, &fits, &shared);
+    if let Some(shrunken) = &shrunken {
+        fits = fit_each(&|j| shrunken.sd[j].clone(), &mut shared);
+    }
     for (fit, gyro) in fits.iter().zip(&campaign.gyros) {
         let note = |effect: &Effect, why| CampaignNote::EffectLeftOut { slot: Some(gyro.slot), effect: *effect, why };
         notes.extend(fit.hidden.iter().map(|effect| note(effect, LeftOut::NotTold)));
@@ -140,13 +160,17 @@ fn calibrate_in(
     if stated.is_stated() {
         notes.extend(station::spread(campaign, stated, &mut fits, common.as_ref(), (has_sem, &shared)));
     }
-    let growth = if has_sem { 0.0 } else { unequal_variances(campaign, &repeats, &mut fits) };
+    let (growth, growth_chance) = if has_sem { (0.0, 1.0) } else { unequal_variances(campaign, &repeats, &mut fits) };
     let evidence: Vec<Evidence> = fits.iter().map(|f| f.evidence).collect();
-    let scatter = |(j, noise): (usize, NoiseScale)| noise.with_scatter(sem_scatter(dwells, j));
+    let scatter = |(j, noise): (usize, NoiseScale)| match shrunken {
+        Some(_) => noise,
+        None => noise.with_scatter(sem_scatter(dwells, j)),
+    };
     let noises: Vec<NoiseScale> = noise::noise(&evidence, has_sem).into_iter().enumerate().map(scatter).collect();
     let mut coordinates: Vec<_> =
         fits.iter().zip(&noises).map(|(fit, noise)| fit.coordinates(noise, &shared)).collect();
     let found = (kinds == Kinds::All).then(|| weigh(dwells, has_sem, &fits, &mut coordinates, &shared));
+    notes.extend(shrunken.map(|shrunken| CampaignNote::ErrorsScatter { scatter: shrunken.scatter }));
     let is_other_noise = found.as_ref().is_some_and(noise_report::is_other);
     let mut gyros: Vec<GyroCalibration> = fits
         .into_iter()
@@ -159,7 +183,7 @@ fn calibrate_in(
         gyro.effects.retain(|one| !any_temperature.contains(&one.effect));
     }
     let noise_found = found.map(|found| noise_report::report(&found, &gyros)).unwrap_or_default();
-    Calibration { terms, has_sem, repeats, growth, gyros, notes, noise_found }
+    Calibration { terms, has_sem, repeats, growth, growth_chance, gyros, notes, noise_found }
 }
 
 /// Averages the covariance of each gyro's coordinates over the kinds of noise.
@@ -195,10 +219,11 @@ fn fit_common(
 }
 
 /// Lets the residuals say how the noise goes with rate and duration, and what follows for each fit's evidence.
-fn unequal_variances(campaign: &Campaign, repeats: &[Vec<usize>], fits: &mut [GyroFit]) -> f64 {
+fn unequal_variances(campaign: &Campaign, repeats: &[Vec<usize>], fits: &mut [GyroFit]) -> (f64, f64) {
     let exposures: Vec<Exposure> = fits.iter().map(|fit| fit.exposure(campaign)).collect();
     let unweighted: Vec<_> = fits.iter().zip(&exposures).map(|(fit, dwells)| fit.unweighted(dwells)).collect();
     let law = growth::law(&unweighted);
+    let chance = growth::chance(&unweighted, law);
     for (fit, dwells) in fits.iter_mut().zip(&exposures) {
         fit.variances = law.variances(dwells);
         fit.even = NoiseGrowth { growth: 0.0, ..law }.variances(dwells);
@@ -210,7 +235,7 @@ fn unequal_variances(campaign: &Campaign, repeats: &[Vec<usize>], fits: &mut [Gy
         let residual = evidence.residual.map(|_| (gyro.variance(law), gyro.dof(law)));
         fit.evidence = Evidence { residual, ..evidence };
     }
-    law.growth
+    (law.growth, chance)
 }
 
 fn sem_scatter(dwells: &[Dwell], j: usize) -> f64 {

@@ -272,13 +272,13 @@ fn how_the_figures_came_about_is_noted() {
     with.gyros[0].chi2 = 100.0;
     assert_eq!(with.all_notes(), [CampaignNote::NoRepeats]);
 
-    // Without any, nothing is overstated; and what grows by a twentieth does not grow.
+    // Without any, nothing is overstated; and what chance may show does not grow.
     let mut without = fitted(None, true);
     without.gyros[0].p_value = None;
     (without.gyros[0].chi2, without.gyros[0].dof) = (25.0, 100);
-    without.growth = 0.1;
+    (without.growth, without.growth_chance) = (3.0, 0.01);
     assert_eq!(without.all_notes(), [CampaignNote::NoStandardErrors]);
-    without.growth = 3.0;
+    without.growth_chance = 0.009;
     assert_eq!(without.all_notes(), [CampaignNote::NoStandardErrors, CampaignNote::NoiseGrows { times: 2.0 }]);
 }
 

@@ -34,6 +34,8 @@ pub enum CampaignNote {
     NoiseRemembers { probability: f64, deg_per_h: f64 },
     /// How many times the stated standard errors are too large.
     ErrorsOverstated { gyros: Vec<(Slot, f64)> },
+    /// By how much the standard errors scatter (relative) about a law that the residuals follow better.
+    ErrorsScatter { scatter: f64 },
     /// Gyros whose residuals are more than the noise of their outputs.
     ResidualsExceedNoise { gyros: Vec<Slot> },
     /// An effect of the model was not fitted.
@@ -101,6 +103,7 @@ impl CampaignNote {
             Self::NoiseShared { .. } => "residuals_shared",
             Self::NoiseRemembers { .. } => "residuals_remember",
             Self::ErrorsOverstated { .. } => "standard_errors_overstated",
+            Self::ErrorsScatter { .. } => "standard_errors_scatter",
             Self::ResidualsExceedNoise { .. } => "residuals_exceed_noise",
             Self::EffectLeftOut { .. } => "effect_left_out",
             Self::EffectAtReference { .. } => "effect_at_reference",

@@ -1,4 +1,4 @@
-//! Standard errors of dwells that state none, by the law that those of the same campaign show.
+//! The law that the standard errors of a campaign show, for dwells that state none.
 //!
 //! Of gyro j in dwell k: sem^2 = s_j^2 (1 + rho x) duration^-p, x = (w_I/W)^2 with w_I the rate along the nominal input
 //! axis and W the largest rate of the campaign. rho and p are common to all gyros, as one station states them. Each
@@ -32,8 +32,8 @@ pub(super) struct Stated {
     pub input: Option<Vector3<f64>>,
 }
 
-/// Standard errors of gyro `j` in dwells of these durations and rates (arcsec/s), where some state them.
-pub(super) fn filled_in(dwells: &[(f64, Vector3<f64>)], gyros: &[Stated], j: usize) -> Vec<f64> {
+/// What the stated errors of gyro `j` go by in dwells of these durations and rates (arcsec/s), some of which state them.
+pub(super) fn law(dwells: &[(f64, Vector3<f64>)], gyros: &[Stated], j: usize) -> Vec<f64> {
     let (durations, rates): (Vec<f64>, Vec<Vector3<f64>>) = dwells.iter().copied().unzip();
     let exposure = |gyro: &Stated| Exposure::of(&rates, &durations, gyro.input.as_ref());
     let shares: Vec<DVector<f64>> = gyros.iter().map(|gyro| exposure(gyro).rate).collect();
@@ -65,5 +65,5 @@ pub(super) fn filled_in(dwells: &[(f64, Vector3<f64>)], gyros: &[Stated], j: usi
         let all: Vec<f64> = tried.iter().map(|(weight, log_variances)| weight + log_variances[k]).collect();
         (0.5 * (LogSum::of(&all).log() - weights)).exp()
     };
-    gyros[j].errors.iter().enumerate().map(|(k, sem)| sem.unwrap_or_else(|| usual(k))).collect()
+    (0..dwells.len()).map(usual).collect()
 }

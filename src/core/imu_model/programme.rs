@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::columns::columns;
 use super::identified::{Identified, ModelGyro};
+use crate::core::calibrate::errors_as_weighed;
 use crate::core::calibrate::noise::t_variance;
 use crate::core::campaign::{Campaign, Temperatures, TestKind};
 use crate::core::effects::{Parameter, Refusal, Scope, Setting};
@@ -120,8 +121,9 @@ impl StackedDesign {
         let n = setting.dwells();
         let one_scale = campaign.states_errors() && known.iter().all(|(_, gyro)| gyro.noise.sem_factor.is_some());
         let (mut held, mut noise) = (DVector::zeros(known.len() * n), DVector::zeros(known.len() * n));
+        let errors = errors_as_weighed(campaign);
         for (j, (place, gyro)) in known.iter().enumerate() {
-            let stated = campaign.errors_of(*place).zip(gyro.noise.sem_factor);
+            let stated = errors.as_ref().map(|errors| &errors[*place]).zip(gyro.noise.sem_factor);
             let law = |k: usize| {
                 let walk = gyro.noise.random_walk.powi(2) * 3600.0 / setting.duration[k];
                 let uneven = 1e-6 * gyro.noise.rate_ppm * setting.rate[k].dot(&setting.gyros[j].input);

@@ -49,6 +49,9 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             };
             message!("standard_errors_overstated", gyros = list(gyros.iter().map(one)))
         }
+        CampaignNote::ErrorsScatter { scatter } => {
+            message!("standard_errors_scatter", percent = figure(100.0 * scatter, 0))
+        }
         CampaignNote::ResidualsExceedNoise { gyros } => {
             message!("residuals_exceed_noise", slots = list(gyros.iter().map(|slot| slot.name())))
         }
@@ -130,6 +133,7 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
                 gyros.iter().map(|(s, times)| (s.name().to_owned(), json!(times))).collect();
             json!({"times": times})
         }
+        CampaignNote::ErrorsScatter { scatter } => json!({"scatter": scatter}),
         CampaignNote::ResidualsExceedNoise { gyros } => {
             json!({"slots": gyros.iter().map(|slot| slot.name()).collect::<Vec<_>>()})
         }

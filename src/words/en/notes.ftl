@@ -26,6 +26,7 @@ residuals_remember = residuals near in time go together (probability { $probabil
 standard_errors_overstated = the stated standard errors are larger than the scatter of the dwells ({ $gyros }). If they are wrong, sigmas that rest on them are too large and a small gap may not be seen
 overstated_times = { $slot } { $times } times
 overstated_by_far = { $slot } by far
+standard_errors_scatter = the stated standard errors scatter by { $percent } % about a law of duration and rate that the residuals follow better: they are estimates of few values each, and the weights are shrunk to that law
 residuals_exceed_noise = { $slots }: residuals exceed the noise; the model leaves something out (see diagnose)
 effect_left_out = { $effect } is left out of the fit: { $why }
 effect_left_out_of_gyro = { $slot }: { $effect } is left out of the fit: { $why }

@@ -24,6 +24,7 @@ residuals_remember = 时间相近的残差相关（概率{ $probability }），�
 standard_errors_overstated = 给定的标准误差大于测点的实际散布（{ $gyros }）：若其有误，以其为据的标准差偏大，且小的差异可能无法发现
 overstated_times = { $slot }为{ $times }倍
 overstated_by_far = { $slot }远大于
+standard_errors_scatter = 给定的标准误差相对时长与角速度的规律散布{ $percent } %，而残差更符合该规律：每个标准误差只由少数值估计，权值已向该规律靠拢
 residuals_exceed_noise = { $slots }：残差大于噪声，模型有所遗漏（见诊断）
 effect_left_out = { $effect }未参与拟合：{ $why }
 effect_left_out_of_gyro = { $slot }：{ $effect }未参与拟合：{ $why }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::core::calibrate::noise::NoiseSource;
 use crate::core::calibrate::shared_coefficients::SharedRegressors;
-use crate::core::calibrate::{calibrate, calibrate_in_white_noise, fit_common, noise};
+use crate::core::calibrate::{calibrate, calibrate_in_white_noise, fit_common, noise, weights_sd};
 use crate::core::campaign::made_for_tests::{self, dwell, name};
 use crate::core::campaign::repeats;
 use crate::core::effects::Coefficient;
@@ -81,7 +81,9 @@ fn gyros_with_effects_of_their_own_and_shared_ones_are_those_of_one_fit() {
         let mut fits: Vec<GyroFit> = own
             .into_iter()
             .enumerate()
-            .map(|(j, own)| fit_gyro(&campaign, j, Terms::MODEL_6, (own, &[]), &groups, &mut factors))
+            .map(|(j, own)| {
+                fit_gyro(&campaign, j, Terms::MODEL_6, (own, &[]), (weights_sd(&campaign, j), &groups), &mut factors)
+            })
             .collect();
         assert_eq!(fits[0].hidden, [Effect::CubicG]);
         assert!(fits[1].hidden.is_empty() && fits[2].hidden.is_empty());
@@ -212,12 +214,15 @@ fn one_factorisation_serves_gyros_of_the_same_terms_and_errors() {
     let used: Vec<usize> = own
         .into_iter()
         .enumerate()
-        .map(|(j, own)| fit_gyro(&campaign, j, Terms::MODEL_6, (own, &[]), &[], &mut factors).factor)
+        .map(|(j, own)| {
+            fit_gyro(&campaign, j, Terms::MODEL_6, (own, &[]), (weights_sd(&campaign, j), &[]), &mut factors).factor
+        })
         .collect();
     // Plain with G1's errors, extended for G1, plain with G2's; G3 has G1's errors and finds the first.
     assert_eq!((used, factors.0.len()), (vec![1, 2, 0], 3));
     // E alone is never taken off: there would be nothing left to fit.
-    let alone = fit_gyro(&campaign, 0, Terms::of(&[Term::Scale]), (vec![], &[]), &[], &mut factors);
+    let alone =
+        fit_gyro(&campaign, 0, Terms::of(&[Term::Scale]), (vec![], &[]), (weights_sd(&campaign, 0), &[]), &mut factors);
     assert_eq!((alone.fit.estimate.len(), factors.0.len()), (3, 4));
 }
 

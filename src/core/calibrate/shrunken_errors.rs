@@ -1,0 +1,69 @@
+//! Weights where standard errors are themselves estimates of few values each.
+//!
+//! A standard error of m sub-averages scatters by 1/sqrt(2 (m - 1)) about what it estimates. Weights of its inverse
+//! square then favour dwells that happened to scatter little, and residuals over it follow Student's t of m - 1 degrees
+//! of freedom: they look like noise with a memory, or like more than noise. Errors that scatter about a law of duration
+//! and rate are therefore shrunk to it,
+//!
+//! ```text
+//! sd = law (sem/law)^b,   b = 0, 1/4, 1/2 or 1
+//! ```
+//!
+//! b is whichever has the largest restricted likelihood of the residuals of all gyros: 1 where dwells differ as they
+//! state (nothing between it and 1/2, which chance likes to make of 1), near 0 where they do not. The law's mean square
+//! is that of the errors, whose squares are without bias.
+
+use nalgebra::DVector;
+
+use super::gyro_fit::{GyroFit, SharedFactors};
+use crate::core::campaign::Campaign;
+
+/// Scatter of standard errors (of their logarithms, about the law) from which on they are doubted: of thirteen
+/// sub-averages.
+const DOUBTED: f64 = 0.2;
+
+/// ln of likelihood by which residuals have to speak against what is stated.
+const LEAST_GAIN: f64 = 1.0;
+
+/// Standard errors shrunk to the law that they scatter about.
+pub(super) struct ShrunkenErrors {
+    /// By gyro and dwell, pulse/s.
+    pub sd: Vec<Vec<f64>>,
+    /// Scatter of what is stated: standard deviation of its logarithm about the law.
+    pub scatter: f64,
+}
+
+/// None where standard errors hardly scatter, or residuals follow them. `fits` are those of the errors as stated.
+pub(super) fn shrunken(campaign: &Campaign, fits: &[GyroFit], shared: &SharedFactors) -> Option<ShrunkenErrors> {
+    let gyros = (0..fits.len()).map(|j| Some((campaign.errors_of(j)?, law(campaign, j)?)));
+    let gyros: Vec<(Vec<f64>, Vec<f64>)> = gyros.collect::<Option<_>>()?;
+    let all = gyros.iter().flat_map(|(sem, law)| sem.iter().zip(law));
+    let logs = DVector::from_vec(all.map(|(sem, law)| (sem / law).ln()).collect());
+    let scatter = logs.variance().sqrt();
+    let is_exact = |fit: &GyroFit| fit.left().0.norm() == 0.0;
+    if scatter < DOUBTED || fits.iter().any(is_exact) {
+        return None;
+    }
+    let sd = |b: f64, j: usize| {
+        let (sem, law) = &gyros[j];
+        sem.iter().zip(law).map(|(sem, law)| law * (sem / law).powf(b)).collect::<Vec<f64>>()
+    };
+    let likelihood = |b: f64| {
+        let of_gyro = |(j, fit): (usize, &GyroFit)| {
+            let found = fit.fitted(shared).independent(&DVector::from_vec(sd(b, j)), true);
+            found.map(|(log, _)| log)
+        };
+        fits.iter().enumerate().map(of_gyro).sum::<Option<f64>>()
+    };
+    let least = likelihood(1.0)? + LEAST_GAIN;
+    let tried = [0.0, 0.25, 0.5].into_iter().filter_map(|b| Some((b, likelihood(b)?)));
+    let (b, _) = tried.filter(|(_, log)| *log > least).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(ShrunkenErrors { sd: (0..fits.len()).map(|j| sd(b, j)).collect(), scatter })
+}
+
+/// What the errors of gyro `j` scatter about, with their mean square.
+fn law(campaign: &Campaign, j: usize) -> Option<Vec<f64>> {
+    let (sem, law) = (campaign.errors_of(j)?, campaign.law_of_errors(j)?);
+    let times = (sem.iter().zip(&law).map(|(sem, law)| (sem / law).powi(2)).sum::<f64>() / sem.len() as f64).sqrt();
+    Some(law.into_iter().map(|law| law * times).collect())
+}

@@ -268,8 +268,14 @@ fn how_the_figures_came_about_is_noted() {
     with.gyros[0].p_value = Some(1e-3);
     (with.gyros[0].chi2, with.gyros[0].dof) = (25.0, 100);
     assert_eq!(with.all_notes(), [CampaignNote::ErrorsOverstated { gyros: vec![(Slot::G1, 2.0)] }]);
-    with.repeats.clear();
     with.gyros[0].chi2 = 100.0;
+    // Repeats that scatter three times as much as what is stated are an honest guess gone wrong, no other unit.
+    with.gyros[0].noise.pure_error = PureError { chi2: 9.0 * 40.0, dof: 40 };
+    assert_eq!(with.all_notes(), []);
+    with.gyros[0].noise.pure_error = PureError { chi2: 1e6 * 40.0, dof: 40 };
+    assert_eq!(with.all_notes(), [CampaignNote::ErrorsUnderstated { gyros, times: 1e3 }]);
+    with.gyros[0].noise.pure_error = PureError::default();
+    with.repeats.clear();
     assert_eq!(with.all_notes(), [CampaignNote::NoRepeats]);
 
     // Without any, nothing is overstated; and what grows by a twentieth does not grow.

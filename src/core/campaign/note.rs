@@ -34,6 +34,8 @@ pub enum CampaignNote {
     NoiseRemembers { probability: f64, deg_per_h: f64 },
     /// How many times the stated standard errors are too large.
     ErrorsOverstated { gyros: Vec<(Slot, f64)> },
+    /// Gyros whose repeats scatter many times as much as the stated standard errors, and how many times together.
+    ErrorsUnderstated { gyros: Vec<Slot>, times: f64 },
     /// Gyros whose residuals are more than the noise of their outputs.
     ResidualsExceedNoise { gyros: Vec<Slot> },
     /// An effect of the model was not fitted.
@@ -101,6 +103,7 @@ impl CampaignNote {
             Self::NoiseShared { .. } => "residuals_shared",
             Self::NoiseRemembers { .. } => "residuals_remember",
             Self::ErrorsOverstated { .. } => "standard_errors_overstated",
+            Self::ErrorsUnderstated { .. } => "standard_errors_understated",
             Self::ResidualsExceedNoise { .. } => "residuals_exceed_noise",
             Self::EffectLeftOut { .. } => "effect_left_out",
             Self::EffectAtReference { .. } => "effect_at_reference",

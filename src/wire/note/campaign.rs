@@ -49,6 +49,10 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             };
             message!("standard_errors_overstated", gyros = list(gyros.iter().map(one)))
         }
+        CampaignNote::ErrorsUnderstated { gyros, times } => {
+            let slots = list(gyros.iter().map(|slot| slot.name()));
+            message!("standard_errors_understated", slots, times = figure(*times, 1))
+        }
         CampaignNote::ResidualsExceedNoise { gyros } => {
             message!("residuals_exceed_noise", slots = list(gyros.iter().map(|slot| slot.name())))
         }
@@ -129,6 +133,9 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
             let times: Map<String, Value> =
                 gyros.iter().map(|(s, times)| (s.name().to_owned(), json!(times))).collect();
             json!({"times": times})
+        }
+        CampaignNote::ErrorsUnderstated { gyros, times } => {
+            json!({"slots": gyros.iter().map(|slot| slot.name()).collect::<Vec<_>>(), "times": times})
         }
         CampaignNote::ResidualsExceedNoise { gyros } => {
             json!({"slots": gyros.iter().map(|slot| slot.name()).collect::<Vec<_>>()})

@@ -21,6 +21,7 @@ mod note;
 pub mod repeats;
 mod stated_errors;
 mod station_uncertainty;
+mod stuck;
 mod temperatures;
 
 pub use check::{CampaignLimits, check_dwells};
@@ -31,6 +32,7 @@ pub use earth_rate::with_earth_rate;
 pub use note::{CampaignNote, DwellColumn, LeftOut, StationLack};
 use stated_errors::Stated;
 pub use station_uncertainty::{StationPart, StationUncertainty};
+pub use stuck::{constant, stuck};
 pub use temperatures::{Temperatures, any_kelvin};
 
 named! {

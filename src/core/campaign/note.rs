@@ -22,6 +22,8 @@ pub enum CampaignNote {
     RateNotOfAttitude { off: usize, of: usize, dwell: usize, most_arcsec_s: f64 },
     /// Single dwells whose outputs are far from the model that all others agree on, and the worst of them.
     OutputsContradict { dwells: Vec<usize>, most_arcsec_s: f64 },
+    /// The output of a gyro is exactly the same in these dwells on end, pulse/s, which command different outputs.
+    OutputStuck { slot: Slot, dwells: Vec<usize>, pulse_s: f64 },
     /// Outputs come without standard errors: scatter alone shows their noise.
     NoStandardErrors,
     /// No orientation was measured twice.
@@ -97,6 +99,7 @@ impl CampaignNote {
             Self::Commanded(finding) => finding.symptom.name(),
             Self::RateNotOfAttitude { .. } => "rate_not_of_attitude",
             Self::OutputsContradict { .. } => "dwells_contradict",
+            Self::OutputStuck { .. } => "output_stuck",
             Self::NoStandardErrors => "no_standard_errors",
             Self::NoRepeats => "no_repeats",
             Self::NoiseGrows { .. } => "noise_grows_with_rate",

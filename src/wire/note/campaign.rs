@@ -29,6 +29,10 @@ pub(super) fn message(note: &CampaignNote) -> Message {
         CampaignNote::OutputsContradict { dwells, most_arcsec_s } => {
             message!("dwells_contradict", dwells = places(dwells), most = significant(*most_arcsec_s, 3),)
         }
+        CampaignNote::OutputStuck { slot, dwells, pulse_s } => {
+            let first = format_args!("/dwells/{}", dwells[0]);
+            message!("output_stuck", slot = slot.name(), value = text(pulse_s), count = dwells.len(), first)
+        }
         CampaignNote::NoStandardErrors => message!("no_standard_errors"),
         CampaignNote::NoRepeats => message!("no_repeats"),
         CampaignNote::NoiseGrows { times } => message!("noise_grows_with_rate", times = figure(*times, 1)),
@@ -124,6 +128,9 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
         CampaignNote::OutputsContradict { dwells, most_arcsec_s } => {
             json!({"pointers": pointers(dwells, "output_pulse_s"), "arcsec_s": most_arcsec_s})
         }
+        CampaignNote::OutputStuck { slot, dwells, pulse_s } => json!({
+            "slot": Slot::name(*slot), "pointers": pointers(dwells, "output_pulse_s"), "pulse_s": pulse_s
+        }),
         CampaignNote::NoiseGrows { times } => json!({"times": times}),
         CampaignNote::NoiseShared { correlation } => json!({"correlation": correlation}),
         CampaignNote::NoiseRemembers { probability, deg_per_h } => {

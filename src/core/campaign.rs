@@ -21,6 +21,7 @@ mod note;
 pub mod repeats;
 mod stated_errors;
 mod station_uncertainty;
+mod steps;
 mod stuck;
 mod temperatures;
 
@@ -32,6 +33,7 @@ pub use earth_rate::with_earth_rate;
 pub use note::{CampaignNote, DwellColumn, LeftOut, StationLack};
 use stated_errors::Stated;
 pub use station_uncertainty::{StationPart, StationUncertainty};
+pub use steps::{CoarseStep, GyroNoise, Stepped, coarse_steps};
 pub use stuck::{constant, stuck};
 pub use temperatures::{Temperatures, any_kelvin};
 

@@ -253,6 +253,7 @@ impl CampaignAnswer {
         match outcome {
             Outcome::Imu { calibration, separations, as_measured } => {
                 answer.fitted(calibration);
+                calibration.coarse_steps(campaign).for_each(|note| answer.note(note));
                 for (j, (gyro, separation)) in calibration.gyros.iter().zip(separations).enumerate() {
                     let measured = as_measured.as_ref();
                     let measured =

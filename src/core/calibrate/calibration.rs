@@ -7,7 +7,7 @@ use super::noise::{self, NoiseScale};
 use super::noise_found::NoiseFound;
 use super::uncertainty::Uncertainty;
 use crate::core::campaign::repeats::PureError;
-use crate::core::campaign::{Campaign, CampaignNote};
+use crate::core::campaign::{Campaign, CampaignNote, GyroNoise, coarse_steps};
 use crate::core::effects::{Coefficient, Effect};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::Slot;
@@ -143,6 +143,23 @@ impl Calibration {
         let gyros: Vec<Slot> = self.gyros.iter().filter(scattering).map(|g| g.slot).collect();
         notes.extend((!gyros.is_empty()).then_some(CampaignNote::ResidualsExceedNoise { gyros }));
         notes
+    }
+
+    /// Steps of what was commanded or counted that are not small against the noise as fitted.
+    pub fn coarse_steps(&self, campaign: &Campaign) -> impl Iterator<Item = CampaignNote> {
+        // Repeats that fall on one count show no noise; f64 and ten digits end there.
+        const ROUNDING: f64 = 1e-9;
+        let of_gyro = |(j, gyro): (usize, &GyroCalibration)| {
+            let largest = campaign.dwells.iter().fold(0.0_f64, |most, d| most.max(d.output_pulse_s[j].abs()));
+            Some(GyroNoise {
+                slot: gyro.slot,
+                g: gyro.g().map_or(0.0, |g| g.norm()),
+                e: gyro.e().map_or(0.0, |e| e.norm()),
+                sd: gyro.sigma.as_ref()?.iter().map(|sd| sd.max(ROUNDING * largest)).collect(),
+            })
+        };
+        let gyros: Vec<Option<GyroNoise>> = self.gyros.iter().enumerate().map(of_gyro).collect();
+        coarse_steps(campaign, &gyros).into_iter().map(CampaignNote::Coarse)
     }
 
     /// Gyros whose stated standard errors are too large for the scatter of the dwells, and how many times.

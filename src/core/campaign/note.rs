@@ -2,6 +2,7 @@
 
 use super::commanded::CommandFinding;
 use super::station_uncertainty::StationPart;
+use super::steps::CoarseStep;
 use crate::core::bench::Alias;
 use crate::core::effects::{Effect, Lack, Refusal};
 use crate::core::mounting::Slot;
@@ -24,6 +25,8 @@ pub enum CampaignNote {
     OutputsContradict { dwells: Vec<usize>, most_arcsec_s: f64 },
     /// The output of a gyro is exactly the same in these dwells on end, pulse/s, which command different outputs.
     OutputStuck { slot: Slot, dwells: Vec<usize>, pulse_s: f64 },
+    /// Commands or outputs come in steps that are not small against the noise.
+    Coarse(CoarseStep),
     /// Outputs come without standard errors: scatter alone shows their noise.
     NoStandardErrors,
     /// No orientation was measured twice.
@@ -100,6 +103,7 @@ impl CampaignNote {
             Self::RateNotOfAttitude { .. } => "rate_not_of_attitude",
             Self::OutputsContradict { .. } => "dwells_contradict",
             Self::OutputStuck { .. } => "output_stuck",
+            Self::Coarse(step) => step.code(),
             Self::NoStandardErrors => "no_standard_errors",
             Self::NoRepeats => "no_repeats",
             Self::NoiseGrows { .. } => "noise_grows_with_rate",

@@ -3,7 +3,7 @@
 use serde_json::Map;
 
 use crate::core::bench::Alias;
-use crate::core::campaign::{CampaignNote, DwellColumn, LeftOut, StationLack};
+use crate::core::campaign::{CampaignNote, CoarseStep, DwellColumn, LeftOut, StationLack, Stepped};
 use crate::core::message::{Parameter, figure, list, signed, significant, text};
 use crate::wire::campaign::commanded;
 use crate::wire::prelude::*;
@@ -33,6 +33,7 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             let first = format_args!("/dwells/{}", dwells[0]);
             message!("output_stuck", slot = slot.name(), value = text(pulse_s), count = dwells.len(), first)
         }
+        CampaignNote::Coarse(step) => step.message(),
         CampaignNote::NoStandardErrors => message!("no_standard_errors"),
         CampaignNote::NoRepeats => message!("no_repeats"),
         CampaignNote::NoiseGrows { times } => message!("noise_grows_with_rate", times = figure(*times, 1)),
@@ -131,6 +132,14 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
         CampaignNote::OutputStuck { slot, dwells, pulse_s } => json!({
             "slot": Slot::name(*slot), "pointers": pointers(dwells, "output_pulse_s"), "pulse_s": pulse_s
         }),
+        CampaignNote::Coarse(CoarseStep { of, step, slot, times }) => {
+            let step_of = match of {
+                Stepped::Force => "specific_force_g0",
+                Stepped::Rate => "rate_arcsec_s",
+                Stepped::Output => "output_pulse_s",
+            };
+            json!({"of": step_of, "step": step, "slot": Slot::name(*slot), "times": times})
+        }
         CampaignNote::NoiseGrows { times } => json!({"times": times}),
         CampaignNote::NoiseShared { correlation } => json!({"correlation": correlation}),
         CampaignNote::NoiseRemembers { probability, deg_per_h } => {

@@ -18,6 +18,7 @@ temperature_unit = the median temperature is { $median } deg C: is it in kelvin 
 rate_not_of_attitude = rate_arcsec_s of { $off } of { $of } static dwells is not the Earth's at their attitude and the site's latitude: by { $most } arcsec/s in /dwells/{ $dwell }
 dwells_contradict = the outputs of { $dwells } contradict all other dwells, by up to { $most } arcsec/s: a wrong sign, a fault value, a row in another's place? Correct them, or leave these dwells out, and send the campaign again
 output_stuck = { $slot }: the output is exactly { $value } pulse/s in { $count } dwells on end, from { $first } on, though the model of the others predicts changes: was it stuck? Leave these dwells out and send the campaign again
+outputs_coarse = { $slot }: the outputs come in steps of { $step } pulse/s; these alone make { $times } times the noise of a dwell, and repeats fall on the same step. Measure longer, or count finer
 no_standard_errors = no standard errors: all dwells have equal weight and the residuals give the noise
 no_repeats = no repeated dwells: nothing but the fit itself tells noise from what the model leaves out
 product_aliased = { $product } is not fitted, and these positions do not tell it from { $coefficient }: 0.01 deg/(h g0²) of it would move { $coefficient } by { $moves } deg/(h g0)

@@ -118,6 +118,11 @@ pub struct Calibration {
     pub noise_found: NoiseFound,
 }
 
+/// Whether residuals are so large by chance that the model leaves something out, for this `p_value` of them.
+pub fn exceeds_noise(p_value: Option<f64>) -> bool {
+    p_value.is_some_and(|p| p < 1e-3)
+}
+
 /// Standard deviations used as weights for gyro `j`: its standard errors, or ones.
 pub fn weights_sd(campaign: &Campaign, j: usize) -> Vec<f64> {
     campaign.errors_of(j).unwrap_or_else(|| vec![1.0; campaign.dwells.len()])
@@ -139,7 +144,7 @@ impl Calibration {
         let gyros = self.overstated();
         notes.extend((!gyros.is_empty()).then_some(CampaignNote::ErrorsOverstated { gyros }));
         notes.extend(self.understated());
-        let scattering = |g: &&GyroCalibration| g.p_value.is_some_and(|p| p < 1e-3);
+        let scattering = |g: &&GyroCalibration| exceeds_noise(g.p_value);
         let gyros: Vec<Slot> = self.gyros.iter().filter(scattering).map(|g| g.slot).collect();
         notes.extend((!gyros.is_empty()).then_some(CampaignNote::ResidualsExceedNoise { gyros }));
         notes

@@ -323,3 +323,30 @@ fn the_scatter_of_stated_errors_is_that_of_the_still_dwells() {
     let scatter = sem_scatter(&campaign(&rows, None).dwells, 0);
     assert_close(scatter, 0.025f64.sqrt());
 }
+
+#[test]
+fn a_scale_that_is_held_is_told_where_its_direction_shows_and_nobody_states_it() {
+    let told = |sem: f64, known_e, fixture| {
+        let rows: Vec<Row> = (0..24)
+            .map(|k| {
+                // The vertical part of the Earth's rate along the face, the horizontal one along the next axis.
+                let mut rate = FACES[k % 6].map(|up| 8.5 * up);
+                rate[(k % 6 / 2 + 1) % 3] = 12.0;
+                (FACES[k % 6], rate, 2.0 * rate[0] + 3.0 * FACES[k % 6][0] + 1e-4 * (k / 6) as f64, Some(sem))
+            })
+            .collect();
+        let mut campaign = campaign(&rows, known_e);
+        campaign.station_uncertainty.fixture = fixture;
+        let Ok(outcome::Outcome::Imu { calibration, .. }) = outcome::evaluate(&campaign, &Plausibility::ever()) else {
+            return false;
+        };
+        calibration
+            .all_notes()
+            .iter()
+            .any(|note| matches!(note, CampaignNote::HeldScale { moves, .. } if *moves > 3e-4))
+    };
+    let held = Some([2.0, 0.0, 0.0]);
+    assert!(told(1e-3, held, None));
+    assert!(!told(1e-3, held, Some(1e-4)), "the station states it");
+    assert!(!told(1.0, held, None), "the noise hides it");
+}

@@ -55,6 +55,8 @@ pub enum CampaignNote {
     ProductAliased(Alias),
     /// D_I of all gyros is near the shift that a wrong sign of the latitude makes, deg/(h g0).
     LatitudeSign { shift: f64 },
+    /// E is held: so many arcsec of its direction would move D_I or D_S of this gyro, deg/(h g0).
+    HeldScale { slot: Slot, arcsec: f64, moves: f64 },
     /// The campaign does not determine E, whose size along the nominal axis is taken, pulse/arcsec.
     NominalAxis { slot: Slot, scale: f64 },
 }
@@ -118,6 +120,7 @@ impl CampaignNote {
             Self::StationLeftOut { .. } => "station_left_out",
             Self::ProductAliased(_) => "product_aliased",
             Self::LatitudeSign { .. } => "latitude_sign",
+            Self::HeldScale { .. } => "held_scale",
             Self::NominalAxis { .. } => "nominal_axis",
         }
     }

@@ -84,6 +84,9 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             moves = figure(0.01 * moves.abs(), 4),
         ),
         CampaignNote::LatitudeSign { shift } => message!("latitude_sign", shift = signed(*shift, 1)),
+        CampaignNote::HeldScale { slot, arcsec, moves } => {
+            message!("held_scale", slot = slot.name(), arcsec = text(arcsec), moves = significant(*moves, 2))
+        }
         CampaignNote::NominalAxis { slot, scale } => {
             message!("nominal_axis", slot = slot.name(), scale = figure(*scale, 4))
         }
@@ -168,6 +171,9 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
             json!({"product": product, "coefficient": coefficient, "moves": moves})
         }
         CampaignNote::LatitudeSign { shift } => json!({"shift_deg_per_h_g0": shift}),
+        CampaignNote::HeldScale { slot, arcsec, moves } => {
+            json!({"slot": Slot::name(*slot), "arcsec": arcsec, "moves_deg_per_h_g0": moves})
+        }
         CampaignNote::NominalAxis { slot, scale } => json!({"slot": Slot::name(*slot), "pulse_per_arcsec": scale}),
     };
     match value {

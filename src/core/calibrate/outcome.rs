@@ -4,8 +4,9 @@ use super::bench::{BenchCalibration, calibrate_bench};
 use super::drift::NotSeparated;
 use super::{Calibration, GyroCalibration, calibrate_at_station};
 use crate::core::augmented::{AugmentedModel, Options};
+use crate::core::campaign::commanded::force_off_gravity;
 use crate::core::campaign::{
-    Campaign, CampaignGyro, CampaignNote, StationPart, StationUncertainty, Temperatures, TestKind,
+    Campaign, CampaignGyro, CampaignNote, CoarseStep, StationPart, StationUncertainty, Stepped, Temperatures, TestKind,
 };
 use crate::core::fault::Faults;
 use crate::core::model::Terms;
@@ -59,6 +60,7 @@ pub fn evaluate_with(campaign: &Campaign, model: &Options, limits: &Plausibility
     let mut calibration = calibrate_at_station(campaign, terms, model, model.reference_c);
     let separations = calibration.separate(&campaign.geometry, limits);
     calibration.notes.extend(latitude_sign(campaign, &separations));
+    calibration.notes.extend(gravity_off(campaign, &calibration, &separations));
     calibration.notes.extend(held_scale(campaign, (terms, model), &calibration, limits));
     let as_measured = as_measured(campaign, terms, model, limits);
     for (i, separation) in separations.iter().enumerate() {
@@ -85,6 +87,31 @@ fn latitude_sign(campaign: &Campaign, separations: &[Result<Separation, NotSepar
     };
     let all = separations.len() >= 2 && separations.iter().all(is_near);
     (all && shift.abs() > LARGE_SHIFT).then_some(CampaignNote::LatitudeSign { shift })
+}
+
+/// What specific forces that are longer or shorter than the site's gravity make of D_I and D_S, deg/(h g0): both are
+/// smaller by that share. The coefficient that it moves most, where it shows. Where rounding explains it, that may be
+/// told already.
+fn gravity_off(
+    campaign: &Campaign,
+    calibration: &Calibration,
+    separations: &[Result<Separation, NotSeparated>],
+) -> Option<CampaignNote> {
+    let (share, may_be_rounded) = force_off_gravity(campaign)?;
+    let is_of_force = |note| matches!(note, CampaignNote::Coarse(CoarseStep { of: Stepped::Force, .. }));
+    if may_be_rounded && calibration.coarse_steps(campaign).any(is_of_force) {
+        return None;
+    }
+    let moved = |(gyro, separation): (&CampaignGyro, &Result<Separation, NotSeparated>)| {
+        let rigid = &separation.as_ref().ok()?.rigid;
+        let sd = rigid.sd()?;
+        let shows = |(value, sd): &(f64, f64)| (share * value).abs() > TOLD_FROM * sd;
+        let most = [(rigid.d_i, sd[0]), (rigid.d_s, sd[1])].into_iter().filter(shows);
+        Some((gyro.slot, most.map(|(value, _)| (share * value).abs()).reduce(f64::max)?))
+    };
+    let moved = campaign.gyros.iter().zip(separations).filter_map(moved);
+    let (slot, moves) = moved.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(CampaignNote::GravityOff { share, slot, moves })
 }
 
 /// What an error of the direction of E that is held does, with its size where nothing is stated, arcsec; and from which

@@ -55,6 +55,9 @@ pub enum CampaignNote {
     ProductAliased(Alias),
     /// D_I of all gyros is near the shift that a wrong sign of the latitude makes, deg/(h g0).
     LatitudeSign { shift: f64 },
+    /// The specific force of static dwells is longer than the site's gravity by this share, and moves D_I or D_S of this
+    /// gyro most, deg/(h g0).
+    GravityOff { share: f64, slot: Slot, moves: f64 },
     /// E is held: so many arcsec of its direction would move D_I or D_S of this gyro, deg/(h g0).
     HeldScale { slot: Slot, arcsec: f64, moves: f64 },
     /// The campaign does not determine E, whose size along the nominal axis is taken, pulse/arcsec.
@@ -120,6 +123,7 @@ impl CampaignNote {
             Self::StationLeftOut { .. } => "station_left_out",
             Self::ProductAliased(_) => "product_aliased",
             Self::LatitudeSign { .. } => "latitude_sign",
+            Self::GravityOff { .. } => "gravity_off",
             Self::HeldScale { .. } => "held_scale",
             Self::NominalAxis { .. } => "nominal_axis",
         }

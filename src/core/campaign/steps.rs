@@ -106,14 +106,21 @@ fn commanded_step(campaign: &Campaign, of: Stepped) -> f64 {
     if is_exact { 0.0 } else { step }
 }
 
-/// The decimal step that all numbers are multiples of; 0 where whole numbers and halves are all there is, or where
-/// they have more than six digits behind the point.
+/// As [`decimal_step`]; 0 where whole numbers and tenths are all there is, or where they have more than six digits
+/// behind the point.
 fn step_of(numbers: impl Iterator<Item = f64> + Clone) -> f64 {
+    let step = decimal_step(numbers);
+    if step < 0.05 { step } else { 0.0 }
+}
+
+/// The decimal step, 1 or less, that all numbers are multiples of; 0 where they have more than six digits behind the
+/// point.
+pub(super) fn decimal_step(numbers: impl Iterator<Item = f64> + Clone) -> f64 {
     let is_multiple = |places: i32| {
         let scale = 10_f64.powi(places);
         numbers.clone().all(|x| (x * scale - (x * scale).round()).abs() < 1e-4)
     };
-    (0..=6).find(|places| is_multiple(*places)).filter(|places| *places > 1).map_or(0.0, |places| 10_f64.powi(-places))
+    (0..=6).find(|places| is_multiple(*places)).map_or(0.0, |places| 10_f64.powi(-places))
 }
 
 /// Counts over a dwell, or decimals of an output.

@@ -84,6 +84,10 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             moves = figure(0.01 * moves.abs(), 4),
         ),
         CampaignNote::LatitudeSign { shift } => message!("latitude_sign", shift = signed(*shift, 1)),
+        CampaignNote::GravityOff { share, slot, moves } => {
+            let percent = significant(100.0 * share, 2);
+            message!("gravity_off", percent, moves = significant(*moves, 2), slot = slot.name())
+        }
         CampaignNote::HeldScale { slot, arcsec, moves } => {
             message!("held_scale", slot = slot.name(), arcsec = text(arcsec), moves = significant(*moves, 2))
         }
@@ -171,6 +175,9 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
             json!({"product": product, "coefficient": coefficient, "moves": moves})
         }
         CampaignNote::LatitudeSign { shift } => json!({"shift_deg_per_h_g0": shift}),
+        CampaignNote::GravityOff { share, slot, moves } => {
+            json!({"share": share, "slot": Slot::name(*slot), "moves_deg_per_h_g0": moves})
+        }
         CampaignNote::HeldScale { slot, arcsec, moves } => {
             json!({"slot": Slot::name(*slot), "arcsec": arcsec, "moves_deg_per_h_g0": moves})
         }

@@ -34,7 +34,7 @@ pub use note::{CampaignNote, DwellColumn, LeftOut, StationLack};
 use stated_errors::Stated;
 pub use station_uncertainty::{StationPart, StationUncertainty};
 pub use steps::{CoarseStep, GyroNoise, Stepped, coarse_steps};
-pub use stuck::{constant, stuck};
+pub use stuck::{StuckOutput, constant, stuck};
 pub use temperatures::{Temperatures, any_kelvin};
 
 named! {

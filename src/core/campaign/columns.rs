@@ -15,7 +15,7 @@ pub fn notes(campaign: &Campaign) -> Vec<Note> {
         notes.extend(rate_not_of_attitude(campaign));
     }
     notes.extend(contradicting(campaign));
-    notes.extend(stuck(campaign));
+    notes.extend(stuck(campaign).into_iter().map(CampaignNote::OutputStuck));
     let mut notes: Vec<Note> = notes.into_iter().map(Note::Campaign).collect();
     let (none, some) = lacks(campaign, DwellColumn::Attitude, |d| d.attitude.is_some());
     notes.extend(none.then_some(Note::NoAttitudes).or(some));

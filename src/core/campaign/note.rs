@@ -3,6 +3,7 @@
 use super::commanded::CommandFinding;
 use super::station_uncertainty::StationPart;
 use super::steps::CoarseStep;
+use super::stuck::StuckOutput;
 use crate::core::bench::Alias;
 use crate::core::effects::{Effect, Lack, Refusal};
 use crate::core::mounting::Slot;
@@ -23,8 +24,8 @@ pub enum CampaignNote {
     RateNotOfAttitude { off: usize, of: usize, dwell: usize, most_arcsec_s: f64 },
     /// Single dwells whose outputs are far from the model that all others agree on, and the worst of them.
     OutputsContradict { dwells: Vec<usize>, most_arcsec_s: f64 },
-    /// The output of a gyro is exactly the same in these dwells on end, pulse/s, which command different outputs.
-    OutputStuck { slot: Slot, dwells: Vec<usize>, pulse_s: f64 },
+    /// The output of a gyro stands still.
+    OutputStuck(StuckOutput),
     /// Commands or outputs come in steps that are not small against the noise.
     Coarse(CoarseStep),
     /// Outputs come without standard errors: scatter alone shows their noise.
@@ -107,7 +108,7 @@ impl CampaignNote {
             Self::Commanded(finding) => finding.symptom.name(),
             Self::RateNotOfAttitude { .. } => "rate_not_of_attitude",
             Self::OutputsContradict { .. } => "dwells_contradict",
-            Self::OutputStuck { .. } => "output_stuck",
+            Self::OutputStuck(_) => "output_stuck",
             Self::Coarse(step) => step.code(),
             Self::NoStandardErrors => "no_standard_errors",
             Self::NoRepeats => "no_repeats",

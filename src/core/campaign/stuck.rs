@@ -5,10 +5,13 @@ use std::ops::Range;
 use nalgebra::DVector;
 
 use super::repeats::positions;
-use super::{Campaign, CampaignNote, TestKind};
+use super::{Campaign, TestKind};
 use crate::core::calibrate::design::Design;
+use crate::core::message::{Message, text};
 use crate::core::model::Term;
+use crate::core::mounting::Slot;
 use crate::core::numerics::least_squares::Factor;
+use crate::message;
 
 /// An output that is the same in fewer positions may be so by chance, or by coarse counts.
 const POSITIONS: usize = 5;
@@ -19,6 +22,23 @@ const BEYOND_NOISE: f64 = 5.0;
 /// And by more than this share of the range of outputs: rounding.
 const ROUNDING: f64 = 1e-6;
 
+/// The output of a gyro is exactly the same in these dwells on end, which command different outputs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StuckOutput {
+    pub slot: Slot,
+    /// By index.
+    pub dwells: Vec<usize>,
+    pub pulse_s: f64,
+}
+
+impl StuckOutput {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        let (value, first) = (text(self.pulse_s), format_args!("/dwells/{}", self.dwells[0]));
+        message!("output_stuck", slot = self.slot.name(), value, count = self.dwells.len(), first)
+    }
+}
+
 /// Gyros of an IMU, by index, whose output is the same in every dwell: their E, D_I and D_S are of nothing.
 pub fn constant(campaign: &Campaign) -> impl Iterator<Item = usize> {
     let many = campaign.test == TestKind::Imu && positions(&campaign.dwells) >= POSITIONS;
@@ -27,11 +47,11 @@ pub fn constant(campaign: &Campaign) -> impl Iterator<Item = usize> {
 
 /// Dwells on end in which the output (pulse/s) of a gyro is exactly the same, in [`POSITIONS`] positions or more, where
 /// the model of its other dwells predicts something else. Coarse counts alone never do that.
-pub fn stuck(campaign: &Campaign) -> Vec<CampaignNote> {
+pub fn stuck(campaign: &Campaign) -> Vec<StuckOutput> {
     let of_gyro = |j: usize| {
         let runs: Vec<Range<usize>> = runs(campaign, j);
         let is_stuck = is_stuck(campaign, j, &runs);
-        let note = move |run: Range<usize>| CampaignNote::OutputStuck {
+        let note = move |run: Range<usize>| StuckOutput {
             slot: campaign.gyros[j].slot,
             pulse_s: campaign.dwells[run.start].output_pulse_s[j],
             dwells: run.collect(),
@@ -101,13 +121,13 @@ mod tests {
     fn campaign(scale: f64, rate: f64, noise: f64, count: f64) -> Campaign {
         let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
         let position = |k: usize| -> (Phase, Vector3<f64>, Vector3<f64>) {
-            let axis = if k % 2 == 0 { 1.0 } else { -1.0 } * axes[k / 2 % 3];
+            let axis = if k.is_multiple_of(2) { 1.0 } else { -1.0 } * axes[k / 2 % 3];
             match k {
                 0..24 => (Phase::Static, axis, 12.0 * axes[(k / 2 + 1 + k / 6 % 2) % 3] + 8.5 * axis),
                 _ => (
                     Phase::Rate,
                     axis,
-                    rate / (1 << (k / 6 % 4)) as f64 * if k / 12 % 2 == 0 { 1.0 } else { -1.0 } * axis,
+                    rate / (1 << (k / 6 % 4)) as f64 * if (k / 12).is_multiple_of(2) { 1.0 } else { -1.0 } * axis,
                 ),
             }
         };
@@ -125,10 +145,7 @@ mod tests {
     }
 
     fn found(campaign: &Campaign) -> Vec<(usize, usize)> {
-        let ends = |note: &CampaignNote| match note {
-            CampaignNote::OutputStuck { dwells, .. } => (dwells[0], dwells[dwells.len() - 1]),
-            other => panic!("{other:?}"),
-        };
+        let ends = |stuck: &StuckOutput| (stuck.dwells[0], stuck.dwells[stuck.dwells.len() - 1]);
         stuck(campaign).iter().map(ends).collect()
     }
 

@@ -3,12 +3,10 @@
 
 use crate::core::calibrate::outcome::evaluate;
 use crate::core::campaign::commanded::{AffectedDwells, CommandFinding, MistakeKind, Symptom, Vectors, findings};
-use crate::core::campaign::{Campaign, CampaignNote, TestKind, constant, stuck};
+use crate::core::campaign::{Campaign, TestKind, constant, stuck};
 use crate::core::effects::Refusal;
 use crate::core::message::{Parameter, figure, signed};
-use crate::core::note::Note;
 use crate::core::record::Plausibility;
-use crate::wire::note;
 use crate::wire::prelude::*;
 
 /// Fields of a dwell that a station commands.
@@ -35,11 +33,8 @@ pub fn check(campaign: &Campaign) -> Result<(), Faults> {
 /// Where a gyro was stuck for a part of the campaign, that is why its E cannot be.
 fn stuck_instead(campaign: &Campaign) -> Option<Faults> {
     let mut faults = Faults::default();
-    for note in stuck(campaign) {
-        if let CampaignNote::OutputStuck { dwells, .. } = &note {
-            let pointer = format!("/dwells/{}/output_pulse_s", dwells[0]);
-            faults.push(pointer, note::message(&Note::Campaign(note)));
-        }
+    for stuck in stuck(campaign) {
+        faults.push(format!("/dwells/{}/output_pulse_s", stuck.dwells[0]), stuck.message());
     }
     (!faults.is_empty()).then_some(faults)
 }

@@ -3,7 +3,7 @@
 use serde_json::Map;
 
 use crate::core::bench::Alias;
-use crate::core::campaign::{CampaignNote, CoarseStep, DwellColumn, LeftOut, StationLack, Stepped};
+use crate::core::campaign::{CampaignNote, CoarseStep, DwellColumn, LeftOut, StationLack, Stepped, StuckOutput};
 use crate::core::message::{Parameter, figure, list, signed, significant, text};
 use crate::wire::campaign::commanded;
 use crate::wire::prelude::*;
@@ -29,10 +29,7 @@ pub(super) fn message(note: &CampaignNote) -> Message {
         CampaignNote::OutputsContradict { dwells, most_arcsec_s } => {
             message!("dwells_contradict", dwells = places(dwells), most = significant(*most_arcsec_s, 3),)
         }
-        CampaignNote::OutputStuck { slot, dwells, pulse_s } => {
-            let first = format_args!("/dwells/{}", dwells[0]);
-            message!("output_stuck", slot = slot.name(), value = text(pulse_s), count = dwells.len(), first)
-        }
+        CampaignNote::OutputStuck(stuck) => stuck.message(),
         CampaignNote::Coarse(step) => step.message(),
         CampaignNote::NoStandardErrors => message!("no_standard_errors"),
         CampaignNote::NoRepeats => message!("no_repeats"),
@@ -136,7 +133,7 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
         CampaignNote::OutputsContradict { dwells, most_arcsec_s } => {
             json!({"pointers": pointers(dwells, "output_pulse_s"), "arcsec_s": most_arcsec_s})
         }
-        CampaignNote::OutputStuck { slot, dwells, pulse_s } => json!({
+        CampaignNote::OutputStuck(StuckOutput { slot, dwells, pulse_s }) => json!({
             "slot": Slot::name(*slot), "pointers": pointers(dwells, "output_pulse_s"), "pulse_s": pulse_s
         }),
         CampaignNote::Coarse(CoarseStep { of, step, slot, times }) => {

@@ -21,6 +21,8 @@ mod note;
 pub mod repeats;
 mod stated_errors;
 mod station_uncertainty;
+mod steps;
+mod stuck;
 mod temperatures;
 
 pub use check::{CampaignLimits, check_dwells};
@@ -31,6 +33,8 @@ pub use earth_rate::with_earth_rate;
 pub use note::{CampaignNote, DwellColumn, LeftOut, StationLack};
 use stated_errors::Stated;
 pub use station_uncertainty::{StationPart, StationUncertainty};
+pub use steps::{CoarseStep, GyroNoise, Stepped, coarse_steps};
+pub use stuck::{StuckOutput, constant, stuck};
 pub use temperatures::{Temperatures, any_kelvin};
 
 named! {

@@ -13,7 +13,7 @@ use crate::core::calibrate::drift::NotSeparated;
 use crate::core::calibrate::noise::NoiseScale;
 use crate::core::calibrate::outcome::Outcome;
 use crate::core::calibrate::repeats_between::Repeated;
-use crate::core::calibrate::{Calibration, GyroCalibration, Parameter, ScaleSource};
+use crate::core::calibrate::{Calibration, GyroCalibration, Parameter, ScaleSource, exceeds_noise};
 use crate::core::campaign::{self, Campaign, CampaignNote, StationLack, StationPart, StationUncertainty};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::Geometry;
@@ -253,6 +253,7 @@ impl CampaignAnswer {
         match outcome {
             Outcome::Imu { calibration, separations, as_measured } => {
                 answer.fitted(calibration);
+                calibration.coarse_steps(campaign).for_each(|note| answer.note(note));
                 for (j, (gyro, separation)) in calibration.gyros.iter().zip(separations).enumerate() {
                     let measured = as_measured.as_ref();
                     let measured =
@@ -310,6 +311,9 @@ impl CampaignAnswer {
     fn tested(&mut self, campaign: &Campaign, bench: &BenchCalibration) {
         for alias in &bench.aliases {
             self.note(CampaignNote::ProductAliased(*alias));
+        }
+        if exceeds_noise(bench.p_value) {
+            self.note(CampaignNote::ResidualsExceedNoise { gyros: vec![campaign.gyros[0].slot] });
         }
         let parts = StationPart::ALL.into_iter().filter(|p| campaign.station_uncertainty.of(*p).is_some());
         let parts: Vec<StationPart> = parts.collect();
@@ -429,3 +433,6 @@ fn names(terms: Terms) -> Vec<String> {
 fn list(v: &DVector<f64>) -> Vec<f64> {
     v.iter().copied().collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -6,12 +6,14 @@ use super::design;
 use super::noise::{self, NoiseScale};
 use super::noise_found::NoiseFound;
 use super::uncertainty::Uncertainty;
-use crate::core::campaign::{Campaign, CampaignNote};
+use crate::core::campaign::repeats::PureError;
+use crate::core::campaign::{Campaign, CampaignNote, GyroNoise, coarse_steps};
 use crate::core::effects::{Coefficient, Effect};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::Slot;
 use crate::core::named::named;
 use crate::core::numerics::median::median_of;
+use crate::core::numerics::tails::chi2_tail;
 use crate::core::record::Name;
 
 named! {
@@ -118,6 +120,11 @@ pub struct Calibration {
     pub noise_found: NoiseFound,
 }
 
+/// Whether residuals are so large by chance that the model leaves something out, for this `p_value` of them.
+pub fn exceeds_noise(p_value: Option<f64>) -> bool {
+    p_value.is_some_and(|p| p < 1e-3)
+}
+
 /// Standard deviations used as weights for gyro `j`: its standard errors, or ones.
 pub fn weights_sd(campaign: &Campaign, j: usize) -> Vec<f64> {
     campaign.errors_of(j).unwrap_or_else(|| vec![1.0; campaign.dwells.len()])
@@ -142,16 +149,49 @@ impl Calibration {
         notes.extend(self.repeats.is_empty().then_some(CampaignNote::NoRepeats));
         let gyros = self.overstated();
         notes.extend((!gyros.is_empty()).then_some(CampaignNote::ErrorsOverstated { gyros }));
-        let scattering = |g: &&GyroCalibration| g.p_value.is_some_and(|p| p < 1e-3);
+        notes.extend(self.understated());
+        let scattering = |g: &&GyroCalibration| exceeds_noise(g.p_value);
         let gyros: Vec<Slot> = self.gyros.iter().filter(scattering).map(|g| g.slot).collect();
         notes.extend((!gyros.is_empty()).then_some(CampaignNote::ResidualsExceedNoise { gyros }));
         notes
+    }
+
+    /// Steps of what was commanded or counted that are not small against the noise as fitted.
+    pub fn coarse_steps(&self, campaign: &Campaign) -> impl Iterator<Item = CampaignNote> {
+        // Repeats that fall on one count show no noise; f64 and ten digits end there.
+        const ROUNDING: f64 = 1e-9;
+        let of_gyro = |(j, gyro): (usize, &GyroCalibration)| {
+            let largest = campaign.dwells.iter().fold(0.0_f64, |most, d| most.max(d.output_pulse_s[j].abs()));
+            Some(GyroNoise {
+                slot: gyro.slot,
+                g: gyro.g().map_or(0.0, |g| g.norm()),
+                e: gyro.e().map_or(0.0, |e| e.norm()),
+                sd: gyro.sigma.as_ref()?.iter().map(|sd| sd.max(ROUNDING * largest)).collect(),
+            })
+        };
+        let gyros: Vec<Option<GyroNoise>> = self.gyros.iter().enumerate().map(of_gyro).collect();
+        coarse_steps(campaign, &gyros).into_iter().map(CampaignNote::Coarse)
     }
 
     /// Gyros whose stated standard errors are too large for the scatter of the dwells, and how many times.
     pub fn overstated(&self) -> Vec<(Slot, f64)> {
         let overstated = |g: &GyroCalibration| Some((g.slot, noise::overstated(g.chi2, g.dof)?));
         self.gyros.iter().filter(|_| self.has_sem).filter_map(overstated).collect()
+    }
+
+    /// Gyros whose repeats scatter more than three times as much as the stated standard errors, and not with time: those
+    /// are in another unit, and repeats alone do not make `residuals_exceed_noise` of it.
+    fn understated(&self) -> Option<CampaignNote> {
+        const TIMES: f64 = 3.0;
+        let by_far = |g: &&GyroCalibration| {
+            let PureError { chi2, dof } = g.noise.pure_error;
+            chi2 > TIMES * TIMES * dof as f64 && chi2_tail(chi2, dof).is_some_and(|p| p < 1e-6)
+        };
+        let is_asked = self.has_sem && self.noise_found.memory.is_none();
+        let gyros: Vec<&GyroCalibration> = self.gyros.iter().filter(|_| is_asked).filter(by_far).collect();
+        let all = gyros.iter().map(|g| g.noise.pure_error).reduce(PureError::plus)?;
+        let times = (all.chi2 / all.dof as f64).sqrt();
+        Some(CampaignNote::ErrorsUnderstated { gyros: gyros.into_iter().map(|g| g.slot).collect(), times })
     }
 
     /// Reduced chi-square of all gyros together: against the standard errors as stated or, where none are, against

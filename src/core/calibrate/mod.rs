@@ -27,7 +27,7 @@ mod station;
 pub mod uncertainty;
 
 pub use calibration::{
-    Calibration, EffectParameter, GyroCalibration, NullDirection, Parameter, ScaleSource, weights_sd,
+    Calibration, EffectParameter, GyroCalibration, NullDirection, Parameter, ScaleSource, exceeds_noise, weights_sd,
 };
 
 use nalgebra::DMatrix;

@@ -2,13 +2,17 @@
 
 use super::bench::{BenchCalibration, calibrate_bench};
 use super::drift::NotSeparated;
-use super::{Calibration, calibrate_at_station};
+use super::{Calibration, GyroCalibration, calibrate_at_station};
 use crate::core::augmented::{AugmentedModel, Options};
-use crate::core::campaign::{Campaign, CampaignNote, Temperatures, TestKind};
+use crate::core::campaign::commanded::force_off_gravity;
+use crate::core::campaign::{
+    Campaign, CampaignGyro, CampaignNote, CoarseStep, StationPart, StationUncertainty, Stepped, Temperatures, TestKind,
+};
 use crate::core::fault::Faults;
 use crate::core::model::Terms;
 use crate::core::record::Plausibility;
 use crate::core::separate::Separation;
+use crate::core::units::radians_from_arcsec;
 
 /// What a campaign came to: the calibration of an IMU, or the bench test of one gyro.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,6 +60,8 @@ pub fn evaluate_with(campaign: &Campaign, model: &Options, limits: &Plausibility
     let mut calibration = calibrate_at_station(campaign, terms, model, model.reference_c);
     let separations = calibration.separate(&campaign.geometry, limits);
     calibration.notes.extend(latitude_sign(campaign, &separations));
+    calibration.notes.extend(gravity_off(campaign, &calibration, &separations));
+    calibration.notes.extend(held_scale(campaign, (terms, model), &calibration, limits));
     let as_measured = as_measured(campaign, terms, model, limits);
     for (i, separation) in separations.iter().enumerate() {
         if let Err(why @ (NotSeparated::Implausible(_) | NotSeparated::Unseparable(_))) = separation {
@@ -81,6 +87,67 @@ fn latitude_sign(campaign: &Campaign, separations: &[Result<Separation, NotSepar
     };
     let all = separations.len() >= 2 && separations.iter().all(is_near);
     (all && shift.abs() > LARGE_SHIFT).then_some(CampaignNote::LatitudeSign { shift })
+}
+
+/// What specific forces that are longer or shorter than the site's gravity make of D_I and D_S, deg/(h g0): both are
+/// smaller by that share. The coefficient that it moves most, where it shows. Where rounding explains it, that may be
+/// told already.
+fn gravity_off(
+    campaign: &Campaign,
+    calibration: &Calibration,
+    separations: &[Result<Separation, NotSeparated>],
+) -> Option<CampaignNote> {
+    let (share, may_be_rounded) = force_off_gravity(campaign)?;
+    let is_of_force = |note| matches!(note, CampaignNote::Coarse(CoarseStep { of: Stepped::Force, .. }));
+    if may_be_rounded && calibration.coarse_steps(campaign).any(is_of_force) {
+        return None;
+    }
+    let moved = |(gyro, separation): (&CampaignGyro, &Result<Separation, NotSeparated>)| {
+        let rigid = &separation.as_ref().ok()?.rigid;
+        let sd = rigid.sd()?;
+        let shows = |(value, sd): &(f64, f64)| (share * value).abs() > TOLD_FROM * sd;
+        let most = [(rigid.d_i, sd[0]), (rigid.d_s, sd[1])].into_iter().filter(shows);
+        Some((gyro.slot, most.map(|(value, _)| (share * value).abs()).reduce(f64::max)?))
+    };
+    let moved = campaign.gyros.iter().zip(separations).filter_map(moved);
+    let (slot, moves) = moved.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(CampaignNote::GravityOff { share, slot, moves })
+}
+
+/// What an error of the direction of E that is held does, with its size where nothing is stated, arcsec; and from which
+/// part of the standard deviation of D_I or D_S on it is told.
+const HELD_TO_ARCSEC: f64 = 20.0;
+const TOLD_FROM: f64 = 0.3;
+
+/// The gyro whose D_I or D_S moves most by an error of E that is held, where the station states no uncertainty of the
+/// fixture: to the dwells, E that is turned in the IMU is the IMU that is turned in its fixture.
+fn held_scale(
+    campaign: &Campaign,
+    (terms, model): (Terms, &Options),
+    calibration: &Calibration,
+    limits: &Plausibility,
+) -> Option<CampaignNote> {
+    let is_held = |gyro: &CampaignGyro| gyro.known_e.is_some();
+    if campaign.station_uncertainty.fixture.is_some() || !campaign.gyros.iter().any(is_held) {
+        return None;
+    }
+    let fixture = Some(radians_from_arcsec(HELD_TO_ARCSEC));
+    let station_uncertainty = StationUncertainty { fixture, ..StationUncertainty::default() };
+    let turned = Campaign { station_uncertainty, ..campaign.clone() };
+    let turned = calibrate_at_station(&turned, terms, model, model.reference_c);
+    let moved = |((gyro, turned), own): ((&CampaignGyro, &GyroCalibration), &GyroCalibration)| {
+        own.separate(&campaign.geometry, limits).ok().filter(|_| is_held(gyro))?;
+        let budgets = own.budgets(&campaign.geometry, false)?.into_iter();
+        let moved =
+            turned.budgets(&campaign.geometry, false)?.into_iter().zip(budgets).take(2).filter_map(|(turned, own)| {
+                let by = turned.of_station[StationPart::Fixture as usize]?;
+                (by > TOLD_FROM * own.combined).then_some(by)
+            });
+        Some((gyro.slot, moved.reduce(f64::max)?))
+    };
+    let gyros = campaign.gyros.iter().zip(&turned.gyros).zip(&calibration.gyros);
+    let (slot, moves) = gyros.filter_map(moved).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(CampaignNote::HeldScale { slot, arcsec: HELD_TO_ARCSEC, moves })
 }
 
 /// None where no effect of temperature moves anything.

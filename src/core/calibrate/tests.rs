@@ -2,8 +2,8 @@ use nalgebra::Vector3;
 
 use super::calibration::GAUGE;
 use super::*;
-use crate::core::campaign::CampaignGyro;
 use crate::core::campaign::made_for_tests::{self, name};
+use crate::core::campaign::{CampaignGyro, Site};
 use crate::core::model::Term;
 use crate::core::mounting::Slot;
 use crate::core::record::Plausibility;
@@ -268,8 +268,14 @@ fn how_the_figures_came_about_is_noted() {
     with.gyros[0].p_value = Some(1e-3);
     (with.gyros[0].chi2, with.gyros[0].dof) = (25.0, 100);
     assert_eq!(with.all_notes(), [CampaignNote::ErrorsOverstated { gyros: vec![(Slot::G1, 2.0)] }]);
-    with.repeats.clear();
     with.gyros[0].chi2 = 100.0;
+    // Repeats that scatter three times as much as what is stated are an honest guess gone wrong, no other unit.
+    with.gyros[0].noise.pure_error = PureError { chi2: 9.0 * 40.0, dof: 40 };
+    assert_eq!(with.all_notes(), []);
+    with.gyros[0].noise.pure_error = PureError { chi2: 1e6 * 40.0, dof: 40 };
+    assert_eq!(with.all_notes(), [CampaignNote::ErrorsUnderstated { gyros, times: 1e3 }]);
+    with.gyros[0].noise.pure_error = PureError::default();
+    with.repeats.clear();
     assert_eq!(with.all_notes(), [CampaignNote::NoRepeats]);
 
     // Without any, nothing is overstated; and what chance may show does not grow.
@@ -316,4 +322,62 @@ fn the_scatter_of_stated_errors_is_that_of_the_still_dwells() {
     rows.extend((0..5).map(|k| (FACES[5], [0.0, 0.0, 100.0 * (k + 1) as f64], 0.0, Some(100.0))));
     let scatter = sem_scatter(&campaign(&rows, None).dwells, 0);
     assert_close(scatter, 0.025f64.sqrt());
+}
+
+#[test]
+fn a_scale_that_is_held_is_told_where_its_direction_shows_and_nobody_states_it() {
+    let told = |sem: f64, known_e, fixture| {
+        let rows: Vec<Row> = (0..24)
+            .map(|k| {
+                // The vertical part of the Earth's rate along the face, the horizontal one along the next axis.
+                let mut rate = FACES[k % 6].map(|up| 8.5 * up);
+                rate[(k % 6 / 2 + 1) % 3] = 12.0;
+                (FACES[k % 6], rate, 2.0 * rate[0] + 3.0 * FACES[k % 6][0] + 1e-4 * (k / 6) as f64, Some(sem))
+            })
+            .collect();
+        let mut campaign = campaign(&rows, known_e);
+        campaign.station_uncertainty.fixture = fixture;
+        let Ok(outcome::Outcome::Imu { calibration, .. }) = outcome::evaluate(&campaign, &Plausibility::ever()) else {
+            return false;
+        };
+        calibration
+            .all_notes()
+            .iter()
+            .any(|note| matches!(note, CampaignNote::HeldScale { moves, .. } if *moves > 3e-4))
+    };
+    let held = Some([2.0, 0.0, 0.0]);
+    assert!(told(1e-3, held, None));
+    assert!(!told(1e-3, held, Some(1e-4)), "the station states it");
+    assert!(!told(1.0, held, None), "the noise hides it");
+}
+
+#[test]
+fn a_force_that_is_not_quite_the_sites_gravity_is_told_where_it_shows() {
+    let told = |sem: f64, gravity_g0: f64, round: f64| {
+        let rows: Vec<Row> = (0..24)
+            .map(|k| {
+                let mut rate = FACES[k % 6].map(|up| 8.5 * up);
+                rate[(k % 6 / 2 + 1) % 3] = 12.0;
+                let force = FACES[k % 6].map(|up| (0.999_100_7 * up / round).round() * round);
+                (force, rate, 2.0 * rate[0] + 40.0 * FACES[k % 6][1] + sem * [1.0, -1.0][k / 6 % 2], Some(sem))
+            })
+            .collect();
+        let mut campaign = campaign(&rows, Some([2.0, 0.0, 0.0]));
+        campaign.site = Some(Site { latitude: 0.6, gravity_g0, magnetic_field_nav: None });
+        let Ok(outcome::Outcome::Imu { calibration, .. }) = outcome::evaluate(&campaign, &Plausibility::ever()) else {
+            return None;
+        };
+        calibration.notes.iter().find_map(|note| match note {
+            CampaignNote::GravityOff { share, moves, .. } => Some((*share, *moves)),
+            _ => None,
+        })
+    };
+    // 5e-5 of 20 deg/(h g0).
+    let (share, moves) = told(1e-3, 0.99905, 1e-9).expect("it shows");
+    assert!((share - 5.07e-5).abs() < 1e-6 && (moves - 1e-3).abs() < 2e-5, "{share} {moves}");
+    assert_eq!(told(1e-3, 0.9991, 1e-9), None);
+    assert_eq!(told(1.0, 0.99905, 1e-9), None, "the noise hides it");
+    assert_eq!(told(1e-3, 0.99905, 1e-3), None, "rounding explains it, and is told");
+    assert!(told(5e-3, 0.99905, 1e-4).is_some(), "rounding explains it, and the noise of a dwell hides that");
+    assert_eq!(told(1e-3, 0.999, 1e-9), None, "of the site's gravity");
 }

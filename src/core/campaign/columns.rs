@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use super::commanded::findings;
 use super::contradicting::contradicting;
 use super::temperatures::Temperatures;
-use super::{Campaign, CampaignNote, Dwell, DwellColumn, Phase};
+use super::{Campaign, CampaignNote, Dwell, DwellColumn, Phase, stuck};
 use crate::core::note::Note;
 
 /// What the dwells lack and what is odd about them: for the campaign's answer.
@@ -15,6 +15,7 @@ pub fn notes(campaign: &Campaign) -> Vec<Note> {
         notes.extend(rate_not_of_attitude(campaign));
     }
     notes.extend(contradicting(campaign));
+    notes.extend(stuck(campaign).into_iter().map(CampaignNote::OutputStuck));
     let mut notes: Vec<Note> = notes.into_iter().map(Note::Campaign).collect();
     let (none, some) = lacks(campaign, DwellColumn::Attitude, |d| d.attitude.is_some());
     notes.extend(none.then_some(Note::NoAttitudes).or(some));

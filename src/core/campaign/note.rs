@@ -2,6 +2,8 @@
 
 use super::commanded::CommandFinding;
 use super::station_uncertainty::StationPart;
+use super::steps::CoarseStep;
+use super::stuck::StuckOutput;
 use crate::core::bench::Alias;
 use crate::core::effects::{Effect, Lack, Refusal};
 use crate::core::mounting::Slot;
@@ -22,6 +24,10 @@ pub enum CampaignNote {
     RateNotOfAttitude { off: usize, of: usize, dwell: usize, most_arcsec_s: f64 },
     /// Single dwells whose outputs are far from the model that all others agree on, and the worst of them.
     OutputsContradict { dwells: Vec<usize>, most_arcsec_s: f64 },
+    /// The output of a gyro stands still.
+    OutputStuck(StuckOutput),
+    /// Commands or outputs come in steps that are not small against the noise.
+    Coarse(CoarseStep),
     /// Outputs come without standard errors: scatter alone shows their noise.
     NoStandardErrors,
     /// No orientation was measured twice.
@@ -36,6 +42,8 @@ pub enum CampaignNote {
     ErrorsOverstated { gyros: Vec<(Slot, f64)> },
     /// By how much the standard errors scatter (relative) about a law that the residuals follow better.
     ErrorsScatter { scatter: f64 },
+    /// Gyros whose repeats scatter many times as much as the stated standard errors, and how many times together.
+    ErrorsUnderstated { gyros: Vec<Slot>, times: f64 },
     /// Gyros whose residuals are more than the noise of their outputs.
     ResidualsExceedNoise { gyros: Vec<Slot> },
     /// An effect of the model was not fitted.
@@ -50,6 +58,11 @@ pub enum CampaignNote {
     ProductAliased(Alias),
     /// D_I of all gyros is near the shift that a wrong sign of the latitude makes, deg/(h g0).
     LatitudeSign { shift: f64 },
+    /// The specific force of static dwells is longer than the site's gravity by this share, and moves D_I or D_S of this
+    /// gyro most, deg/(h g0).
+    GravityOff { share: f64, slot: Slot, moves: f64 },
+    /// E is held: so many arcsec of its direction would move D_I or D_S of this gyro, deg/(h g0).
+    HeldScale { slot: Slot, arcsec: f64, moves: f64 },
     /// The campaign does not determine E, whose size along the nominal axis is taken, pulse/arcsec.
     NominalAxis { slot: Slot, scale: f64 },
 }
@@ -97,6 +110,8 @@ impl CampaignNote {
             Self::Commanded(finding) => finding.symptom.name(),
             Self::RateNotOfAttitude { .. } => "rate_not_of_attitude",
             Self::OutputsContradict { .. } => "dwells_contradict",
+            Self::OutputStuck(_) => "output_stuck",
+            Self::Coarse(step) => step.code(),
             Self::NoStandardErrors => "no_standard_errors",
             Self::NoRepeats => "no_repeats",
             Self::NoiseGrows { .. } => "noise_grows_with_rate",
@@ -104,6 +119,7 @@ impl CampaignNote {
             Self::NoiseRemembers { .. } => "residuals_remember",
             Self::ErrorsOverstated { .. } => "standard_errors_overstated",
             Self::ErrorsScatter { .. } => "standard_errors_scatter",
+            Self::ErrorsUnderstated { .. } => "standard_errors_understated",
             Self::ResidualsExceedNoise { .. } => "residuals_exceed_noise",
             Self::EffectLeftOut { .. } => "effect_left_out",
             Self::EffectAtReference { .. } => "effect_at_reference",
@@ -111,6 +127,8 @@ impl CampaignNote {
             Self::StationLeftOut { .. } => "station_left_out",
             Self::ProductAliased(_) => "product_aliased",
             Self::LatitudeSign { .. } => "latitude_sign",
+            Self::GravityOff { .. } => "gravity_off",
+            Self::HeldScale { .. } => "held_scale",
             Self::NominalAxis { .. } => "nominal_axis",
         }
     }

@@ -40,6 +40,11 @@ pub fn repeats(dwells: &[Dwell]) -> Vec<Vec<usize>> {
     groups
 }
 
+/// How many different positions there are.
+pub(super) fn positions(dwells: &[Dwell]) -> usize {
+    dwells.len() - repeats(dwells).iter().map(|group| group.len() - 1).sum::<usize>()
+}
+
 fn same_position(a: &Dwell, b: &Dwell) -> bool {
     let turned = match (&a.attitude, &b.attitude) {
         (Some(p), Some(q)) => (p.matrix() - q.matrix()).amax() > SAME_ATTITUDE,

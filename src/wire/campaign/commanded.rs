@@ -3,7 +3,8 @@
 
 use crate::core::calibrate::outcome::evaluate;
 use crate::core::campaign::commanded::{AffectedDwells, CommandFinding, MistakeKind, Symptom, Vectors, findings};
-use crate::core::campaign::{Campaign, TestKind};
+use crate::core::campaign::{Campaign, TestKind, constant, stuck};
+use crate::core::effects::Refusal;
 use crate::core::message::{Parameter, figure, signed};
 use crate::core::record::Plausibility;
 use crate::wire::prelude::*;
@@ -19,11 +20,23 @@ pub fn check(campaign: &Campaign) -> Result<(), Faults> {
         faults.0.extend(faults_of(finding));
     }
     // A gyro without output is refused by its slot, not for an E of nothing.
+    for j in constant(campaign) {
+        faults.push(format!("/gyros/{j}"), Refusal::NoOutput(campaign.gyros[j].slot.name()).message());
+    }
     let says_something = !(0..campaign.gyros.len()).any(|j| campaign.is_silent(j));
     if faults.is_empty() && campaign.test == TestKind::Imu && says_something {
-        evaluate(campaign, &Plausibility::ever())?;
+        evaluate(campaign, &Plausibility::ever()).map_err(|faults| stuck_instead(campaign).unwrap_or(faults))?;
     }
     faults.or(())
+}
+
+/// Where a gyro was stuck for a part of the campaign, that is why its E cannot be.
+fn stuck_instead(campaign: &Campaign) -> Option<Faults> {
+    let mut faults = Faults::default();
+    for stuck in stuck(campaign) {
+        faults.push(format!("/dwells/{}/output_pulse_s", stuck.dwells[0]), stuck.message());
+    }
+    (!faults.is_empty()).then_some(faults)
 }
 
 /// Faults of a campaign that its checks found dwell by dwell, put together where one mistake explains them.

@@ -300,3 +300,35 @@ fn numbers_beyond_a_double_are_refused_at_their_place() {
     let faults = parse_json(text.as_bytes()).unwrap_err();
     assert_eq!(faults.0[0].pointer, "/dwells/0/duration_s");
 }
+
+/// A campaign of the laboratory with other outputs of G2 from the dwell `first` on.
+fn with_g2(first: usize, change: impl Fn(f64) -> f64) -> Result<Campaign, Faults> {
+    let mut document: Value =
+        serde_json::from_str(include_str!("../../../tests/data/practice/campaign-00.json")).expect("sound");
+    for dwell in document["dwells"].as_array_mut().expect("a list").iter_mut().skip(first) {
+        dwell["output_pulse_s"][1] = json!(change(dwell["output_pulse_s"][1].as_f64().expect("a number")));
+    }
+    parse_json_as_sent(document.to_string().as_bytes())
+}
+
+#[test]
+fn a_gyro_that_gives_nothing_is_refused_by_its_slot() {
+    for value in [0.0, 12.5] {
+        let fault = with_g2(0, |_| value).unwrap_err().0.remove(0);
+        assert_eq!((fault.pointer.as_str(), fault.message.code.as_ref()), ("/gyros/1", "output_is_constant"));
+    }
+}
+
+#[test]
+fn a_gyro_that_stops_is_named_with_the_dwell_whether_its_scale_still_can_be_or_not() {
+    assert!(!notes(&with_g2(0, |y| y).expect("sound")).contains(&"output_stuck"));
+    for first in [30, 66] {
+        match with_g2(first, |_| 12.5) {
+            Ok(campaign) => assert!(notes(&campaign).contains(&"output_stuck"), "{first}"),
+            Err(faults) => {
+                let place = format!("/dwells/{first}/output_pulse_s");
+                assert_eq!((&faults.0[0].pointer, faults.0[0].message.code.as_ref()), (&place, "output_stuck"));
+            }
+        }
+    }
+}

@@ -58,7 +58,8 @@ pub(super) fn read(
     let mut records = reader.records();
     let header = records.next()?.ok()?;
     let of_records = || is_table(text, &TableMap::default()).then(|| message!("table_is_of_records"));
-    if let Some(foreign) = of_head(&header).or_else(of_records).or_else(|| foreign(&header)) {
+    let of_whole = of_head(&header).or_else(|| of_other_separator(&header));
+    if let Some(foreign) = of_whole.or_else(of_records).or_else(|| foreign(&header)) {
         faults.push("", message!("at_line", line = first_line + 1, fault = foreign));
         return None;
     }
@@ -78,6 +79,16 @@ pub(super) fn read(
     // A program that writes one decimal comma writes all with one.
     faults.0 = together(&faults.0, |code| matches!(code, "decimal_comma" | "cells_decimal_comma"));
     Some((columns, rows))
+}
+
+/// A header with columns of ours, separated by what separates no cells here.
+fn of_other_separator(header: &csv::StringRecord) -> Option<Message> {
+    const AT_LEAST: usize = 3;
+    let line = header.get(0).filter(|_| header.len() == 1)?;
+    let is_of_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let known = line.split(|c| !is_of_name(c)).filter(|name| field_and_part(name).is_some()).count();
+    let found = line.chars().find(|c| !is_of_name(*c)).filter(|_| known >= AT_LEAST)?;
+    Some(message!("unknown_separator", found = sent(found.encode_utf8(&mut [0; 4]))))
 }
 
 /// Head matter whose `#` is missing.
@@ -185,12 +196,14 @@ impl DwellTableColumns {
         let before = faults.0.len();
         for (field, (name, ..)) in FIELDS.iter().enumerate().filter(|(_, (name, ..))| *name != "phase") {
             for column in self.places[field].iter().flatten() {
-                match record.get(*column).filter(|cell| !cell.is_empty()).map(number).transpose() {
+                let cell = record.get(*column).filter(|cell| !cell.is_empty());
+                match cell.map(number).transpose() {
                     Ok(value) => numbers[*column] = value,
-                    Err(fault) => faults.push(
-                        format!("/dwells/{dwell}/{name}"),
-                        at_cell((line, column + 1), &self.names[*column], fault),
-                    ),
+                    Err(fault) => {
+                        let fault = if cell.is_some_and(is_no_value) { left_out(field, fault) } else { fault };
+                        let fault = at_cell((line, column + 1), &self.names[*column], fault);
+                        faults.push(format!("/dwells/{dwell}/{name}"), fault);
+                    }
                 }
             }
         }
@@ -203,13 +216,16 @@ impl DwellTableColumns {
 
     /// Empty cells: a vector has all its cells or none, and a required field all.
     fn check_filled(&self, numbers: &[Option<f64>], cells: usize, (dwell, line): (usize, usize), faults: &mut Faults) {
-        for ((field, _, required), places) in FIELDS.iter().zip(&self.places).skip(1) {
+        for (index, ((field, _, required), places)) in FIELDS.iter().zip(&self.places).enumerate().skip(1) {
             let given: Vec<usize> = places.iter().flatten().copied().collect();
             let empty = || given.iter().filter(|&&column| numbers[column].is_none());
             if !*required && empty().count() == given.len() {
                 continue;
             }
-            let why = |column: usize| if column < cells { message!("empty_cell") } else { message!("cell_missing") };
+            let why = |column: usize| match column < cells {
+                true => left_out(index, message!("empty_cell")),
+                false => message!("cell_missing"),
+            };
             for column in empty() {
                 faults.push(
                     format!("/dwells/{dwell}/{field}"),
@@ -239,6 +255,20 @@ impl DwellTableColumns {
             }
             None => too_many_cells(line, cells, columns),
         }
+    }
+}
+
+/// What programs write in the place of a number that they do not have.
+fn is_no_value(cell: &str) -> bool {
+    matches!(cell.to_ascii_lowercase().as_str(), "nan" | "-" | "--" | "na" | "n/a" | "null" | "none" | "?")
+}
+
+/// The same fault, with what to do where a field has no value.
+fn left_out(field: usize, fault: Message) -> Message {
+    match FIELDS[field] {
+        ("output_pulse_s", ..) => message!("row_without_output", fault),
+        (field, _, false) => message!("row_without_value", fault, field),
+        _ => fault,
     }
 }
 

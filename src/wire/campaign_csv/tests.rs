@@ -119,6 +119,36 @@ fn bad_cells_are_named_by_line_and_column() {
 }
 
 #[test]
+fn a_cell_without_a_value_comes_with_the_way_out() {
+    let errors = "leave every column of output_sem_pulse_s in this row empty";
+    for (from, to, column, way_out) in [
+        ("1.5,2.5,0.1,0.2\nrate", "1.5,2.5,,0.2\nrate", 17, errors),
+        ("1.5,2.5,0.1,0.2\nrate", "1.5,2.5,0.1,-\nrate", 18, errors),
+        ("45.1", "n/a", 14, "leave every column of temperature_c in this row empty"),
+        ("1.5,2.5,0.1,0.2\nrate", "1.5,,0.1,0.2\nrate", 16, "where a gyro has no output, leave the row out"),
+        ("1.5,2.5,0.1,0.2\nrate", "NaN,2.5,0.1,0.2\nrate", 15, "where a gyro has no output, leave the row out"),
+        ("1.5,2.5,0.1,0.2\nrate", "1.5,--,0.1,0.2\nrate", 16, "where a gyro has no output, leave the row out"),
+    ] {
+        let fault = fault_after(from, to);
+        assert!(fault.starts_with(&format!("line 11, column {column} (")) && fault.ends_with(way_out), "{fault}");
+    }
+    assert!(fault_after("1.5,2.5,0.1,0.2\nrate", "1.5,2.5x,0.1,0.2\nrate").ends_with("is not a number"));
+    assert!(faults(&TABLE.replacen("1.5,2.5,0.1,0.2\nrate", "1.5,2.5,,\nrate", 1)).is_empty());
+}
+
+#[test]
+fn an_unknown_separator_is_named() {
+    for separator in ["|", " ", ":"] {
+        let table: String = TABLE
+            .lines()
+            .map(|line| if line.starts_with('#') { line.to_owned() } else { line.replace(',', separator) } + "\n")
+            .collect();
+        let expected = format!("line 9: the columns are separated by \"{separator}\"");
+        assert!(faults(&table)[0].starts_with(&expected), "{:?}", faults(&table));
+    }
+}
+
+#[test]
 fn lines_are_those_of_the_file_below_remarks_and_empty_lines() {
     let remarked = TABLE.replacen("static,240", "# a pause\n\n# of, two\nstatic,240", 1).replacen("45.1", "warm", 1);
     let remarked = remarked.replacen("rate,480,180", "\n# turning\nrate,480,long", 1);

@@ -3,7 +3,7 @@
 use serde_json::Map;
 
 use crate::core::bench::Alias;
-use crate::core::campaign::{CampaignNote, DwellColumn, LeftOut, StationLack};
+use crate::core::campaign::{CampaignNote, CoarseStep, DwellColumn, LeftOut, StationLack, Stepped, StuckOutput};
 use crate::core::message::{Parameter, figure, list, signed, significant, text};
 use crate::wire::campaign::commanded;
 use crate::wire::prelude::*;
@@ -29,6 +29,8 @@ pub(super) fn message(note: &CampaignNote) -> Message {
         CampaignNote::OutputsContradict { dwells, most_arcsec_s } => {
             message!("dwells_contradict", dwells = places(dwells), most = significant(*most_arcsec_s, 3),)
         }
+        CampaignNote::OutputStuck(stuck) => stuck.message(),
+        CampaignNote::Coarse(step) => step.message(),
         CampaignNote::NoStandardErrors => message!("no_standard_errors"),
         CampaignNote::NoRepeats => message!("no_repeats"),
         CampaignNote::NoiseGrows { times } => message!("noise_grows_with_rate", times = figure(*times, 1)),
@@ -51,6 +53,10 @@ pub(super) fn message(note: &CampaignNote) -> Message {
         }
         CampaignNote::ErrorsScatter { scatter } => {
             message!("standard_errors_scatter", percent = figure(100.0 * scatter, 0))
+        }
+        CampaignNote::ErrorsUnderstated { gyros, times } => {
+            let slots = list(gyros.iter().map(|slot| slot.name()));
+            message!("standard_errors_understated", slots, times = figure(*times, 1))
         }
         CampaignNote::ResidualsExceedNoise { gyros } => {
             message!("residuals_exceed_noise", slots = list(gyros.iter().map(|slot| slot.name())))
@@ -78,6 +84,13 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             moves = figure(0.01 * moves.abs(), 4),
         ),
         CampaignNote::LatitudeSign { shift } => message!("latitude_sign", shift = signed(*shift, 1)),
+        CampaignNote::GravityOff { share, slot, moves } => {
+            let percent = significant(100.0 * share, 2);
+            message!("gravity_off", percent, moves = significant(*moves, 2), slot = slot.name())
+        }
+        CampaignNote::HeldScale { slot, arcsec, moves } => {
+            message!("held_scale", slot = slot.name(), arcsec = text(arcsec), moves = significant(*moves, 2))
+        }
         CampaignNote::NominalAxis { slot, scale } => {
             message!("nominal_axis", slot = slot.name(), scale = figure(*scale, 4))
         }
@@ -123,6 +136,17 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
         CampaignNote::OutputsContradict { dwells, most_arcsec_s } => {
             json!({"pointers": pointers(dwells, "output_pulse_s"), "arcsec_s": most_arcsec_s})
         }
+        CampaignNote::OutputStuck(StuckOutput { slot, dwells, pulse_s }) => json!({
+            "slot": Slot::name(*slot), "pointers": pointers(dwells, "output_pulse_s"), "pulse_s": pulse_s
+        }),
+        CampaignNote::Coarse(CoarseStep { of, step, slot, times }) => {
+            let step_of = match of {
+                Stepped::Force => "specific_force_g0",
+                Stepped::Rate => "rate_arcsec_s",
+                Stepped::Output => "output_pulse_s",
+            };
+            json!({"of": step_of, "step": step, "slot": Slot::name(*slot), "times": times})
+        }
         CampaignNote::NoiseGrows { times } => json!({"times": times}),
         CampaignNote::NoiseShared { correlation } => json!({"correlation": correlation}),
         CampaignNote::NoiseRemembers { probability, deg_per_h } => {
@@ -134,6 +158,9 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
             json!({"times": times})
         }
         CampaignNote::ErrorsScatter { scatter } => json!({"scatter": scatter}),
+        CampaignNote::ErrorsUnderstated { gyros, times } => {
+            json!({"slots": gyros.iter().map(|slot| slot.name()).collect::<Vec<_>>(), "times": times})
+        }
         CampaignNote::ResidualsExceedNoise { gyros } => {
             json!({"slots": gyros.iter().map(|slot| slot.name()).collect::<Vec<_>>()})
         }
@@ -149,6 +176,12 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
             json!({"product": product, "coefficient": coefficient, "moves": moves})
         }
         CampaignNote::LatitudeSign { shift } => json!({"shift_deg_per_h_g0": shift}),
+        CampaignNote::GravityOff { share, slot, moves } => {
+            json!({"share": share, "slot": Slot::name(*slot), "moves_deg_per_h_g0": moves})
+        }
+        CampaignNote::HeldScale { slot, arcsec, moves } => {
+            json!({"slot": Slot::name(*slot), "arcsec": arcsec, "moves_deg_per_h_g0": moves})
+        }
         CampaignNote::NominalAxis { slot, scale } => json!({"slot": Slot::name(*slot), "pulse_per_arcsec": scale}),
     };
     match value {

@@ -17,6 +17,8 @@ temperature_outlier = the temperature of /dwells/{ $dwell } is { $celsius } deg 
 temperature_unit = the median temperature is { $median } deg C: is it in kelvin or in degrees Fahrenheit?
 rate_not_of_attitude = rate_arcsec_s of { $off } of { $of } static dwells is not the Earth's at their attitude and the site's latitude: by { $most } arcsec/s in /dwells/{ $dwell }
 dwells_contradict = the outputs of { $dwells } contradict all other dwells, by up to { $most } arcsec/s: a wrong sign, a fault value, a row in another's place? Correct them, or leave these dwells out, and send the campaign again
+output_stuck = { $slot }: the output is exactly { $value } pulse/s in { $count } dwells on end, from { $first } on, though the model of the others predicts changes: was it stuck? Leave these dwells out and send the campaign again
+outputs_coarse = { $slot }: the outputs come in steps of { $step } pulse/s; these alone make { $times } times the noise of a dwell, and repeats fall on the same step. Measure longer, or count finer
 no_standard_errors = no standard errors: all dwells have equal weight and the residuals give the noise
 no_repeats = no repeated dwells: nothing but the fit itself tells noise from what the model leaves out
 product_aliased = { $product } is not fitted, and these positions do not tell it from { $coefficient }: 0.01 deg/(h g0²) of it would move { $coefficient } by { $moves } deg/(h g0)
@@ -41,6 +43,8 @@ any_temperature_of_record = no temperature is stated, and the IMU's model states
 not_restated = { $slot }: D_I and D_S stay as measured: the IMU's model knows { $effect } of another gyro, or of all gyros in common
 not_told_apart = these dwells cannot tell it from the other terms
 latitude_sign = D_I of all gyros is near { $shift } deg/(h g0), which a wrong sign of the latitude makes: is the station north (+) or south (-) of the equator?
+gravity_off = |specific_force_g0| of static dwells is { $percent } % off the site's gravity (- is less): D_I and D_S are off by as much the other way, up to { $moves } deg/(h g0) ({ $slot })
+held_scale = E is held, and taken as exact: { $arcsec } arcsec of its direction would move D_I or D_S by { $moves } deg/(h g0) ({ $slot }). State how well it is known in station_uncertainty.fixture_arcsec
 nominal_axis = { $slot }: the campaign does not determine E; the nominal input axis and { $scale } pulse/arcsec are used
 
 ## Of a record beside the history of its IMU and gyros

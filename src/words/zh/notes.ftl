@@ -15,6 +15,8 @@ temperature_outlier = /dwells/{ $dwell }的温度为{ $celsius } °C，而本次
 temperature_unit = 温度的中位数为{ $median } °C：是否以K或°F为单位？
 rate_not_of_attitude = { $of }个静态测点中有{ $off }个的rate_arcsec_s不等于该姿态与测试站纬度下的地球自转角速度：/dwells/{ $dwell }处相差{ $most } arcsec/s
 dwells_contradict = { $dwells }的输出与其余各测点矛盾，相差达{ $most } arcsec/s：符号有误、故障值，或行的位置有误？请更正或去掉这些测点后重新发送
+output_stuck = { $slot }：自{ $first }起连续{ $count }个测点的输出完全相同（{ $value } pulse/s），而由其余测点拟合的模型预计其有变化：输出是否停滞？请去掉这些测点后重新发送
+outputs_coarse = { $slot }：输出以{ $step } pulse/s为步长，仅此即为测点噪声的{ $times }倍，重复测点会落在同一步上。请加长测量或细化计数
 no_standard_errors = 没有标准误差：各测点等权，噪声由残差给出
 no_repeats = 没有重复测点：只能凭拟合本身区分噪声与模型未含的部分
 product_aliased = 未拟合{ $product }，且这些位置无法将其与{ $coefficient }区分：0.01 (°)/(h·g0²)的该项会使{ $coefficient }变化{ $moves } (°)/(h·g0)
@@ -39,6 +41,8 @@ any_temperature_of_record = 未给出温度，而IMU模型将D_I、D_S归算到�
 not_restated = { $slot }：D_I、D_S保持测量值：IMU模型中的{ $effect }属于另一陀螺，或为各陀螺共有
 not_told_apart = 这些测点不能将其与其他项区分
 latitude_sign = 全部陀螺的D_I都接近{ $shift } (°)/(h·g0)，恰为纬度正负号有误所致：测试站在北纬（+）还是南纬（-）？
+gravity_off = 静态测点的|specific_force_g0|与测试站重力相差{ $percent } %（负号为偏小）：D_I、D_S反向差同样比例，最大{ $moves } (°)/(h·g0)（{ $slot }）
+held_scale = E取给定值，视为准确：其方向若差{ $arcsec } arcsec，D_I或D_S即变化{ $moves } (°)/(h·g0)（{ $slot }）。请在station_uncertainty.fixture_arcsec中给出其不确定度
 nominal_axis = { $slot }：本次试验不能确定E；采用标称输入轴与{ $scale } pulse/arcsec
 
 time_near_epoch = 时间接近{ $epoch }，即未校时时钟的起点：暂不计入，待确认时间

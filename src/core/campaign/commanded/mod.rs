@@ -15,7 +15,7 @@ mod senses;
 mod transform;
 mod worth;
 
-pub use search::findings;
+pub use search::{findings, force_off_gravity};
 
 use crate::core::named::named;
 use crate::core::numerics::median::median_of;

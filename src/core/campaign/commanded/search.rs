@@ -5,6 +5,7 @@ use super::senses::senses;
 use super::transform::{Mistake, mistakes, other_headings, single_axes};
 use super::worth::{Tried, Worth};
 use super::{AffectedDwells, CommandFinding, EARTH, MistakeKind, Symptom};
+use crate::core::campaign::steps::decimal_step;
 use crate::core::campaign::{Campaign, Dwell, Phase};
 use crate::core::numerics::median::median_of;
 use crate::core::numerics::normal::{MEDIAN_ERROR, SD_OF_MEDIAN};
@@ -30,6 +31,9 @@ const FORCE_ROOM: f64 = 0.02;
 
 /// How many times fewer squares a mirrored body must leave where nothing but the outputs speaks.
 const CLEARLY: f64 = 100.0;
+
+/// Gravity is known to this share, not better.
+const LEAST_SHARE: f64 = 2e-6;
 
 /// Gravity on the Earth's surface, g0.
 const GRAVITY_ON_EARTH: (f64, f64) = (0.995, 1.003);
@@ -231,13 +235,33 @@ fn outputs(campaign: &Campaign, measures: &Measures) -> Option<CommandFinding> {
     (!causes.is_empty()).then(|| CommandFinding::of_all(Symptom::Output, causes, dwells, worth.earth_is_above_noise()))
 }
 
+/// Median of |f| of static dwells over gravity (g0), and its standard deviation.
+fn force_ratio(measures: &Measures, gravity: f64) -> Option<(f64, f64)> {
+    let ratios = || measures.still().map(|m| m.force / gravity);
+    let ratio = median_of(ratios())?;
+    let spread = median_of(ratios().map(|r| (r - ratio).abs())).unwrap_or(0.0);
+    Some((ratio, MEDIAN_ERROR * SD_OF_MEDIAN * spread / (ratios().count() as f64).sqrt()))
+}
+
+/// By what share the specific force of static dwells is longer than the site's gravity, where that is neither chance
+/// nor the rounding of the latter: too little for a finding, but D_I and D_S are smaller by it. And whether rounding of
+/// the former explains it.
+pub fn force_off_gravity(campaign: &Campaign) -> Option<(f64, bool)> {
+    let gravity = campaign.site?.gravity_g0;
+    let (ratio, error) = force_ratio(&Measures::of(campaign), gravity)?;
+    let share = ratio - 1.0;
+    let least = (0.5 * decimal_step([gravity].into_iter()) / gravity).max(3.0 * error).max(LEAST_SHARE);
+    let still = campaign.dwells.iter().filter(|d| d.phase == Phase::Static);
+    let step = decimal_step(still.flat_map(|d| <[f64; 3]>::from(d.specific_force_g0)));
+    (least..FORCE_ROOM).contains(&share.abs()).then_some((share, share.abs() * gravity < step))
+}
+
 /// Whether specific force has the length that gravity has.
 fn gravity(campaign: &Campaign, measures: &Measures) -> Option<CommandFinding> {
     let expected = campaign.site.map(|site| site.gravity_g0);
     let gravity = expected.unwrap_or(1.0);
     let dwells = still(campaign, measures, Symptom::Gravity);
-    let ratios = || measures.still().map(|m| m.force / gravity);
-    let ratio = median_of(ratios())?;
+    let (ratio, error) = force_ratio(measures, gravity)?;
     let finding = |cause, matters| {
         let found = CommandFinding::of_all(Symptom::Gravity, Vec::from_iter(cause), dwells.clone(), matters);
         Some(CommandFinding { expected: Some(gravity), ..found })
@@ -247,8 +271,6 @@ fn gravity(campaign: &Campaign, measures: &Measures) -> Option<CommandFinding> {
         let unit = units.into_iter().find(|(_, size)| (ratio / size - 1.0).abs() < FORCE_ROOM);
         return finding(unit.map(|(unit, _)| MistakeKind::ForceUnit { unit }), true);
     }
-    let spread = median_of(ratios().map(|r| (r - ratio).abs())).unwrap_or(0.0);
-    let error = MEDIAN_ERROR * SD_OF_MEDIAN * spread / (dwells.len() as f64).sqrt();
     let common = (ratio - 1.0).abs() > 3.0 * error;
     let impossible = expected.is_none() && !(GRAVITY_ON_EARTH.0..=GRAVITY_ON_EARTH.1).contains(&ratio);
     let worth_telling = expected.is_some() && (ratio - 1.0).abs() > 1e-4;

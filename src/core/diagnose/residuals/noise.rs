@@ -6,14 +6,13 @@
 
 use crate::core::calibrate::growth::{Exposure, NoiseGrowth};
 use crate::core::calibrate::noise::with_stated;
-use crate::core::campaign::Campaign;
 use crate::core::campaign::repeats::repeats;
+use crate::core::campaign::{Campaign, GyroNoise, coarse_steps};
 use crate::core::diagnose::residuals::noise_growth::{GROWTHS, exposure, shape};
 use crate::core::diagnose::residuals::pooled_noise::Scatter;
-use crate::core::effects::Setting;
-use crate::core::message::{Message, figure, text};
+use crate::core::effects::{GyroAxes, Setting};
+use crate::core::message::Message;
 use crate::core::numerics::basis::{Basis, dot};
-use crate::core::numerics::median::median_of;
 use crate::message;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -62,34 +61,21 @@ pub(crate) fn of(campaign: &Campaign, s: &Setting, outputs: &[Vec<f64>], designs
     if repeats.is_empty() {
         notes.push(message!("no_pure_error"));
     }
-    notes.extend(rounded_commands(s, &sd));
+    notes.extend(coarse(campaign, s, &sd));
     let (sd, rounding) = above_rounding(sd, outputs);
     Noise { sd, stated: stated.is_some(), law, log_scatter, rounding, repeats, notes }
 }
 
-/// What is said where commanded values are written with so few digits that rounding them is a part of the residuals:
-/// by the gyro that shows it most. Repeats are rounded alike and do not show it.
-fn rounded_commands(s: &Setting, sd: &[Vec<f64>]) -> Option<Message> {
-    const SEEN: f64 = 0.3;
-    let [force, rate] = [&s.force, &s.rate].map(|vectors| step_of(vectors.iter().flat_map(|v| v.iter().copied())));
-    // Evenly distributed within a step.
-    let by_gyro = s.gyros.iter().zip(sd).map(|(gyro, sd)| {
-        let rounding = (gyro.g.norm() * force).hypot(rate) / 12.0_f64.sqrt();
-        (gyro, rounding / median_of(sd.iter().copied()).unwrap_or(f64::INFINITY))
-    });
-    let (gyro, times) = by_gyro.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, times)| *times > SEEN)?;
-    let (of, step) = if gyro.g.norm() * force > rate { ("force", force) } else { ("rate", rate) };
-    Some(message!("commands_rounded", of, step = text(step), slot = gyro.slot.name(), times = figure(times, 1)))
-}
-
-/// The decimal step that all numbers are multiples of; 0 where whole numbers and halves are all there is, or where
-/// they have more than six digits behind the point.
-fn step_of(numbers: impl Iterator<Item = f64> + Clone) -> f64 {
-    let is_multiple = |places: i32| {
-        let scale = 10_f64.powi(places);
-        numbers.clone().all(|x| (x * scale - (x * scale).round()).abs() < 1e-4)
+/// What is said where steps in what was commanded or counted are not small against the noise.
+fn coarse(campaign: &Campaign, s: &Setting, sd: &[Vec<f64>]) -> impl Iterator<Item = Message> {
+    let of_gyro = |(gyro, sd): (&GyroAxes, &Vec<f64>)| GyroNoise {
+        slot: gyro.slot,
+        g: gyro.scale * gyro.g.norm(),
+        e: gyro.scale,
+        sd: sd.iter().map(|sd| gyro.scale * sd).collect(),
     };
-    (0..=6).find(|places| is_multiple(*places)).filter(|places| *places > 1).map_or(0.0, |places| 10_f64.powi(-places))
+    let gyros: Vec<Option<GyroNoise>> = s.gyros.iter().zip(sd).map(|gyro| Some(of_gyro(gyro))).collect();
+    coarse_steps(campaign, &gyros).into_iter().map(|step| step.message())
 }
 
 impl Noise {

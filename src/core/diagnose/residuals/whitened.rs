@@ -4,7 +4,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::noise::{self, Noise};
 use crate::core::augmented::{Adopted, Options, PlausibleSizes};
-use crate::core::campaign::{Campaign, CampaignGyro, TestKind, contradicting, missing_errors, temperature_outliers};
+use crate::core::campaign::{
+    Campaign, CampaignGyro, CampaignNote, TestKind, contradicting, missing_errors, stuck, temperature_outliers,
+};
 use crate::core::effects::{CATALOGUE, Effect, Entry, Refusal, Scope, Setting, axes};
 use crate::core::message::Message;
 use crate::core::model::{Term, Terms};
@@ -77,7 +79,8 @@ impl Frame {
         }
         let (setting, of_axes) = axes::setting(campaign)?;
         let of_columns = temperature_outliers(campaign).chain(missing_errors(campaign));
-        let of_fit = of_axes.into_iter().chain(contradicting(campaign)).map(Note::Campaign);
+        let stands = stuck(campaign).into_iter().map(CampaignNote::OutputStuck);
+        let of_fit = of_axes.into_iter().chain(contradicting(campaign)).chain(stands).map(Note::Campaign);
         let of_campaign = of_columns.chain(of_fit).collect();
         let outputs: Vec<Vec<f64>> = (0..campaign.gyros.len()).map(|j| drift_output(campaign, &setting, j)).collect();
         let designs = |adopted: &[Adopted]| -> Vec<Vec<Vec<f64>>> {

@@ -553,3 +553,37 @@ async fn a_small_shift_of_a_station_is_told_with_the_record_that_shows_it_and_si
     let found = become_so(&lab, |alerts| station_is(alerts, "firing")).await;
     assert_eq!(of_station(&found).unwrap()["since"], day(28));
 }
+
+/// A table that is wrongly levelled turns each gyro's figures its own way: no gyro has stepped.
+#[tokio::test]
+async fn gyros_that_a_station_moves_each_its_own_way_are_told_to_check_the_station() {
+    let lab = lab().await;
+    let off = |imu: i64, slot: i64| match slot {
+        0 => 0.0,
+        slot if (imu + slot) % 2 == 0 => SHIFT,
+        _ => -SHIFT,
+    };
+    let weeks = |weeks: std::ops::Range<i64>, by: fn(i64, i64) -> f64| -> Vec<Value> {
+        let of_week =
+            move |week: i64| (0..6).map(move |imu| calibrated(imu, 7 * week + imu, "ST-2", move |slot| by(imu, slot)));
+        weeks.flat_map(of_week).collect()
+    };
+    lab.clock_shows(&day(76));
+    sent(&lab, &weeks(4..8, |_, _| 0.0)).await;
+    sent(&lab, &weeks(8..11, off)).await;
+    let stations = lab.get("/v1/stations").await.ok();
+    let of = stations["stations"].as_array().unwrap().iter().find(|one| one["name"] == "ST-2").unwrap();
+    assert_eq!([&of["unlike"][0]["gyros"], &of["unlike"][0]["of"]], [12, 18], "{of}");
+    let table = lab.get("/stations").await.text;
+    assert!(table.contains("12 of 18 gyros, each its own way"), "{table}");
+    for gyro in [1, 8, 17] {
+        let told = lab.get(&format!("/v1/gyros/{}/diagnosis", serial(gyro))).await.ok();
+        let cause = &told["coefficients"][0]["causes"][0];
+        assert_eq!((&cause["cause"], &cause["class"]), (&json!("station"), &json!(["station", "step"])), "{told}");
+        assert!(cause["detail"].as_str().unwrap().contains("ST-2 are off since"), "{cause}");
+        for page in ["", "/report"] {
+            let page = lab.get(&format!("/gyros/{}{page}", serial(gyro))).await.text;
+            assert!(page.contains("Check the station first"), "{page}");
+        }
+    }
+}

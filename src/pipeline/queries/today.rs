@@ -13,6 +13,8 @@ use crate::wire::diagnoses::OutsideForecastBody;
 pub const LINES: usize = 6;
 /// Days ahead for which calibrations are due.
 pub const DUE_DAYS: f64 = 14.0;
+/// Gyros whose trends reach the budget that are looked at: those that their station carries there are one line.
+const APPROACHING: usize = 100;
 /// All gyros of an IMU so many budgets from their baselines: hardly all of them at once.
 const MOVED: f64 = 5.0;
 
@@ -34,11 +36,11 @@ pub struct Today {
 }
 
 /// What has become worse since an instant, what soon will, what is due, and where several gyros moved at once; of
-/// each as many as [`LINES`].
+/// each as many as [`LINES`], but of those that soon will.
 pub async fn today(fleet: &Fleet, since: UtcMicros) -> Result<Today, StorageError> {
     let (store, now) = (&fleet.store, fleet.clock.now());
     let worse = store::head::changed(store, since, LINES).await?;
-    let approaching = store::head::approaching(store, LINES).await?;
+    let approaching = store::head::approaching(store, APPROACHING).await?;
     let dues = fleet.known.dues.at(store::head::version(store), now, dues(store, now)).await?;
     let calibrated = fleet.known.calibrated.at(store::head::version(store), since, calibrated(store, since)).await?;
     let moved = store::head::moved(store, since, MOVED, LINES).await?;

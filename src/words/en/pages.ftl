@@ -585,6 +585,10 @@ page_several_at_once = Several gyros at once
 page_nothing_together = Since that day the gyros of no station or batch have moved together.
 page_several_note = What stations did since that day, in % of the budget; and the median load of the newest calibrations of a station or batch, where it is four standard errors from zero. Check the station before the gyros.
 page_stations_not_compared = The stations are still being compared. Load this page again.
+gyros_check_station = { $gyros ->
+    [one] one gyro
+   *[other] { $gyros } gyros
+}: check the station first
 gyros_of_imus = { $gyros ->
     [one] one gyro
    *[other] { $gyros } gyros

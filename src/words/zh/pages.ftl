@@ -585,6 +585,7 @@ page_several_at_once = 多个陀螺同时变化
 page_nothing_together = 该日以来没有测试站或批次的陀螺一同移动。
 page_several_note = 各测试站自该日以来的变化，占允许范围的 %；以及测试站或批次最新标定负荷的中位数，偏离零超过四倍标准误差时列出。请先检查测试站，再检查陀螺。
 page_stations_not_compared = 测试站仍在比较中，请稍后刷新。
+gyros_check_station = { $gyros } 个陀螺：先检查测试站
 gyros_of_imus = { $imus } 个IMU的 { $gyros } 个陀螺
 calibrations_counted = { $count } 次标定
 overdue_counted = { $count } 个超期

@@ -20,6 +20,9 @@ const LONGEST_RUN: usize = 400;
 /// A gyro of so few records may be another one under a misspelt name.
 const FEW: usize = 3;
 
+/// Records before the newest that are looked at for what only they show.
+const BEFORE: usize = 4;
+
 /// Calibrations in one table, on the page and in a report.
 pub(super) const ROWS: usize = 30;
 pub(super) const MOST_ROWS: usize = 40;
@@ -43,7 +46,8 @@ pub(super) struct Facts {
     pub verdicts: Vec<SeenVerdict>,
     /// Why its figures in that record, or in its first, may not be its own.
     pub doubted: Option<Doubted<Id>>,
-    /// The record before, where it was out of tolerance and the newest is not; why its figures may not be its own.
+    /// The last of the few records before that was out of tolerance, where the newest is not; why its figures may not be
+    /// its own.
     pub odd_before: Option<Doubted<Figures>>,
     /// Those that are not resolved.
     pub alerts: Vec<AlertBody>,
@@ -146,20 +150,29 @@ async fn of_newest(
     Ok((verdicts, Some(doubted).filter(|(_, notes)| !notes.is_empty())))
 }
 
-/// The record before the newest, where a drift was out of tolerance in it and is not now.
+/// The last of the few records before the newest in which a drift was out of tolerance that is not now.
 async fn odd_before(
     pages: &Pages,
     serial: &str,
     course: &Course,
     statuses: &Statuses,
 ) -> Result<Option<Doubted<Figures>>, Problem> {
-    let [.., before, newest] = &*course.figures else { return Ok(None) };
-    let is_odd = |column: usize| {
-        statuses.get(before, column) > Status::Drifting && statuses.get(newest, column) < Status::Drifting
+    let Some((newest, earlier)) = course.figures.split_last() else { return Ok(None) };
+    let is_odd = |before: &Figures| {
+        let mut columns = 0..2;
+        columns.any(|column| {
+            statuses.get(before, column) > Status::Drifting && statuses.get(newest, column) < Status::Drifting
+        })
     };
-    Ok(match (0..2).any(is_odd) {
-        true => Some((*before, notes_of(pages, serial, before.record).await?)),
-        false => None,
+    // Further back only one record by itself: where several were, something was done to the gyro since.
+    let mut back = earlier.iter().rev().take(BEFORE).enumerate();
+    let odd = back.find(|(_, before)| is_odd(before)).filter(|(k, _)| {
+        let before = earlier.iter().rev().nth(k + 1);
+        *k == 0 || !before.is_some_and(is_odd)
+    });
+    Ok(match odd {
+        Some((_, before)) => Some((*before, notes_of(pages, serial, before.record).await?)),
+        None => None,
     })
 }
 

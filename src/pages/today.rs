@@ -127,6 +127,8 @@ struct Known {
     dealt: Option<Markup>,
     /// What began since the day that is asked for, the gravest last, and of those the newest.
     new: Vec<(Violation, UtcMicros)>,
+    /// When the last of what began before that day was found, where that is since: by a record that came late.
+    late: Option<UtcMicros>,
 }
 
 async fn known_of(
@@ -152,7 +154,10 @@ async fn known_of(
             let who = html! { @if let Some(who) = who { " · " span translate="no" { (who) } } };
             html! { span.quiet { (what) (who) " · " (at) } }
         });
-        all.insert(*number, Known { dealt, new: began_since(&alerts, day_asked) });
+        all.insert(
+            *number,
+            Known { dealt, new: began_since(&alerts, day_asked), late: found_late(&alerts, day_asked) },
+        );
     }
     Ok(all)
 }
@@ -166,6 +171,15 @@ fn began_since(alerts: &[AlertBody], day_asked: UtcMicros) -> Vec<(Violation, Ut
     let mut new: Vec<(Violation, UtcMicros)> = alerts.iter().filter_map(of).collect();
     new.sort_by_key(|(violation, at)| (violation.status, *at));
     new
+}
+
+/// When the last of what began before that day was found since; being overdue is found by the calendar.
+fn found_late(alerts: &[AlertBody], day_asked: UtcMicros) -> Option<UtcMicros> {
+    let late = alerts.iter().filter(|alert| alert.rule != Rule::Overdue.name()).filter_map(|alert| {
+        let (began, found) = (time::parse(alert.since.as_deref()?).ok()?, time::parse(&alert.fired_at).ok()?);
+        (began < day_asked && day_asked <= found).then_some(found)
+    });
+    late.max()
 }
 
 /// Overdue gyros whose place in the IMU another one has taken.
@@ -272,7 +286,11 @@ fn violating<'a>(
                 (gyro(standing, first && k == 0, names))
                 td.nowrap { (bullet::leading(t, standing, &told)) }
                 td { (violated(t, &told)) }
-                td.nowrap { @if let Some(at) = since { span.quiet { (t.since) " " } (day(at)) } }
+                @let late = known.get(&standing.number).and_then(|known| known.late).filter(|_| new.is_empty());
+                td {
+                    @if let Some(at) = since { span.nowrap { span.quiet { (t.since) " " } (day(at)) } }
+                    @if let Some(found) = late { " " span.nowrap { span.quiet { (t.fired) " " } (day(found)) } }
+                }
                 td {
                     @if let Some(dealt) = known.get(&standing.number).and_then(|known| known.dealt.as_ref()) { (dealt) }
                     @else if viewer.may(Role::Engineer) { a.no-print href=(ack(&standing.serial)) { (t.acknowledge) } }

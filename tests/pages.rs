@@ -1354,6 +1354,13 @@ async fn a_record_in_another_unit_or_under_a_misspelt_name_is_checked_first() {
         holds(&page(&server, "/gyros/lfg01", &[]).await, &["looks like the known serial LFG-01", CHECK]);
     }
     assert!(!page(&server, "/gyros/LFG-01", &[]).await.contains("looks like the known"));
+    // Today tells that it is counted, until it has records of its own.
+    const COUNTED: &str = "serial lfg01 looks like the known serial LFG-01. It is counted as another gyro";
+    holds(&page(&server, "/", &[]).await, &[COUNTED]);
+    for day in [70, 77] {
+        server.post_json("/v1/records", &stating("lfg01", day, 1.0, 7e-4)).await.created();
+    }
+    assert!(!page(&server, "/", &[]).await.contains("looks like the known"));
 }
 
 #[tokio::test]

@@ -11,14 +11,11 @@ use crate::config::JudgedMethod;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::figures::Figures;
 use crate::core::judge::State;
-use crate::pipeline::{Comparison, Course, Standing, Statuses};
+use crate::pipeline::{Comparison, Course, FEW_RECORDS, Standing, Statuses};
 use crate::wire::note::NoteBody;
 
 /// Records of a run that are told from what is only drifting; an older one began before.
 const LONGEST_RUN: usize = 400;
-
-/// A gyro of so few records may be another one under a misspelt name.
-const FEW: usize = 3;
 
 /// Records before the newest that are looked at for what only they show.
 const BEFORE: usize = 4;
@@ -142,7 +139,8 @@ async fn of_newest(
     let verdicts = SeenVerdict::of_gyro(serial, &stored.answer.verdicts, &stored.seen);
     let mut doubted = (newest.record, doubting(serial, stored.answer.notes));
     // The name was new in the first record: the few of a misspelt name are all another gyro's.
-    if let Some(first) = course.figures.first().filter(|_| doubted.1.is_empty() && course.figures.len() <= FEW) {
+    if let Some(first) = course.figures.first().filter(|_| doubted.1.is_empty() && course.figures.len() <= FEW_RECORDS)
+    {
         let mut notes = notes_of(pages, serial, first.record).await?;
         notes.retain(|note| note.code == "look_alike");
         doubted = (first.record, notes);

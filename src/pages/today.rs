@@ -19,6 +19,7 @@ use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{FleetStations, Shared, StationFigures, Unlike};
 use crate::core::first_of::{DueImu, FirstOf};
 use crate::core::gyro_event::{GyroEvent, standing_decision};
+use crate::core::message::text;
 use crate::pipeline::{
     CommonShift, DueDate, FleetFilter, FleetPage, LINES, Names, Standing, Today, Together, Violation, today,
 };
@@ -95,6 +96,7 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &TodayQuery) -> Result<Pag
         h1 { (t.today_title) }
         (done_to_alerts(viewer, &asked.deed, &asked.done, "/"))
         (Filters::default().tiles(t, &fleet))
+        (misspelt(t, &today.misspelt))
         div.blocks {
             (worse(viewer, &today.worse, since, &known, &names))
             (still_out(viewer, &fleet, (&today.worse, &out), &known, &names))
@@ -108,6 +110,19 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &TodayQuery) -> Result<Pag
         }
     };
     Ok(Page { title: t.today_title.into(), section: Section::Today, body })
+}
+
+/// Gyros that may be known ones.
+fn misspelt(t: &Text, found: &[[String; 2]]) -> Markup {
+    html! {
+        @for [name, known] in found {
+            p.note {
+                a.id href={ "/gyros/" (encoded(name)) } { (name) } (t.colon) " "
+                (t.words(&message!("look_alike", of = "serial", name = text(name), known = text(known)))) (t.stop) " "
+                (t.counted_apart)
+            }
+        }
+    }
 }
 
 fn block(title: &Markup, count: usize, nothing: &str, body: &Markup, all: Option<(&str, String)>) -> Markup {

@@ -563,6 +563,7 @@ page_today_title = Today
 page_worse_since = New or worse since
 page_since_day = Since
 page_show_word = Show
+page_counted_apart = It is counted as another gyro until its records are revised.
 page_still_out = Still out of tolerance or drifting
 page_nothing_else_out = No other gyro is out of tolerance or drifting.
 page_nothing_worse = Nothing has become worse.

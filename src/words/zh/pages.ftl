@@ -563,6 +563,7 @@ page_today_title = 今日
 page_worse_since = 新出现或加重，自
 page_since_day = 起始日期
 page_show_word = 显示
+page_counted_apart = 在其记录修订之前，按另一只陀螺计数。
 page_still_out = 仍超差或漂移
 page_nothing_else_out = 没有其他陀螺超差或漂移。
 page_nothing_worse = 没有新出现或加重的情况。

@@ -587,3 +587,28 @@ async fn gyros_that_a_station_moves_each_its_own_way_are_told_to_check_the_stati
         }
     }
 }
+
+/// Its drift is in the list of what another alert explains; among those that fire it is overdue, and as bad as ever.
+#[tokio::test]
+async fn a_gyro_that_its_station_explains_is_as_bad_among_the_alerts_of_overdue_gyros() {
+    let lab = Lab::with(|config| {
+        config.alerts.tick_s = 0.05;
+        config.alerts.backfill_days = 30.0;
+        config.judging.interval_days = 12.0;
+    })
+    .await;
+    lab.clock_shows(&day(28));
+    sent(&lab, &quiet()).await;
+    lab.clock_shows(&day(34));
+    sent(&lab, &shifted(0..6)).await;
+    become_so(&lab, |alerts| station_is(alerts, "firing") && of_gyros(alerts, "inhibited").count() >= 17).await;
+    lab.clock_shows(&day(50));
+    let is_overdue = |one: &Value| one["serial"] == serial(4) && one["rule"] == "overdue" && one["state"] == "firing";
+    become_so(&lab, |alerts| alerts.iter().any(is_overdue)).await;
+    let firing = lab.get("/alerts").await.text;
+    let row = firing.split("<article").find(|one| one.contains("/gyros/GYRO-04\"")).expect("it is overdue");
+    assert!(
+        row.contains("badge unconfirmed") && !row[..row.find("<details").unwrap()].contains("badge overdue"),
+        "{row}"
+    );
+}

@@ -299,7 +299,7 @@ fn violating<'a>(
             tr {
                 td { (badges::badge(t, standing.status)) }
                 (gyro(standing, first && k == 0, names))
-                td.nowrap { (bullet::leading(t, standing, &told)) }
+                td.nowrap { (bullet::leading(t, standing, &of_same_coefficients(standing, &told))) }
                 td { (violated(t, &told)) }
                 @let late = known.get(&standing.number).and_then(|known| known.late).filter(|_| new.is_empty());
                 td {
@@ -313,6 +313,13 @@ fn violating<'a>(
             }
         } } } }
     }
+}
+
+/// All that is violated by the coefficients of some: by how much is told as on the page of alerts, whatever of it is new.
+fn of_same_coefficients(standing: &Standing, some: &[Violation]) -> Vec<Violation> {
+    let is_same = |one: &&Violation| some.iter().any(|other| other.coefficient == one.coefficient);
+    let all: Vec<Violation> = standing.violations.iter().filter(is_same).copied().collect();
+    if all.is_empty() { some.to_vec() } else { all }
 }
 
 /// Gyros on their way to their budgets, and those that have reached them by their course and are not out of tolerance.
@@ -640,6 +647,18 @@ mod tests {
         assert_eq!(found.of_stations, BTreeMap::from([(Arc::from("ST-3"), (17, day))]));
         assert_eq!(found.first.iter().map(|(gyro, _)| gyro.number).collect::<Vec<_>>(), [4, 18, 19]);
         assert!(found.of == 20 && found.all.is_some());
+    }
+
+    #[test]
+    fn by_how_much_is_told_of_all_that_a_coefficient_violates_whatever_of_it_is_new() {
+        let of = |coefficient, rule, status| Violation { coefficient, rule, status, load: Some(1.2) };
+        let old = of(Coefficient::DI, Rule::Baseline, Status::Unconfirmed);
+        let new = of(Coefficient::DI, Rule::RmsSuccessive, Status::Drifting);
+        let other = of(Coefficient::DS, Rule::Trend, Status::Drifting);
+        let standing = Standing { violations: vec![old, new, other], ..carried(1, 100) };
+        assert_eq!(of_same_coefficients(&standing, &[new]), [old, new]);
+        let gone = of(Coefficient::DO, Rule::Closure, Status::Drifting);
+        assert_eq!(of_same_coefficients(&standing, &[gone]), [gone], "what fires yet and is no more");
     }
 
     #[test]

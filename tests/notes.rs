@@ -312,6 +312,28 @@ async fn one_gyros_g_that_was_divided_by_its_scale_factor_is_noted() {
     assert_eq!(codes(&lab.posts(&sent(100, 7.0, &mut rng)).await), [""; 0]);
 }
 
+/// So is that of all of them, however near to 1 their scale factors are.
+#[tokio::test]
+async fn the_g_of_all_gyros_that_was_divided_by_their_scale_factors_names_the_unit() {
+    let (lab, mut units, mut rng) = with_history(44, 0).await;
+    let scales = [1.08, 1.2, 1.5];
+    units.iter_mut().zip(scales).for_each(|(unit, scale)| unit.scale = scale);
+    for k in 0..5 {
+        assert_eq!(codes(&lab.posts(&measured("IMU-1", &day(10 * k), &units, &mut rng)).await), [""; 0]);
+    }
+    let mut record = measured("IMU-1", &day(60), &units, &mut rng);
+    for (gyro, scale) in record["gyros"].as_array_mut().unwrap().iter_mut().zip(scales) {
+        scaled(gyro, "g_pulse_per_s_g0", scale.recip());
+    }
+    let answer = lab.posts(&record).await;
+    assert_eq!(codes(&answer), ["unit_factor"; 3], "{answer}");
+    for (note, unit) in answer["notes"].as_array().unwrap().iter().zip(&units) {
+        assert_eq!(note["serials"], json!([unit.serial]), "{note}");
+        assert!((note["factor"].as_f64().unwrap() * unit.scale - 1.0).abs() < 0.01, "{note}");
+        assert!(note["detail"].as_str().unwrap().contains("is it in deg/(h g0)?"), "{note}");
+    }
+}
+
 #[tokio::test]
 async fn the_same_figures_with_another_time_name_the_record_they_are_identical_to() {
     let (lab, units, mut rng) = with_history(31, 3).await;

@@ -758,6 +758,17 @@ async fn an_alert_is_found_acknowledged_and_silenced_on_its_pages() {
     assert_eq!(server.get("/alerts/0000000000000/acknowledge").await.status, 404);
 }
 
+/// What a record shows that came late began before the week that is asked for: it says when it was found.
+#[tokio::test]
+async fn today_tells_when_a_record_that_came_late_was_found() {
+    let server = a_small_fleet().await;
+    let shown = page(&server, "/", &[]).await;
+    let still = part(&shown, "Still out of tolerance", "</section>");
+    holds(still, &["JUMP/1", "Found ", "datetime=\"2026-"]);
+    let all = page(&server, "/?since=2026-01-01", &[]).await;
+    assert!(!part(&all, "New or worse since", "</section>").contains("Found "), "{all}");
+}
+
 #[tokio::test]
 async fn what_a_gyro_violates_stands_together_and_many_are_acknowledged_at_once() {
     let server = a_small_fleet().await;
@@ -1333,13 +1344,23 @@ async fn a_record_in_another_unit_or_under_a_misspelt_name_is_checked_first() {
         assert!(!shown.contains(CHECK), "{shown}");
     }
     server.post_json("/v1/records", &stating("LFG-01", 49, 1.0, 0.7)).await.created();
-    holds(&page(&server, "/gyros/LFG-01", &[]).await, &["are e_sd or g_sd in another unit?", CHECK]);
+    holds(
+        &page(&server, "/gyros/LFG-01", &[]).await,
+        &["are e_sd or g_sd in another unit?", CHECK, "The record of 2026-02-08 was out of tolerance and the newest"],
+    );
     // The few records of a misspelt name name the known one; its own doubt nothing.
     for day in [56, 63] {
         server.post_json("/v1/records", &stating("lfg01", day, 1.0, 7e-4)).await.created();
         holds(&page(&server, "/gyros/lfg01", &[]).await, &["looks like the known serial LFG-01", CHECK]);
     }
     assert!(!page(&server, "/gyros/LFG-01", &[]).await.contains("looks like the known"));
+    // Today tells that it is counted, until it has records of its own.
+    const COUNTED: &str = "serial lfg01 looks like the known serial LFG-01. It is counted as another gyro";
+    holds(&page(&server, "/", &[]).await, &[COUNTED]);
+    for day in [70, 77] {
+        server.post_json("/v1/records", &stating("lfg01", day, 1.0, 7e-4)).await.created();
+    }
+    assert!(!page(&server, "/", &[]).await.contains("looks like the known"));
 }
 
 #[tokio::test]

@@ -141,8 +141,15 @@ async fn octave_sends_a_campaign_and_hears_of_faults() {
     };
     let (sent, said) = run(post("campaign.csv"), &server);
     assert!(sent && said.contains("stored as"), "{said}");
-    let (sent, said) = run(post("wrong.csv"), &server);
-    assert!(!sent && said.contains("\"status\":422"), "{said}");
+    let wrong = |language: &str| {
+        let mut command = post("wrong.csv");
+        command.env("LC_ALL", language);
+        run(command, &server)
+    };
+    let (sent, said) = wrong("C.UTF-8");
+    assert!(!sent && said.contains("\"status\":422") && said.is_ascii(), "{said}");
+    let (sent, said) = wrong("zh_CN.UTF-8");
+    assert!(!sent && !said.is_ascii(), "{said}");
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -6,9 +6,9 @@ function answer = post(file, kind, type)
     url = [getenv_or('GYROWATCH_URL', 'http://127.0.0.1:8080') '/v1/' kind];
     if exist('OCTAVE_VERSION', 'builtin'), answer = by_curl(url, file, type); return, end
     text = fileread(file);
-    headers = {};
+    headers = {'Accept-Language', language()};
     token = getenv('GYROWATCH_TOKEN');
-    if ~isempty(token), headers = {'Authorization', ['Bearer ' token]}; end
+    if ~isempty(token), headers = [headers; {'Authorization', ['Bearer ' token]}]; end
     options = weboptions('MediaType', type, 'RequestMethod', 'post', 'Timeout', 120, 'HeaderFields', headers);
     pauses_s = [1 2 5 10 30 60 60];
     for attempt = 0:numel(pauses_s)
@@ -32,9 +32,15 @@ function answer = by_curl(url, file, type)
     token = getenv('GYROWATCH_TOKEN');
     if ~isempty(token), token = ['--header "Authorization: Bearer ' token '" ']; end
     [status, answer] = system(['curl --silent --show-error --fail-with-body --retry 6 --retry-connrefused ' ...
-        '--max-time 120 ' token '--header "Content-Type: ' type '" --data-binary "@' file '" "' url '"']);
+        '--max-time 120 ' token '--header "Accept-Language: ' language() '" --header "Content-Type: ' type '" --data-binary "@' file '" "' url '"']);
     if status ~= 0, error('gyrowatch:notTaken', '%s', answer); end
     answer = jsondecode(answer);
+end
+
+% LC_ALL or LANG (zh_CN.UTF-8) choose the language of what is refused.
+function found = language()
+    found = regexp(getenv_or('LC_ALL', getenv('LANG')), '^[A-Za-z]{2}(?![A-Za-z])', 'match', 'once');
+    if isempty(found), found = 'en'; end
 end
 
 function value = getenv_or(name, default)

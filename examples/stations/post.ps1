@@ -2,7 +2,9 @@
 #   $env:GYROWATCH_URL = 'http://service:8080'; .\post.ps1 campaign.csv campaigns text/csv
 param([string]$File, [string]$Kind = 'campaigns', [string]$Type = 'application/json')
 $url = "$(if ($env:GYROWATCH_URL) { $env:GYROWATCH_URL } else { 'http://127.0.0.1:8080' })/v1/$Kind"
-$headers = @{}
+# LC_ALL or LANG (zh_CN.UTF-8), or Windows, chooses the language of what is refused.
+$language = "$env:LC_ALL $env:LANG $((Get-UICulture).Name)".Trim() -replace '[_.@ ].*$'
+$headers = @{ 'Accept-Language' = $(if ($language -match '^[A-Za-z]{2}(-|$)') { $language } else { 'en' }) }
 if ($env:GYROWATCH_TOKEN) { $headers['Authorization'] = "Bearer $env:GYROWATCH_TOKEN" }
 $pauses = 1, 2, 5, 10, 30, 60, 60  # s, before it is sent again
 for ($attempt = 0; ; $attempt++) {

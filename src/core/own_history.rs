@@ -242,7 +242,11 @@ fn wrong_units(gyro: &Looked<'_>) -> Option<Vec<(Quantity, f64)>> {
     let tolerance = (0..2).map(|i| gyro.tolerance(gyro.before, i)).fold(0.0, f64::max);
     let size = norm(level);
     // Too small a drift is no measure of a factor.
-    let d = if size < 2.0 * OFF_BUDGETS * tolerance { None } else { drift_factor(gyro.now.d, level, tolerance) };
+    let of_unit = if size < 2.0 * OFF_BUDGETS * tolerance { None } else { drift_factor(gyro.now.d, level, tolerance) };
+    // |E| may be so near to 1 that its factor is no unit's.
+    let by_scale = gyro.now.scale.filter(|_| e == 1.0 && gyro.off_by() > OFF_BUDGETS);
+    let by_scale = by_scale.and_then(|scale| [scale.recip(), scale].into_iter().find(|factor| gyro.grew_by(*factor)));
+    let d = of_unit.filter(|factor| *factor != 1.0).or(by_scale).or(of_unit);
     let mut found = Vec::new();
     if e != 1.0 {
         found.push((Quantity::E, e));

@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use calamine::{Data, Reader, Xlsx};
 
-use super::text::{of_any, of_utf16, with_line_feeds};
+use super::text::{of_any, of_gbk, of_utf16, with_line_feeds};
 use crate::core::message::Message;
 use crate::message;
 use crate::wire::document::is_csv;
@@ -48,7 +48,8 @@ pub fn readable_table(bytes: Vec<u8>) -> Result<String, Message> {
     readable(bytes).map(|bytes| of_any(&bytes))
 }
 
-/// The bytes of a document; of UTF-16 those of UTF-8, of a workbook the CSV that it would be saved as.
+/// The bytes of a document; of UTF-16 and of a table in GBK those of UTF-8, of a workbook the CSV that it would be saved
+/// as.
 pub fn readable(bytes: Vec<u8>) -> Result<Vec<u8>, Message> {
     if bytes.trim_ascii().is_empty() {
         return Err(message!("file_is_empty"));
@@ -65,7 +66,7 @@ pub fn readable(bytes: Vec<u8>) -> Result<Vec<u8>, Message> {
                 let line = 1 + bytes[..text].iter().filter(|&&b| b == b'\n').count();
                 return Err(message!("at_line", line, fault = message!("zeros_from_here")));
             }
-            Ok(bytes)
+            Ok(of_gbk(&bytes).map_or(bytes, String::into_bytes))
         }
         FileKind::Utf16 { big_endian } => Ok(of_utf16(&bytes, big_endian).into_bytes()),
         log @ (FileKind::Mat5 | FileKind::Npy | FileKind::Npz | FileKind::Parquet) => {

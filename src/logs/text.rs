@@ -539,9 +539,14 @@ pub fn decoded(bytes: &[u8]) -> String {
         Err(error) if error.error_len().is_none() => {
             String::from_utf8_lossy(&bytes[..error.valid_up_to()]).into_owned()
         }
-        Err(_) if is_chinese(bytes) => encoding_rs::GBK.decode_without_bom_handling(bytes).0.into_owned(),
-        Err(_) => bytes.iter().map(|&b| char::from(b)).collect(),
+        Err(_) => of_gbk(bytes).unwrap_or_else(|| bytes.iter().map(|&b| char::from(b)).collect()),
     }
+}
+
+/// The text of what is no UTF-8 and may be GBK.
+pub fn of_gbk(bytes: &[u8]) -> Option<String> {
+    let is_it = std::str::from_utf8(bytes).is_err() && is_chinese(bytes);
+    is_it.then(|| encoding_rs::GBK.decode_without_bom_handling(bytes).0.into_owned())
 }
 
 /// Whether all that is no ASCII are pairs of GB 2312: letters of Western Europe mostly stand alone. The

@@ -249,7 +249,9 @@ fn of_gyro(viewer: &Viewer, gyro: &Alerted, first_of_page: bool, may: bool, here
     let Alerted { standing, alerts } = gyro;
     let Some(first) = alerts.first() else { return html! {} };
     let (serial, finding) = (&first.serial, &first.finding);
-    let worst = alerts.iter().filter_map(|alert| alert.status()).max();
+    // What another alert explains is in another list, and as bad.
+    let stands = standing.as_ref().filter(|_| alerts.iter().any(is_open)).and_then(|standing| standing.status);
+    let worst = alerts.iter().filter_map(|alert| alert.status()).max().max(stands);
     let open: Vec<Violation> = alerts.iter().filter(|alert| is_open(alert)).filter_map(violation).collect();
     let is_known = |alert: &AlertBody| alert.state != Standing::Firing.name();
     html! {

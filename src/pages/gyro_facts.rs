@@ -11,14 +11,14 @@ use crate::config::JudgedMethod;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::figures::Figures;
 use crate::core::judge::State;
-use crate::pipeline::{Comparison, Course, Standing, Statuses};
+use crate::pipeline::{Comparison, Course, FEW_RECORDS, Standing, Statuses};
 use crate::wire::note::NoteBody;
 
 /// Records of a run that are told from what is only drifting; an older one began before.
 const LONGEST_RUN: usize = 400;
 
-/// A gyro of so few records may be another one under a misspelt name.
-const FEW: usize = 3;
+/// Records before the newest that are looked at for what only they show.
+const BEFORE: usize = 4;
 
 /// Calibrations in one table, on the page and in a report.
 pub(super) const ROWS: usize = 30;
@@ -43,7 +43,8 @@ pub(super) struct Facts {
     pub verdicts: Vec<SeenVerdict>,
     /// Why its figures in that record, or in its first, may not be its own.
     pub doubted: Option<Doubted<Id>>,
-    /// The record before, where it was out of tolerance and the newest is not; why its figures may not be its own.
+    /// The last of the few records before that was out of tolerance, where the newest is not; why its figures may not be
+    /// its own.
     pub odd_before: Option<Doubted<Figures>>,
     /// Those that are not resolved.
     pub alerts: Vec<AlertBody>,
@@ -138,7 +139,8 @@ async fn of_newest(
     let verdicts = SeenVerdict::of_gyro(serial, &stored.answer.verdicts, &stored.seen);
     let mut doubted = (newest.record, doubting(serial, stored.answer.notes));
     // The name was new in the first record: the few of a misspelt name are all another gyro's.
-    if let Some(first) = course.figures.first().filter(|_| doubted.1.is_empty() && course.figures.len() <= FEW) {
+    if let Some(first) = course.figures.first().filter(|_| doubted.1.is_empty() && course.figures.len() <= FEW_RECORDS)
+    {
         let mut notes = notes_of(pages, serial, first.record).await?;
         notes.retain(|note| note.code == "look_alike");
         doubted = (first.record, notes);
@@ -146,20 +148,29 @@ async fn of_newest(
     Ok((verdicts, Some(doubted).filter(|(_, notes)| !notes.is_empty())))
 }
 
-/// The record before the newest, where a drift was out of tolerance in it and is not now.
+/// The last of the few records before the newest in which a drift was out of tolerance that is not now.
 async fn odd_before(
     pages: &Pages,
     serial: &str,
     course: &Course,
     statuses: &Statuses,
 ) -> Result<Option<Doubted<Figures>>, Problem> {
-    let [.., before, newest] = &*course.figures else { return Ok(None) };
-    let is_odd = |column: usize| {
-        statuses.get(before, column) > Status::Drifting && statuses.get(newest, column) < Status::Drifting
+    let Some((newest, earlier)) = course.figures.split_last() else { return Ok(None) };
+    let is_odd = |before: &Figures| {
+        let mut columns = 0..2;
+        columns.any(|column| {
+            statuses.get(before, column) > Status::Drifting && statuses.get(newest, column) < Status::Drifting
+        })
     };
-    Ok(match (0..2).any(is_odd) {
-        true => Some((*before, notes_of(pages, serial, before.record).await?)),
-        false => None,
+    // Further back only one record by itself: where several were, something was done to the gyro since.
+    let mut back = earlier.iter().rev().take(BEFORE).enumerate();
+    let odd = back.find(|(_, before)| is_odd(before)).filter(|(k, _)| {
+        let before = earlier.iter().rev().nth(k + 1);
+        *k == 0 || !before.is_some_and(is_odd)
+    });
+    Ok(match odd {
+        Some((_, before)) => Some((*before, notes_of(pages, serial, before.record).await?)),
+        None => None,
     })
 }
 

@@ -155,7 +155,11 @@ impl Facts {
             let holds = explained.is_some_and(|explained| answer.newest_left_out(explained.as_of).is_none());
             !answer.causes.is_empty() && is_all && holds
         };
-        let mut bad = self.answers(explained, Status::Borderline).peekable();
+        // Where nothing is bad, what a trend carries to the budget is asked.
+        let is_quiet = self.standing.as_ref().is_some_and(|standing| standing.status < Some(Status::Borderline));
+        let is_carried = |answer: &&HistoryDiagnosis| is_quiet && self.reach_by_trend(answer.coefficient).is_some();
+        let carried = self.answers(explained, Status::InTolerance).filter(is_carried);
+        let mut bad = self.answers(explained, Status::Borderline).chain(carried).peekable();
         let mut fire = self.alerts.iter().filter(|alert| alert.rule != Rule::Overdue.name()).peekable();
         let explains = |alert: &AlertBody| {
             let is_it = |id: &String| self.shared_shifts.iter().any(|one| one.is_of_station() && one.id == *id);

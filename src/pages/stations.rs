@@ -80,7 +80,14 @@ fn line(t: &Text, station: &StationFigures, budget: f64, alerts: usize, overdue:
                     } " "
                 }
             } }
-            td data-label=(t.last_step) { @for (column, name) in columns() {
+            td data-label=(t.last_step) {
+                @if let Some(unlike) = station.unlike.last() {
+                    span.slope {
+                        (day(unlike.from)) " … " @if let Some(until) = unlike.until { (day(until)) }
+                        " " (t.words(&unlike.in_brief()))
+                    } " "
+                }
+                @for (column, name) in columns() {
                 @if let Some((from, until, size)) = changes(column).pop() {
                     span.slope {
                         (day(from)) @if let Some(until) = until { " … " (day(until)) }

@@ -1,7 +1,7 @@
 //! `/`: what there is to be done. Five blocks, and a sixth where a forecast failed, each with its first few lines and the
 //! way to all of them.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -16,9 +16,10 @@ use super::station::changes;
 use super::{bullet, status as badges, verdicts};
 use crate::core::alert_decision;
 use crate::core::alert_filter::AlertFilter;
-use crate::core::changes::{FleetStations, Shared, Unlike};
+use crate::core::changes::{FleetStations, Shared, StationFigures, Unlike};
 use crate::core::first_of::{DueImu, FirstOf};
 use crate::core::gyro_event::{GyroEvent, standing_decision};
+use crate::core::message::text;
 use crate::pipeline::{
     CommonShift, DueDate, FleetFilter, FleetPage, LINES, Names, Standing, Today, Together, Violation, today,
 };
@@ -66,20 +67,26 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &TodayQuery) -> Result<Pag
     let fleet = queries.fleet.page(&FleetFilter::default(), 0, LINES).await?;
     let shown = fleet.gyros.iter().chain(&today.worse.first);
     let known = known_of(pages, viewer, shown, since).await?;
-    let drifting = queries.fleet.worst_of(&[Status::Drifting], DATED).await?;
-    let is_new = |one: &&Standing| drifting.iter().all(|known| known.number != one.number);
-    let dated: Vec<Standing> = drifting.iter().chain(today.approaching.first.iter().filter(is_new)).cloned().collect();
-    let (dues, undated) = queries.dues.of(&dated, PATIENCE).await?;
-    let undated = undated + fleet.of_status[Status::Drifting as usize].saturating_sub(drifting.len());
-    let approaching = Approaching::of(&today.approaching, &dated, &dues);
     let stations = queries.fleet.station_figures_within(PATIENCE).await?;
     let unlike: Vec<(&str, &Unlike)> = (stations.iter().flat_map(|found| &found.stations))
         .flat_map(|station| station.unlike.iter().map(|one| (&*station.name, one)))
         .filter(|(_, one)| one.until.unwrap_or(now) >= since)
         .collect();
     let changed = stations.as_deref().map_or_else(Vec::new, |found| station_changes(found, since));
-    let gone = no_longer_in_it(pages, &today.overdue.first).await?;
     let told = pages.pipeline.alerts.of_no_gyro(&AlertFilter::default()).await?;
+    let of_stations = {
+        let (moving, names) = (moving(stations.as_deref(), &told, &changed), queries.names());
+        let carried = |one: &Standing| Some((one.number, carried_by(one, &moving, &names)?));
+        today.approaching.first.iter().filter_map(carried).collect::<HashMap<u32, Arc<str>>>()
+    };
+    let drifting = queries.fleet.worst_of(&[Status::Drifting], DATED).await?;
+    let is_new = |one: &&Standing| drifting.iter().all(|known| known.number != one.number);
+    let by_trend = today.approaching.first.iter().filter(|one| !of_stations.contains_key(&one.number)).take(LINES);
+    let dated: Vec<Standing> = drifting.iter().chain(by_trend.filter(is_new)).cloned().collect();
+    let (dues, undated) = queries.dues.of(&dated, PATIENCE).await?;
+    let undated = undated + fleet.of_status[Status::Drifting as usize].saturating_sub(drifting.len());
+    let approaching = Approaching::of(&today.approaching, &dated, &dues, &of_stations);
+    let gone = no_longer_in_it(pages, &today.overdue.first).await?;
     let names = queries.names();
     let out = still(&fleet, &today.worse);
     let is_of_group = |alert: &AlertBody| [AlertBody::OF_STATION, AlertBody::OF_BATCH].contains(&&*alert.subject);
@@ -89,6 +96,7 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &TodayQuery) -> Result<Pag
         h1 { (t.today_title) }
         (done_to_alerts(viewer, &asked.deed, &asked.done, "/"))
         (Filters::default().tiles(t, &fleet))
+        (misspelt(t, &today.misspelt))
         div.blocks {
             (worse(viewer, &today.worse, since, &known, &names))
             (still_out(viewer, &fleet, (&today.worse, &out), &known, &names))
@@ -102,6 +110,19 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &TodayQuery) -> Result<Pag
         }
     };
     Ok(Page { title: t.today_title.into(), section: Section::Today, body })
+}
+
+/// Gyros that may be known ones.
+fn misspelt(t: &Text, found: &[[String; 2]]) -> Markup {
+    html! {
+        @for [name, known] in found {
+            p.note {
+                a.id href={ "/gyros/" (encoded(name)) } { (name) } (t.colon) " "
+                (t.words(&message!("look_alike", of = "serial", name = text(name), known = text(known)))) (t.stop) " "
+                (t.counted_apart)
+            }
+        }
+    }
 }
 
 fn block(title: &Markup, count: usize, nothing: &str, body: &Markup, all: Option<(&str, String)>) -> Markup {
@@ -121,6 +142,8 @@ struct Known {
     dealt: Option<Markup>,
     /// What began since the day that is asked for, the gravest last, and of those the newest.
     new: Vec<(Violation, UtcMicros)>,
+    /// When the last of what began before that day was found, where that is since: by a record that came late.
+    late: Option<UtcMicros>,
 }
 
 async fn known_of(
@@ -146,7 +169,10 @@ async fn known_of(
             let who = html! { @if let Some(who) = who { " · " span translate="no" { (who) } } };
             html! { span.quiet { (what) (who) " · " (at) } }
         });
-        all.insert(*number, Known { dealt, new: began_since(&alerts, day_asked) });
+        all.insert(
+            *number,
+            Known { dealt, new: began_since(&alerts, day_asked), late: found_late(&alerts, day_asked) },
+        );
     }
     Ok(all)
 }
@@ -160,6 +186,15 @@ fn began_since(alerts: &[AlertBody], day_asked: UtcMicros) -> Vec<(Violation, Ut
     let mut new: Vec<(Violation, UtcMicros)> = alerts.iter().filter_map(of).collect();
     new.sort_by_key(|(violation, at)| (violation.status, *at));
     new
+}
+
+/// When the last of what began before that day was found since; being overdue is found by the calendar.
+fn found_late(alerts: &[AlertBody], day_asked: UtcMicros) -> Option<UtcMicros> {
+    let late = alerts.iter().filter(|alert| alert.rule != Rule::Overdue.name()).filter_map(|alert| {
+        let (began, found) = (time::parse(alert.since.as_deref()?).ok()?, time::parse(&alert.fired_at).ok()?);
+        (began < day_asked && day_asked <= found).then_some(found)
+    });
+    late.max()
 }
 
 /// Overdue gyros whose place in the IMU another one has taken.
@@ -264,9 +299,13 @@ fn violating<'a>(
             tr {
                 td { (badges::badge(t, standing.status)) }
                 (gyro(standing, first && k == 0, names))
-                td.nowrap { (bullet::leading(t, standing, &told)) }
+                td.nowrap { (bullet::leading(t, standing, &of_same_coefficients(standing, &told))) }
                 td { (violated(t, &told)) }
-                td.nowrap { @if let Some(at) = since { span.quiet { (t.since) " " } (day(at)) } }
+                @let late = known.get(&standing.number).and_then(|known| known.late).filter(|_| new.is_empty());
+                td {
+                    @if let Some(at) = since { span.nowrap { span.quiet { (t.since) " " } (day(at)) } }
+                    @if let Some(found) = late { " " span.nowrap { span.quiet { (t.fired) " " } (day(found)) } }
+                }
                 td {
                     @if let Some(dealt) = known.get(&standing.number).and_then(|known| known.dealt.as_ref()) { (dealt) }
                     @else if viewer.may(Role::Engineer) { a.no-print href=(ack(&standing.serial)) { (t.acknowledge) } }
@@ -276,34 +315,68 @@ fn violating<'a>(
     }
 }
 
+/// All that is violated by the coefficients of some: by how much is told as on the page of alerts, whatever of it is new.
+fn of_same_coefficients(standing: &Standing, some: &[Violation]) -> Vec<Violation> {
+    let is_same = |one: &&Violation| some.iter().any(|other| other.coefficient == one.coefficient);
+    let all: Vec<Violation> = standing.violations.iter().filter(is_same).copied().collect();
+    if all.is_empty() { some.to_vec() } else { all }
+}
+
 /// Gyros on their way to their budgets, and those that have reached them by their course and are not out of tolerance.
 struct Approaching<'a> {
     /// The first to reach it first, and when.
     first: Vec<(&'a Standing, DueDate)>,
+    /// Those that their station carries there: how many of each, and when the first reaches it.
+    of_stations: BTreeMap<Arc<str>, (usize, UtcMicros)>,
     of: usize,
     all: Option<String>,
 }
 
 impl<'a> Approaching<'a> {
-    /// `by_trend`: what the rule `trend` carries there; `asked`: of which some have a date by their histories.
-    fn of(by_trend: &'a FirstOf<Standing>, asked: &'a [Standing], dues: &HashMap<u32, DueDate>) -> Self {
+    /// `by_trend`: what the rule `trend` carries there; `asked`: of which some have a date by their histories; `carried_by`
+    /// which station others are.
+    fn of(
+        by_trend: &'a FirstOf<Standing>,
+        asked: &'a [Standing],
+        dues: &HashMap<u32, DueDate>,
+        carried_by: &HashMap<u32, Arc<str>>,
+    ) -> Self {
         let dated = asked.iter().filter_map(|standing| Some((standing, *dues.get(&standing.number)?)));
         let is_by_history = |(standing, _): &(&Standing, _)| standing.outlook.reach.is_none();
         let by_history_alone = dated.clone().filter(is_by_history).count();
         let others = by_trend.first.iter().filter(|standing| !dues.contains_key(&standing.number));
         let others = others.filter_map(|standing| Some((standing, DueDate::by_trend(standing)?)));
-        let mut first: Vec<(&Standing, DueDate)> = dated.chain(others).collect();
+        let mut of_stations: BTreeMap<Arc<str>, (usize, UtcMicros)> = BTreeMap::new();
+        let mut first: Vec<(&Standing, DueDate)> = dated.collect();
+        for (standing, due) in others {
+            match carried_by.get(&standing.number) {
+                Some(station) => {
+                    let (gyros, at) = of_stations.entry(station.clone()).or_insert((0, due.at));
+                    (*gyros, *at) = (*gyros + 1, due.at.min(*at));
+                }
+                None => first.push((standing, due)),
+            }
+        }
         first.sort_by_key(|(_, due)| due.at);
         first.truncate(LINES);
-        let more = by_trend.of > by_trend.first.len();
+        let more = by_trend.of > LINES || !of_stations.is_empty();
         let all = more.then(|| Filters { sort: "eta".into(), ..Filters::default() }.at_page(0));
-        Self { first, of: by_trend.of + by_history_alone, all }
+        Self { first, of_stations, of: by_trend.of + by_history_alone, all }
     }
 
     /// `undated`: how many gyros drift of which no date was asked for.
     fn shown(&self, t: &Text, undated: usize, now: UtcMicros, names: &Names<'_>) -> Markup {
         let rows = html! {
-            div.scroll tabindex="0" { table.lines { tbody { @for (standing, due) in &self.first {
+            div.scroll tabindex="0" { table.lines { tbody {
+              @for (station, (gyros, at)) in &self.of_stations {
+                tr {
+                    td { strong.nowrap { (day(*at)) " ?" } @if *at < now { div.quiet { (t.reached_by_course) } } }
+                    th scope="row" { a.id href={ "/stations/" (encoded(station)) } { (station) } }
+                    td {} td {}
+                    td { (t.words(&message!("gyros_check_station", gyros = *gyros))) }
+                }
+              }
+              @for (standing, due) in &self.first {
                 tr {
                     td {
                         strong.nowrap { (day(due.at)) @if due.provisional { " ?" } }
@@ -336,6 +409,41 @@ impl<'a> Approaching<'a> {
         let shown = block(&html! { (t.will_cross) }, self.of, t.nothing_crosses, &rows, all);
         html! { div { (shown) (others) } }
     }
+}
+
+/// What moves in the course of a station: the coefficient's column, and how fast or how far where that is known.
+type Moving<'a> = (&'a str, usize, Option<f64>);
+
+/// Stations that drift, have moved since the day that is asked for, or of which an alert says so.
+fn moving<'a>(
+    found: Option<&'a FleetStations>,
+    told: &'a [AlertBody],
+    changed: &[StationChange<'a>],
+) -> Vec<Moving<'a>> {
+    let of_station = |station: &'a StationFigures| {
+        let drifting = station.columns.iter().enumerate().filter(|(_, figures)| figures.drifts);
+        let drifts = drifting.map(|(column, figures)| (&*station.name, column, figures.drift.map(|drift| drift.value)));
+        let is_off = station.unlike.last().is_some_and(|unlike| unlike.until.is_none());
+        let unlike = [0, 1].map(|column| (&*station.name, column, None)).into_iter().filter(move |_| is_off);
+        drifts.chain(unlike).collect::<Vec<Moving<'a>>>()
+    };
+    let told = told.iter().filter(|alert| alert.is_of_station() && is_open(alert)).filter_map(|alert| {
+        let column = DRIFTS.iter().take(2).position(|name| *name == alert.coefficient)?;
+        Some((alert.name(), column, None))
+    });
+    let changed = changed.iter().map(|one| (one.station, one.column, Some(one.size.value)));
+    found.into_iter().flat_map(|found| &found.stations).flat_map(of_station).chain(told).chain(changed).collect()
+}
+
+/// The station that carries a gyro to its budget: where it was measured last, and moves to the side that the gyro does.
+fn carried_by(standing: &Standing, moving: &[Moving<'_>], names: &Names<'_>) -> Option<Arc<str>> {
+    let column = standing.outlook.reach?.coefficient.column()?;
+    let station = names.station(standing.newest?.station);
+    let slope = standing.outlook.per_year.get(column).copied().flatten()?.value;
+    let is_it = |(name, of, size): &&Moving<'_>| {
+        *name == station && *of == column && size.is_none_or(|size| size * slope > 0.0)
+    };
+    moving.iter().find(is_it).map(|(name, ..)| Arc::from(*name))
 }
 
 fn due(t: &Text, today: &Today, gone: &HashMap<u32, Vec<Arc<str>>>, now: UtcMicros, names: &Names<'_>) -> Markup {
@@ -504,7 +612,54 @@ fn outside(t: &Text, today: &Today) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::changes::StationFigures;
+    use crate::core::judge::{Coefficient, Outlook, Reach};
+
+    /// A gyro that a trend carries to its budget on a day.
+    fn carried(number: u32, reaches: i64) -> Standing {
+        let at = UtcMicros(reaches * UtcMicros::DAY);
+        let reach = Reach { coefficient: Coefficient::DI, at, between: [None; 2], provisional: false };
+        Standing {
+            number,
+            serial: format!("GYRO-{number}").into(),
+            newest: None,
+            state: None,
+            status: Some(Status::InTolerance),
+            drift: [Status::InTolerance; 3],
+            violations: Vec::new(),
+            load: 0.0,
+            overdue_days: None,
+            out_of_use: None,
+            since: None,
+            outlook: Outlook { reach: Some(reach), ..Outlook::default() },
+            attributes: Default::default(),
+        }
+    }
+
+    #[test]
+    fn what_a_station_carries_to_the_budget_is_one_line_but_for_what_ages_by_itself() {
+        let first: Vec<Standing> = (0..20).map(|number| carried(number, 100 + i64::from(number))).collect();
+        let by_trend = FirstOf { of: 20, first };
+        let of_station: HashMap<u32, Arc<str>> = (0..18).map(|number| (number, Arc::from("ST-3"))).collect();
+        let own = DueDate { provisional: false, ..DueDate::by_trend(&by_trend.first[4]).expect("a trend") };
+        let asked = [by_trend.first[4].clone()];
+        let found = Approaching::of(&by_trend, &asked, &HashMap::from([(4, own)]), &of_station);
+        let day = UtcMicros(100 * UtcMicros::DAY);
+        assert_eq!(found.of_stations, BTreeMap::from([(Arc::from("ST-3"), (17, day))]));
+        assert_eq!(found.first.iter().map(|(gyro, _)| gyro.number).collect::<Vec<_>>(), [4, 18, 19]);
+        assert!(found.of == 20 && found.all.is_some());
+    }
+
+    #[test]
+    fn by_how_much_is_told_of_all_that_a_coefficient_violates_whatever_of_it_is_new() {
+        let of = |coefficient, rule, status| Violation { coefficient, rule, status, load: Some(1.2) };
+        let old = of(Coefficient::DI, Rule::Baseline, Status::Unconfirmed);
+        let new = of(Coefficient::DI, Rule::RmsSuccessive, Status::Drifting);
+        let other = of(Coefficient::DS, Rule::Trend, Status::Drifting);
+        let standing = Standing { violations: vec![old, new, other], ..carried(1, 100) };
+        assert_eq!(of_same_coefficients(&standing, &[new]), [old, new]);
+        let gone = of(Coefficient::DO, Rule::Closure, Status::Drifting);
+        assert_eq!(of_same_coefficients(&standing, &[gone]), [gone], "what fires yet and is no more");
+    }
 
     #[test]
     fn a_window_is_told_while_it_reaches_into_the_time_that_is_asked_for_and_a_step_since_it_came() {

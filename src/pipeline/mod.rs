@@ -61,9 +61,10 @@ pub use ingest::{
     WindowMark,
 };
 pub use queries::{
-    BEYOND, Baseline, CommonShift, Compared, Comparison, Course, DueDate, ExplainedHistory, FleetFilter, FleetPage,
-    Forecast, Foreseen, LINES, Levels, ListFilter, Names, Queries, RecentValues, Seats, Standing, StandingFilter,
-    Statuses, StoredCampaign, StoredRecord, Tested, Today, Together, Verified, Violation, sample_of, today,
+    BEYOND, Baseline, CommonShift, Compared, Comparison, Course, DueDate, ExplainedHistory, FEW_RECORDS, FleetFilter,
+    FleetPage, Forecast, Foreseen, LINES, Levels, ListFilter, Names, Queries, RecentValues, Seats, Standing,
+    StandingFilter, Statuses, StoredCampaign, StoredRecord, Tested, Today, Together, Verified, Violation, sample_of,
+    today,
 };
 
 pub use suspect::WindowOutcome;

@@ -91,6 +91,8 @@ pub struct Table {
     by_name: Hashes,
     /// By its [`look_keys`].
     by_look: Hashes,
+    /// Names that look like one that was known before.
+    alike: Vec<u32>,
     /// Each number once.
     by_cell: HashMap<u8, Vec<u32>>,
     last_number: u32,
@@ -134,6 +136,11 @@ impl Table {
         };
         let alike = keys.iter().flat_map(|key| self.by_look.each(key)).filter(looks_like);
         alike.min().map(|place| self.at(place))
+    }
+
+    /// Numbers of names that looked like one that was known before; the newest last.
+    pub fn alike(&self) -> &[u32] {
+        &self.alike
     }
 
     /// The name of a number that a row refers to; a number that was never given out has none.
@@ -187,6 +194,9 @@ impl Table {
         let (Ok(start), Ok(bytes)) = (u32::try_from(self.letters.len()), u16::try_from(name.len())) else {
             return false;
         };
+        if self.look_alike(name).is_some() {
+            self.alike.push(number);
+        }
         let place = self.entries.len() as u32;
         self.letters.push_str(name);
         self.entries.push(Entry { number, start, bytes, cell });
@@ -216,6 +226,7 @@ impl Table {
             self.by_name.remove(&normal, place);
         }
         look_keys(&name).iter().for_each(|key| self.by_look.remove(key, place));
+        self.alike.retain(|other| *other != number);
         self.by_name.remove(&name, place);
     }
 }
@@ -340,7 +351,10 @@ mod tests {
         assert!(table.add(2, 0, "IMU-O1"));
         assert_eq!(table.look_alike("IMU-01"), Some("IMU-O1"));
         assert_eq!(table.look_alike("IMU-O1"), None);
+        assert!(table.add(3, 0, "imu01"));
+        assert_eq!((table.alike(), table.look_alike("imu01")), (&[3][..], Some("IMU-O1")));
+        table.remove(3);
         table.remove(2);
-        assert_eq!(table.look_alike("IMU-01"), None);
+        assert_eq!((table.alike(), table.look_alike("IMU-01")), (&[][..], None));
     }
 }

@@ -243,6 +243,19 @@ mod tests {
     }
 
     #[test]
+    fn a_table_that_excel_saved_in_china_is_read() {
+        const TABLE: &str = "# imu: A\n# station: 北京一站\nphase,start_s\nstatic,0\n";
+        let saved = |bytes: Vec<u8>| match classify(bytes, &TableMap::default(), Patience::TakesAsItIs) {
+            Ok(Content::One(document)) => document.body,
+            _ => panic!("one document"),
+        };
+        assert_eq!(saved(encoding_rs::GBK.encode(TABLE).0.into_owned()), TABLE.as_bytes());
+        let broken =
+            TABLE.replace("北京一站", "ST-1").replace('1', "\u{e9}").chars().map(|c| c as u8).collect::<Vec<u8>>();
+        assert_eq!(saved(broken.clone()), broken, "a byte by itself is for the service to name");
+    }
+
+    #[test]
     fn lines_are_told_from_one_document_by_what_the_first_line_holds() {
         assert!(matches!(content("{\"gyros\": []}\n{\"gyros\": []}\n"), Ok(Content::Lines(_))));
         assert!(matches!(content("\n{\"gyros\": []}\nnot json\n"), Ok(Content::Lines(_))));

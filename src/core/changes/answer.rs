@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::noise::Process;
+use super::unlike_window::Unlike;
 use crate::core::judge::{Coefficient, Event, Mark, Measured};
 use crate::core::message::{Message, Parameter, figure, list, signed, text};
 use crate::core::mounting::Slot;
@@ -95,6 +96,9 @@ pub enum Tie {
     Temperature { mean_c: f64, missing: usize },
     /// What a station does; where that is an offset, against another.
     Station { name: Arc<str>, against: Arc<str>, form: StationForm },
+    /// Many gyros of a station were off, each in its own direction, this one from the first instant on and before the
+    /// second.
+    Unlike { name: Arc<str>, seen: Unlike, from: UtcMicros, until: Option<UtcMicros> },
     /// D_S, in proportion to which D_O moves.
     Proportion,
     /// A step between two records, which no event explains.
@@ -114,8 +118,9 @@ impl Tie {
             Self::Events(events) => events.last().map_or(0.0, |(_, at)| since(*at)),
             Self::Moved { at, .. } | Self::Instant { before: at, .. } => since(*at),
             Self::Temperature { mean_c, .. } => entry.temperature_c.map_or(0.0, |t| t - mean_c),
-            Self::Station { name, .. } if *name != entry.station => 0.0,
+            Self::Station { name, .. } | Self::Unlike { name, .. } if *name != entry.station => 0.0,
             Self::Station { form, .. } => form.at(entry.at, years),
+            Self::Unlike { from, until, .. } => since(*from) - until.map_or(0.0, since),
             Self::Proportion => entry.d[1].value,
         }
     }
@@ -157,6 +162,7 @@ impl Tie {
                 let [from, until] = [from, until].map(|at| text(at.date()));
                 message!("change_station_between", station = text(name), from, until)
             }
+            Self::Unlike { name, seen, .. } => seen.as_cause(name),
             Self::Proportion => message!("change_proportion"),
             Self::Instant { after, before } => {
                 message!("change_instant", after = text(after.date()), before = text(before.date()))

@@ -8,7 +8,8 @@ use crate::core::time::UtcMicros;
 
 use super::answer::{ChangeCause, StationForm, Tie, YEAR_DAYS};
 use super::series::{Observation, RecordSeries};
-use super::station::{CoursePart, StationCourse};
+use super::station::{CoursePart, StationCourse, beside_level};
+use super::unlike_window::Unlike;
 
 /// A candidate is only tried where so many records stand on either side of its change.
 const FEWEST_ON_A_SIDE: usize = 2;
@@ -43,15 +44,19 @@ pub(super) struct CandidateCause {
 }
 
 /// Every candidate that the records can tell from a constant. Offsets count from station `reference`; a station steps at
-/// instants at which `course` does not say whether it does.
+/// instants at which `course` does not say whether it does. `unlike`: when gyros of its stations were off with this one,
+/// each in its own direction. They come first: of equals it is the station that many gyros speak against.
 pub(super) fn all(
     series: &RecordSeries,
     marks: &[Mark],
     coefficient: Coefficient,
     reference: usize,
     course: &StationCourse,
+    unlike: &[(Arc<str>, Unlike)],
 ) -> Vec<CandidateCause> {
-    let mut found = ageing(series, marks);
+    let mut found: Vec<CandidateCause> =
+        unlike.iter().filter_map(|(name, seen)| off_with_others(series, name, seen)).collect();
+    found.extend(ageing(series, marks));
     found.extend(steps_at_events(series, marks));
     found.extend(re_mountings(series));
     found.extend(temperature(series));
@@ -162,6 +167,29 @@ fn of_station(series: &RecordSeries, reference: usize, station: usize, form: Sta
 pub(super) fn tie(series: &RecordSeries, reference: usize, part: &CoursePart) -> Tie {
     let name = |station: usize| -> Arc<str> { series.stations[station].clone() };
     Tie::Station { name: name(part.station), against: name(reference), form: part.form }
+}
+
+/// Where a station's gyros were off, each in its own direction: from the record on, and up to the one, that fit this
+/// gyro best.
+fn off_with_others(series: &RecordSeries, name: &Arc<str>, seen: &Unlike) -> Option<CandidateCause> {
+    let station = series.stations.binary_search(name).ok()?;
+    let here: Vec<UtcMicros> = series.rows.iter().filter(|row| row.station == station).map(|row| row.at).collect();
+    let column = |(from, until): (UtcMicros, Option<UtcMicros>)| {
+        let is_off = move |row: &Observation| {
+            row.station == station && from <= row.at && until.is_none_or(|until| row.at < until)
+        };
+        series.column(|row| f64::from(is_off(row)))
+    };
+    let edges = seen.edges(&here);
+    let gain = |column: &[f64]| {
+        let rows = series.rows.iter().zip(column).map(|(row, c)| (1.0 / row.variance, *c, row.y));
+        beside_level(rows).map_or(0.0, |(value, information)| value * value * information)
+    };
+    let tried = edges.len();
+    let all = edges.into_iter().map(|edges| (column(edges), edges));
+    let (column, (from, until)) = all.max_by(|a, b| gain(&a.0).total_cmp(&gain(&b.0)))?;
+    let tie = Tie::Unlike { name: name.clone(), seen: *seen, from, until };
+    Some(CandidateCause { tried, ..candidate(ChangeCause::Station, tie, "deg/(h*g0)", column) })
 }
 
 /// D_O = delta D_S: told from a constant only where D_S moved by clearly more than it is known.

@@ -7,6 +7,7 @@
 //! | id | form | what parts it from the others |
 //! |---|---|---|
 //! | `station` | offset, drift or step of one station | **shared by the gyros of other IMUs that it measured** |
+//! | `station` | k between two instants | many of its gyros were off between them, each its own way ([`unlike`]) |
 //! | `ageing` | k t, k (t - t0) from an instant t0 on, or a slope of its own after a repair | a slope that goes on across events, stations and temperatures |
 //! | `step_at_event` | k after one recorded event | the instant is known beforehand |
 //! | `re_mounting` | k after the gyro changed IMU or slot | as above; in D_O it is the clocking of S about I |
@@ -32,9 +33,11 @@ mod series;
 mod station;
 mod station_scatter;
 mod unlike;
+mod unlike_window;
 
 use crate::core::numerics::median::median_of;
 use std::collections::HashSet;
+use std::sync::Arc;
 
 use super::judge::{BASELINE_RECORDS, Coefficient};
 use super::time::UtcMicros;
@@ -49,7 +52,7 @@ pub use due::DriftBudget;
 pub use noise::Process;
 pub use reproducibility::{FleetStations, Spread, StationColumn, StationFigures, stations};
 pub use station::{CoursePoint, Shared};
-pub use unlike::Unlike;
+pub use unlike_window::Unlike;
 
 /// Stated standard deviations of a gyro without peers count for nothing where successive records scatter by so many.
 const DISBELIEVED: f64 = 3.0;
@@ -76,7 +79,10 @@ fn of_weighed(gyro: &GyroHistory, others: &[&GyroHistory], budgets: [Option<Drif
     let is_mate = is_mate_of(gyro);
     let (mates, peers): (Vec<&GyroHistory>, Vec<&GyroHistory>) = others.iter().partition(|other| is_mate(other));
     let entries = series::distinct(&gyro.entries);
-    let of = |(column, coefficient)| diagnose(gyro, &entries, &mates, &peers, coefficient, column, budgets[column]);
+    let unlike = unlike::beside(gyro, others);
+    let of = |(column, coefficient)| {
+        diagnose(gyro, &entries, [&mates, &peers], &unlike, coefficient, column, budgets[column])
+    };
     [Coefficient::DI, Coefficient::DS, Coefficient::DO].into_iter().enumerate().map(of).collect()
 }
 
@@ -89,8 +95,8 @@ pub fn is_mate_of(gyro: &GyroHistory) -> impl Fn(&GyroHistory) -> bool + use<'_>
 fn diagnose(
     gyro: &GyroHistory,
     entries: &[HistoryEntry],
-    mates: &[&GyroHistory],
-    peers: &[&GyroHistory],
+    [mates, peers]: [&[&GyroHistory]; 2],
+    unlike: &[(Arc<str>, Unlike)],
     coefficient: Coefficient,
     column: usize,
     budget: Option<DriftBudget>,
@@ -132,7 +138,11 @@ fn diagnose(
             row.y -= common.value * part.at(row.station, row.at, row.years);
         }
     }
-    answer.outliers = series.take_outliers();
+    let stations = series.stations.clone();
+    let is_told = |row: &series::Observation| {
+        unlike.iter().any(|(station, seen)| stations[row.station] == *station && seen.may_hold(row.at))
+    };
+    answer.outliers = series.take_outliers(is_told);
     series.condense(&gyro.marks);
     let question = search::CauseSearch {
         series: &series,
@@ -142,6 +152,7 @@ fn diagnose(
         course: &course,
         mates: &mates,
         prior: prior(&series, [&course, &mates], entries, column),
+        unlike,
     };
     let Some(found) = question.answer() else { return answer };
     let may_wander = found.named.iter().any(|cause| cause.class.contains(&ChangeCause::Wandering));

@@ -16,7 +16,8 @@ use super::answer::{GyroHistory, HistoryEntry, StationForm};
 use super::offsets::{Offsets, offsets};
 use super::series::robust;
 use super::station::{CoursePart, CoursePoint, OF_SCALE, Shared, StationCourse};
-use super::unlike::{Unlike, scatters, unlike};
+use super::unlike::{scatters, unlike};
+use super::unlike_window::Unlike;
 
 /// Points of a station's course, at most.
 const POINTS: usize = 60;
@@ -128,8 +129,8 @@ pub fn stations(fleet: &[GyroHistory]) -> Option<FleetStations> {
     let gyros: Vec<&GyroHistory> = fleet.iter().collect();
     let mut reproducibility = [None; 2];
     let mut stations: Vec<StationFigures> = found.values().cloned().collect();
-    let scatters = scatters(fleet);
-    stations.iter_mut().for_each(|figures| figures.unlike = unlike(fleet, &scatters, &figures.name));
+    let scatters = scatters(&gyros);
+    stations.iter_mut().for_each(|figures| figures.unlike = unlike(&gyros, &scatters, &figures.name));
     for (reference, compared) in &groups {
         let of_group = stations.iter_mut().zip(compared).filter(|(_, compared)| **compared);
         of_group.for_each(|(figures, _)| figures.against = Some(names[*reference].into()));

@@ -1,5 +1,7 @@
 //! Forward selection against noise that may remember, with corrected significance and classes of equals.
 
+use std::sync::Arc;
+
 use nalgebra::DVector;
 
 use crate::core::judge::{Coefficient, Mark};
@@ -15,6 +17,7 @@ use super::closure;
 use super::noise::{self, NoiseCovariance, Process};
 use super::series::RecordSeries;
 use super::station::{CoursePart, Shared, StationCourse};
+use super::unlike_window::Unlike;
 
 /// Adjusted significance below which a cause is named.
 const SIGNIFICANCE: f64 = 0.005;
@@ -193,6 +196,8 @@ pub(super) struct CauseSearch<'a> {
     /// Gyros of the same IMU.
     pub mates: &'a StationCourse,
     pub prior: NoisePrior,
+    /// When gyros of its stations were off with it, each in its own direction.
+    pub unlike: &'a [(Arc<str>, Unlike)],
 }
 
 impl CauseSearch<'_> {
@@ -208,7 +213,7 @@ impl CauseSearch<'_> {
             variance: series.column(|row| row.variance),
             known: known.collect(),
         };
-        let mut pool = candidates::all(series, self.marks, self.coefficient, self.reference, self.course);
+        let mut pool = candidates::all(series, self.marks, self.coefficient, self.reference, self.course, self.unlike);
         let kinds = kinds(&pool);
         let mut taken: Vec<CandidateCause> = Vec::new();
         let mut named: Vec<NamedCause> = Vec::new();

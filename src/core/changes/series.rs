@@ -139,8 +139,8 @@ impl RecordSeries {
     }
 
     /// Takes out the records that stand apart from both neighbours and from the medians of three on either side; at an
-    /// end, from those of the one side.
-    pub fn take_outliers(&mut self) -> Vec<Outlier> {
+    /// end, from those of the one side. None that `is_told` says something of.
+    pub fn take_outliers(&mut self, is_told: impl Fn(&Observation) -> bool) -> Vec<Outlier> {
         let n = self.len();
         if n < 8 {
             return Vec::new();
@@ -162,7 +162,7 @@ impl RecordSeries {
         let sd = robust(to_left).unwrap_or(0.0).max(1e-12);
         let found: Vec<(usize, f64, f64)> = (0..n)
             .map(|k| (k, apart(k), sd * (1.5 * self.rows[k].variance).sqrt()))
-            .filter(|(_, deviation, sd)| deviation.abs() > OUTLYING * sd)
+            .filter(|(k, deviation, sd)| deviation.abs() > OUTLYING * sd && !is_told(&self.rows[*k]))
             .collect();
         if found.len() > n / 6 {
             return Vec::new();

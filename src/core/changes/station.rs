@@ -623,8 +623,11 @@ fn blunders(peers: &[&GyroHistory], column: usize) -> HashSet<(usize, UtcMicros)
             there.entry(&entry.station).or_default().entry((entry.at, &entry.imu)).or_default();
         }
         for (station, entries) in of_station {
-            let apart: HashSet<UtcMicros> =
-                RecordSeries::of(&entries, column).take_outliers().into_iter().map(|outlier| outlier.at).collect();
+            let apart: HashSet<UtcMicros> = RecordSeries::of(&entries, column)
+                .take_outliers(|_| false)
+                .into_iter()
+                .map(|outlier| outlier.at)
+                .collect();
             let visits = there.entry(station).or_default();
             for entry in peer.entries.iter().filter(|entry| *entry.station == *station && apart.contains(&entry.at)) {
                 visits.entry((entry.at, &entry.imu)).or_default().push(number);

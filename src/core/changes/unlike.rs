@@ -6,13 +6,13 @@
 //! least, jump at once, and not to one side, and at other stations few do, it is the station.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
-use crate::core::message::{Message, text};
 use crate::core::time::UtcMicros;
-use crate::message;
 
 use super::answer::{GyroHistory, HistoryEntry};
 use super::series::scatter_of;
+use super::unlike_window::Unlike;
 
 /// Records of a gyro on either side of an instant, at most, and the days within which they lie.
 const RECORDS: usize = 2;
@@ -21,6 +21,8 @@ const NEAR_DAYS: f64 = 45.0;
 const INSTANTS: usize = 1000;
 /// |z| from which a gyro has jumped: of normal ones, of two coefficients, one in 4,000.
 const JUMPED: f64 = 4.0;
+/// |z| of one gyro from which it is asked whether others have jumped with it.
+const SUSPECTED: f64 = 3.0;
 /// Gyros and IMUs that tell, at the least.
 const GYROS: usize = 6;
 const IMUS: usize = 3;
@@ -30,38 +32,16 @@ const FEW: f64 = 0.25;
 /// Share of those that jump to one side of one coefficient from which on they share it: a step.
 const ALIKE: f64 = 0.85;
 
-/// Many gyros of a station were off from the first instant on and before the second, each in its own direction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Unlike {
-    pub from: UtcMicros,
-    /// None where they still are.
-    pub until: Option<UtcMicros>,
-    /// How many, of how many.
-    pub gyros: usize,
-    pub of: usize,
-}
-
-impl Unlike {
-    /// What is said of it.
-    pub fn message(&self) -> Message {
-        let Self { from, until, gyros, of } = *self;
-        let from = text(from.date());
-        match until {
-            Some(until) => message!("station_unlike", from, until = text(until.date()), gyros, of),
-            None => message!("station_unlike_since", from, gyros, of),
-        }
-    }
-}
-
-/// How far a gyro's D_I and D_S jump at an instant, in standard deviations.
+/// How far a gyro's D_I, D_S and D_O jump at an instant, in standard deviations.
 struct Jump<'a> {
     imu: &'a str,
-    z: [f64; 2],
+    z: [f64; 3],
 }
 
 impl Jump<'_> {
+    /// In what is the gyro's own: D_O moves with its mounting too.
     fn has_jumped(&self) -> bool {
-        self.z.iter().any(|z| z.abs() > JUMPED)
+        self.z[..2].iter().any(|z| z.abs() > JUMPED)
     }
 }
 
@@ -82,10 +62,10 @@ impl SeenJump<'_> {
     }
 }
 
-/// How D_I and D_S of each gyro scatter from record to record, or as is stated where that is more, deg/(h g0).
-pub(super) fn scatters(fleet: &[GyroHistory]) -> Vec<[f64; 2]> {
-    let of_gyro = |gyro: &GyroHistory| {
-        [0, 1].map(|column| {
+/// How D_I, D_S and D_O of each gyro scatter from record to record, or as is stated where that is more, deg/(h g0).
+pub(super) fn scatters(fleet: &[&GyroHistory]) -> Vec<[f64; 3]> {
+    let of_gyro = |gyro: &&GyroHistory| {
+        [0, 1, 2].map(|column| {
             let stated = gyro.entries.iter().filter_map(|entry| entry.d[column].sd).fold(0.0, f64::max);
             scatter_of(&gyro.entries, column).absolute.max(stated)
         })
@@ -93,8 +73,33 @@ pub(super) fn scatters(fleet: &[GyroHistory]) -> Vec<[f64; 2]> {
     fleet.iter().map(of_gyro).collect()
 }
 
+/// When many gyros of the stations of `gyro` were off, itself among them, each in its own direction; oldest first of each
+/// station. `others` are those of the fleet.
+pub(super) fn beside(gyro: &GyroHistory, others: &[&GyroHistory]) -> Vec<(Arc<str>, Unlike)> {
+    let sd = scatters(&[gyro])[0];
+    let has_jumped_at = |station: &&Arc<str>| {
+        let entries: Vec<&HistoryEntry> = gyro.entries.iter().filter(|entry| entry.station == **station).collect();
+        // One record by itself may be off too.
+        let differ = |pair: &[&HistoryEntry], k: usize| (pair[1].d[k].value - pair[0].d[k].value).abs();
+        let most = JUMPED * std::f64::consts::SQRT_2;
+        let is_far = entries.windows(2).any(|pair| (0..3).any(|k| differ(pair, k) > most * sd[k]));
+        let seen = Seen { entries, sd };
+        let mut jumps = seen.entries.iter().filter_map(|entry| seen.jump(entry.at));
+        is_far || jumps.any(|jump| jump.z.iter().any(|z| z.abs() > SUSPECTED))
+    };
+    let stations: BTreeSet<&Arc<str>> = gyro.entries.iter().map(|entry| &entry.station).collect();
+    let stations: Vec<&Arc<str>> = stations.into_iter().filter(has_jumped_at).collect();
+    if stations.is_empty() {
+        return Vec::new();
+    }
+    let fleet: Vec<&GyroHistory> = std::iter::once(gyro).chain(others.iter().copied()).collect();
+    let scatters = scatters(&fleet);
+    let of = |station: &Arc<str>| unlike(&fleet, &scatters, station);
+    stations.into_iter().flat_map(|station| of(station).into_iter().map(|one| (station.clone(), one))).collect()
+}
+
 /// When many gyros of `station` were off in different directions, oldest first; `scatters` are those of the fleet.
-pub(super) fn unlike(fleet: &[GyroHistory], scatters: &[[f64; 2]], station: &str) -> Vec<Unlike> {
+pub(super) fn unlike(fleet: &[&GyroHistory], scatters: &[[f64; 3]], station: &str) -> Vec<Unlike> {
     let seen = |is_here: bool| -> Vec<Seen<'_>> {
         let is_one = |entry: &&HistoryEntry| (*entry.station == *station) == is_here;
         let gyros = fleet.iter().zip(scatters);
@@ -147,7 +152,7 @@ pub(super) fn unlike(fleet: &[GyroHistory], scatters: &[[f64; 2]], station: &str
 /// The records of a gyro that are looked at, and how they scatter.
 struct Seen<'a> {
     entries: Vec<&'a HistoryEntry>,
-    sd: [f64; 2],
+    sd: [f64; 3],
 }
 
 impl<'a> Seen<'a> {
@@ -161,8 +166,8 @@ impl<'a> Seen<'a> {
             some.iter().map(|entry| entry.d[column].value).sum::<f64>() / some.len() as f64
         };
         let many = (1.0 / before.len() as f64 + 1.0 / after.len() as f64).sqrt();
-        let is_known = !after.is_empty() && self.sd.iter().all(|sd| *sd > 0.0);
-        let z = [0, 1].map(|k| (mean(&after, k) - mean(&before, k)) / (self.sd[k] * many));
+        let is_known = !after.is_empty() && self.sd[..2].iter().all(|sd| *sd > 0.0);
+        let z = [0, 1, 2].map(|k| (mean(&after, k) - mean(&before, k)) / (self.sd[k] * many));
         is_known.then_some(Jump { imu, z })
     }
 }

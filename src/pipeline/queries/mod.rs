@@ -34,7 +34,7 @@ pub use items::Names;
 pub use record::{ListFilter, Records, StoredCampaign, StoredRecord};
 pub use standing::{Standing, Violation};
 pub use status::Statuses;
-pub use today::{LINES, Today, today};
+pub use today::{FEW_RECORDS, LINES, Today, today};
 pub use verify::Verified;
 
 /// What is stored, as it is asked for. Cheap to clone.

@@ -32,6 +32,9 @@ change_station_step = { $station } stepped on { $day }
 change_station_between = { $station } was off from { $from } until { $until }
 station_unlike = Many of its gyros were off from { $from } until { $until }, each its own way ({ $gyros } of { $of }): check its levelling and axes.
 station_unlike_since = Many of its gyros are off since { $from }, each its own way ({ $gyros } of { $of }): check its levelling and axes.
+station_unlike_brief = { $gyros } of { $of } gyros, each its own way
+change_station_unlike = { $gyros } of { $of } gyros of { $station } were off from { $from } until { $until }, each its own way
+change_station_unlike_since = { $gyros } of { $of } gyros of { $station } are off since { $from }, each its own way
 change_proportion = D_O in proportion to D_S
 change_instant = between { $after } and { $before }
 

@@ -563,6 +563,7 @@ page_today_title = Today
 page_worse_since = New or worse since
 page_since_day = Since
 page_show_word = Show
+page_counted_apart = It is counted as another gyro until its records are revised.
 page_still_out = Still out of tolerance or drifting
 page_nothing_else_out = No other gyro is out of tolerance or drifting.
 page_nothing_worse = Nothing has become worse.
@@ -585,6 +586,10 @@ page_several_at_once = Several gyros at once
 page_nothing_together = Since that day the gyros of no station or batch have moved together.
 page_several_note = What stations did since that day, in % of the budget; and the median load of the newest calibrations of a station or batch, where it is four standard errors from zero. Check the station before the gyros.
 page_stations_not_compared = The stations are still being compared. Load this page again.
+gyros_check_station = { $gyros ->
+    [one] one gyro
+   *[other] { $gyros } gyros
+}: check the station first
 gyros_of_imus = { $gyros ->
     [one] one gyro
    *[other] { $gyros } gyros

@@ -29,6 +29,9 @@ change_station_step = { $station }于{ $day }阶跃
 change_station_between = { $station }自{ $from }至{ $until }期间偏离
 station_unlike = 自{ $from }至{ $until }，其许多陀螺偏离且方向各异（{ $of }只中{ $gyros }只）：检查调平与轴向。
 station_unlike_since = 自{ $from }起，其许多陀螺偏离且方向各异（{ $of }只中{ $gyros }只）：检查调平与轴向。
+station_unlike_brief = { $of }只陀螺中{ $gyros }只，方向各异
+change_station_unlike = 自{ $from }至{ $until }，{ $station }的{ $of }只陀螺中{ $gyros }只偏离，方向各异
+change_station_unlike_since = 自{ $from }起，{ $station }的{ $of }只陀螺中{ $gyros }只偏离，方向各异
 change_proportion = D_O与D_S成比例
 change_instant = { $after }与{ $before }之间
 

@@ -832,6 +832,76 @@ fn what_was_commanded_agrees_with_the_outputs_or_is_refused() {
     }
 }
 
+/// The example log in two parts, by clocks of several kinds: what is laid behind one another, and what is refused.
+#[test]
+fn logs_of_one_campaign_count_once_and_in_order_of_time() {
+    let logs = root().join("examples/logs");
+    let text = fs::read_to_string(logs.join("table.csv")).unwrap();
+    let (head, rows) = text.split_once('\n').unwrap();
+    let rows: Vec<&str> = rows.lines().collect();
+    let dir = tempfile::tempdir().unwrap();
+    fs::copy(logs.join("programme.csv"), dir.path().join("programme.csv")).unwrap();
+    let map = fs::read_to_string(logs.join("map.toml")).unwrap().replace("measured_at", "# measured_at");
+    fs::write(dir.path().join("undated.toml"), &map).unwrap();
+    fs::copy(logs.join("map.toml"), dir.path().join("map.toml")).unwrap();
+    // Rows of a part with another stamp; the log's own counts seconds from 0.
+    let write = |name: &str, unit: &str, part: std::ops::Range<usize>, stamp: &dyn Fn(usize) -> String| {
+        let row = |k: usize| format!("{};{}\n", stamp(k), rows[k].split_once(';').unwrap().1);
+        let head = head.replace("[s]", &format!("[{unit}]"));
+        fs::write(dir.path().join(name), format!("{head}\n{}", part.map(row).collect::<String>())).unwrap();
+    };
+    let made = |logs: &[&str], map: &str| {
+        dwells(dir.path(), &[logs, &["--map", map, "--programme", "programme.csv"]].concat())
+    };
+    // 2026-03-01T08:00:00Z.
+    let unix = |k: usize| format!("{}", 1_772_352_000 + k);
+    let iso = |k: usize| format!("2026-03-01 {:02}:{:02}:{:02}+08:00", 16 + k / 3600, k / 60 % 60, k % 60);
+    let (whole, half) = (rows.len(), 21 * 90);
+    write("all.csv", "s", 0..whole, &|k| k.to_string());
+    write("from0.csv", "s", half..whole, &|k| (k - half).to_string());
+    write("first.csv", "s", 0..half, &|k| k.to_string());
+    write("over.csv", "s", half - 90..whole, &|k| k.to_string());
+    for (kind, unit, stamp) in [("unix", "unix_s", &unix as &dyn Fn(usize) -> String), ("iso", "s", &iso)] {
+        write(&format!("{kind}1.csv"), unit, 0..half, stamp);
+        write(&format!("{kind}2.csv"), unit, half..whole, stamp);
+        write(&format!("{kind}3.csv"), unit, half - 90..whole, stamp);
+    }
+    let starts = |made: &Value| -> Vec<f64> {
+        made["dwells"].as_array().unwrap().iter().map(|dwell| dwell["start_s"].as_f64().unwrap()).collect()
+    };
+    let expected = starts(&campaign(&made(&["all.csv"], "map.toml")));
+    assert_eq!(expected.len(), 36);
+    let as_expected = |output: &Output| {
+        let made = campaign(output);
+        let starts = starts(&made);
+        assert_eq!(starts.len(), 36, "{starts:?}");
+        assert!(starts.iter().zip(&expected).all(|(own, whole)| (own - whole).abs() < 3.0), "{starts:?}");
+        made["measured_at"].as_str().unwrap().to_owned()
+    };
+    assert_eq!(as_expected(&made(&["first.csv", "from0.csv"], "map.toml")), "2026-03-01T08:00:00Z");
+    for kind in ["unix", "iso"] {
+        let [first, second, over] = [1, 2, 3].map(|part| format!("{kind}{part}.csv"));
+        for order in [[&*first, &*second], [&*second, &*first]] {
+            let output = made(&order, "undated.toml");
+            assert_eq!(as_expected(&output), "2026-03-01T08:00:00Z");
+            let said = String::from_utf8_lossy(&output.stderr);
+            let note = format!("in order of time: {first}, {second}");
+            assert_eq!(said.contains(&note), order[0] == second, "{said}");
+        }
+        for order in [[&*first, &*over], [&*over, &*first]] {
+            let said = refused(&made(&order, "undated.toml"));
+            let begins = format!("{over}: line 2: begins at 2026-03-01T08:30:00Z, 90.0 s before {first} ends");
+            assert!(said.contains(&format!("{begins} (2026-03-01T08:31:29Z)")), "{said}");
+        }
+        let said = refused(&made(&[&first, &first], "undated.toml"));
+        assert!(said.contains(&format!("{first}: line 2: begins")), "{said}");
+    }
+    let said = refused(&made(&["all.csv", "all.csv"], "map.toml"));
+    assert!(said.contains("all.csv: holds the same 3240 rows as all.csv"), "{said}");
+    let said = refused(&made(&["first.csv", "over.csv"], "map.toml"));
+    assert!(said.contains("over.csv: holds 89.0 s of first.csv again, from 1800.0 s to 1889.0 s"), "{said}");
+}
+
 /// The example log in units that it is not in, with a cell too many, and one that moves: what is said.
 #[test]
 fn units_that_cannot_be_shifted_cells_and_motion_are_refused() {

@@ -173,7 +173,7 @@ impl Work<'_> {
             return Err(below_min(message!("no_interval", seconds = figure(span, 1), least)));
         }
         self.note(&found, usual);
-        let is_proved = self.log.unix_s.is_some() || self.turns.proved;
+        let is_proved = self.log.began.is_some() || self.turns.proved;
         if !is_proved && (self.log.sample_s >= SELDOM_S || usual >= LONG_S) {
             let [step, usual] = [self.log.sample_s, usual].map(|value| significant(value, 3));
             self.remarks.push(message!("time_unproved", step, usual));

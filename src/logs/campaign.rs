@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::assemble::{Commanded, Dwell, assemble, one_orientation};
+use super::clock::Epoch;
 use super::error::LogError;
 use super::gather::{Gathered, gather};
 use super::map::Map;
@@ -14,7 +15,6 @@ use crate::core::dwells::explained::{Contradiction, contradiction, input_axis};
 use crate::core::dwells::programme::Position;
 use crate::core::fault::Faults;
 use crate::core::message::{Message, figure, list, sent, text};
-use crate::core::time::UtcMicros;
 use crate::core::units::radians;
 use crate::message;
 use crate::wire::campaign::{CampaignBody, CampaignGyroBody, DwellBody, commanded};
@@ -130,7 +130,8 @@ fn site_of(map: &Map) -> Option<Site> {
 
 fn body(map: &Map, dwells: &[Dwell], gathered: Option<&Gathered>) -> Result<CampaignBody, LogError> {
     let missing = |key: &'static str| LogError::new("map", message!("map_missing", key));
-    let began = gathered.and_then(|g| g.unix_s).map(|s| time::format(UtcMicros((s * 1e6) as i64)));
+    let began = gathered.and_then(|g| g.began).filter(|(epoch, _)| *epoch == Epoch::Unix);
+    let began = began.map(|(epoch, began_s)| time::format(epoch.moment(began_s)));
     if map.gyros.is_empty() {
         return Err(missing("gyros"));
     }

@@ -55,6 +55,10 @@ log_column_number = there is no column { $number }; the log has { $columns }
 log_column_twice = several columns are named "{ $name }"; give the number of the one that is meant
 log_columns_unnamed = the log has no header, so no column is named "{ $name }"; name columns by number, 1 to { $columns }
 log_other_layout = has other columns than { $first }; logs that follow one another must be alike
+log_twice = holds the same { $rows } rows as { $other }; what is given twice would count twice: name each log once
+log_repeats = holds { $seconds } s of { $other } again, from { $from } s to { $to } s of its clock, and they would count twice: cut them off one of the two, or name one log alone
+log_overlaps = begins at { $from }, { $seconds } s before { $other } ends ({ $to }), and what both hold would count twice: cut the first { $seconds } s off this log, or name one of the two alone. If a clock was set back, give `rate_hz` in place of `time`
+logs_in_order = the logs were named in another order and are read in order of time: { $logs }
 log_unused = nothing in the map is of log { $log }; say `log = { $log }` where its columns are named
 logs_apart = the logs have no time in common; do they run beside one another?
 

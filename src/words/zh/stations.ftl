@@ -55,6 +55,10 @@ log_column_number = 没有第{ $number }列；记录有{ $columns }列
 log_column_twice = 有多列名为"{ $name }"；请用列号指明
 log_columns_unnamed = 记录没有表头，没有名为"{ $name }"的列；请用列号1至{ $columns }
 log_other_layout = 的列与{ $first }不同；前后相接的记录须有相同的列
+log_twice = 与{ $other }的{ $rows }行完全相同，会重复计算：每个记录只给出一次
+log_repeats = 重复了{ $other }的{ $seconds } s（其时钟的{ $from } s至{ $to } s），会重复计算：请从其中一个记录中删去这一段，或只给出一个记录
+log_overlaps = 始于{ $from }，而{ $other }在{ $seconds } s之后（{ $to }）才结束，重叠部分会重复计算：请删去本记录开头的{ $seconds } s，或只给出其中一个。若时钟曾被拨回，请以`rate_hz`代替`time`
+logs_in_order = 记录未按时间顺序给出，已按时间顺序读取：{ $logs }
 log_unused = 映射中没有用到第{ $log }个记录；请在其列处写`log = { $log }`
 logs_apart = 各记录没有共同的时间；它们是同时记录的吗？
 

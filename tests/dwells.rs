@@ -902,6 +902,47 @@ fn logs_of_one_campaign_count_once_and_in_order_of_time() {
     assert!(said.contains("over.csv: holds 89.0 s of first.csv again, from 1800.0 s to 1889.0 s"), "{said}");
 }
 
+/// The first rows of the example log by clocks with dates, and what the map says of the date.
+#[test]
+fn a_date_that_the_logs_clock_contradicts_is_refused() {
+    let logs = root().join("examples/logs");
+    let text = fs::read_to_string(logs.join("table.csv")).unwrap();
+    let (head, rows) = text.split_once('\n').unwrap();
+    let rows: Vec<&str> = rows.lines().collect();
+    let dir = tempfile::tempdir().unwrap();
+    fs::copy(logs.join("programme.csv"), dir.path().join("programme.csv")).unwrap();
+    let map = fs::read_to_string(logs.join("map.toml")).unwrap();
+    let made = |stamp: &dyn Fn(usize) -> String, unit: &str, date: &str| {
+        let row = |(k, row): (usize, &&str)| format!("{};{}\n", stamp(k), row.split_once(';').unwrap().1);
+        let head = head.replace("[s]", unit);
+        let log = format!("{head}\n{}", rows.iter().enumerate().map(row).collect::<String>());
+        fs::write(dir.path().join("log.csv"), log).unwrap();
+        fs::write(dir.path().join("map.toml"), map.replace("2026-03-01T08:00:00Z", date)).unwrap();
+        dwells(dir.path(), &["log.csv", "--map", "map.toml", "--programme", "programme.csv"])
+    };
+    let time = |k: usize| format!("{:02}:{:02}:{:02}", 8 + k / 3600, k / 60 % 60, k % 60);
+    let unix = |k: usize| (1_772_352_000 + k).to_string();
+    let zoned = |k: usize| format!("2026-03-01T{}Z", time(k));
+    let local = |k: usize| format!("2026-03-01 {}", time(k));
+    let unset = |k: usize| format!("2000-01-01 {}", time(k));
+    let clocks: [(&dyn Fn(usize) -> String, &str, &str); 3] =
+        [(&unix, "[unix_s]", "08:00:00Z"), (&zoned, "[s]", "08:00:00Z"), (&local, "[s]", "08:00:00")];
+    for (stamp, unit, clock) in clocks {
+        // A day off, or any hour of the date.
+        for date in ["2026-03-01T00:00:00+08:00", "2026-03-02T06:00:00Z"] {
+            campaign(&made(stamp, unit, date));
+        }
+        let said = refused(&made(stamp, unit, "2025-12-24T08:00:00Z"));
+        let words =
+            format!("`measured_at`: is 2025-12-24T08:00:00Z, and the log's clock runs from 2026-03-01T{clock} to");
+        assert!(said.contains(&words), "{said}");
+    }
+    let output = made(&unset, "[s]", "2026-03-01T08:00:00Z");
+    assert_eq!(campaign(&output)["measured_at"], "2026-03-01T08:00:00Z");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("the log's clock says 2000-01-01T08:00:00, as one that was never set"), "{said}");
+}
+
 /// The example log in units that it is not in, with a cell too many, and one that moves: what is said.
 #[test]
 fn units_that_cannot_be_shifted_cells_and_motion_are_refused() {

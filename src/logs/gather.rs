@@ -140,7 +140,7 @@ pub fn gather(map: &Map, mut sources: Vec<(String, Source)>) -> Result<Gathered,
     let rate = channels.iter().find(|channel| matches!(channel.role, Role::Rate(_)));
     let mut reader = Reader::new(map, unit, remarks);
     reader.rate_factor = rate.map_or(0.0, |channel| channel.reading.factor.abs());
-    let mut logs = Vec::new();
+    let mut logs: Vec<Room> = Vec::new();
     let mut roles = Vec::new();
     for k in 0..sources.len() {
         let own = of_log(if beside > 1 { k } else { 0 });
@@ -149,7 +149,8 @@ pub fn gather(map: &Map, mut sources: Vec<(String, Source)>) -> Result<Gathered,
         }
         if k == 0 || beside > 1 {
             let own_roles = tracks(&own, counts);
-            logs.push(Room::new(own_roles.len()));
+            let unit_s = logs.first_mut().map(|first| first.begun().unit_s());
+            logs.push(Room::new(own_roles.len(), unit_s));
             roles.extend(own_roles);
             reader.restart();
         } else {
@@ -264,13 +265,15 @@ fn tracks(channels: &[&Channel], counts: Counts) -> Vec<Role> {
 /// Blocks of a log, begun once the time between its samples is known.
 struct Room {
     width: usize,
+    /// Unit of the blocks of the log beside it.
+    unit_s: Option<f64>,
     first: Vec<(f64, Vec<f64>)>,
     blocks: Option<Blocks>,
 }
 
 impl Room {
-    fn new(width: usize) -> Self {
-        Self { width, first: Vec::new(), blocks: None }
+    fn new(width: usize, unit_s: Option<f64>) -> Self {
+        Self { width, unit_s, first: Vec::new(), blocks: None }
     }
 
     fn push(&mut self, time: f64, values: &[f64]) {
@@ -279,28 +282,31 @@ impl Room {
             None => {
                 self.first.push((time, values.to_vec()));
                 if self.first.len() == FIRST_ROWS {
-                    self.begin();
+                    self.begun();
                 }
             }
         }
     }
 
-    fn begin(&mut self) {
-        let mut steps: Vec<f64> = self.first.windows(2).map(|p| p[1].0 - p[0].0).filter(|d| *d > 0.0).collect();
-        steps.sort_by(f64::total_cmp);
-        let usual = steps.get(steps.len() / 2).copied().unwrap_or(1.0);
-        let mut blocks = Blocks::new(self.width, usual);
-        for (time, values) in self.first.drain(..) {
-            blocks.push(time, &values);
-        }
-        self.blocks = Some(blocks);
+    fn begun(&mut self) -> &mut Blocks {
+        self.blocks.get_or_insert_with(|| {
+            let mut steps: Vec<f64> = self.first.windows(2).map(|p| p[1].0 - p[0].0).filter(|d| *d > 0.0).collect();
+            steps.sort_by(f64::total_cmp);
+            let usual = steps.get(steps.len() / 2).copied().unwrap_or(1.0);
+            let mut blocks = match self.unit_s {
+                Some(unit_s) => Blocks::beside(self.width, usual, unit_s),
+                None => Blocks::new(self.width, usual),
+            };
+            for (time, values) in self.first.drain(..) {
+                blocks.push(time, &values);
+            }
+            blocks
+        })
     }
 
     fn into_blocks(mut self) -> Blocks {
-        if self.blocks.is_none() {
-            self.begin();
-        }
-        self.blocks.take().expect("blocks were begun above")
+        self.begun();
+        self.blocks.expect("blocks were begun above")
     }
 }
 

@@ -967,8 +967,20 @@ fn units_that_cannot_be_shifted_cells_and_motion_are_refused() {
         let said = refused(&made(text.replace(unit, other)));
         assert!(said.contains(expected), "{other}: {said}");
     }
-    // A decimal comma between commas, in the first rows and later.
     let rows: Vec<&str> = rows.lines().collect();
+    // A rate that is off by a hundredth of a degree a second, until the map says so.
+    let off = |row: &&str| {
+        let (before, rate) = row.rsplit_once(';').unwrap();
+        format!("{before};{:.2}\n", rate.parse::<f64>().unwrap() + 0.01)
+    };
+    let off = format!("{head}\n{}", rows.iter().map(off).collect::<String>());
+    let said = refused(&made(off.clone()));
+    assert!(said.contains("`rate` of the log shows 0.0100 deg/s in every still position"), "{said}");
+    let map = fs::read_to_string(logs.join("map.toml")).unwrap();
+    fs::write(dir.path().join("map.toml"), map.replace("[\"table\"]", "[\"table\"], offset = 0.01")).unwrap();
+    assert_eq!(campaign(&made(off))["dwells"].as_array().unwrap().len(), 36);
+    fs::write(dir.path().join("map.toml"), map).unwrap();
+    // A decimal comma between commas, in the first rows and later.
     for (damaged, way) in [(7, "line 9"), (1700, "line 1702")] {
         let cells = |k: usize, row: &&str| {
             let row = row.replace(';', ",");

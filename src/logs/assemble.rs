@@ -104,7 +104,8 @@ pub fn assemble(
         log.by_own_time();
     }
     let turns = turning::take_out(log, map.min_s, programme);
-    let other_unit = turning::of_other_unit(log, programme).or_else(|| turns.other_unit.clone());
+    let of_unit = turning::of_other_unit(log, programme).or_else(|| turns.other_unit.clone());
+    let other_unit = of_unit.or_else(|| turning::rate_at_rest(log, programme));
     let (breaks, keep_short) = (log.breaks.clone(), programme.is_some());
     let search = Search { min_s: map.min_s, breaks, keep_short, room: Vec::new() };
     let found = find(&mut log.series, &watched, &search);

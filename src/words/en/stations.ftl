@@ -177,6 +177,7 @@ programme_left = { $count } intervals are in no row of the programme and are lef
 programme_clock = the programme begins at { $seconds } s of the log
 programme_ambiguous = the programme's times fit the log as well from { $one } s on as from { $other } s on, a dwell apart: name `force` or `rate` in the map, or log the whole programme
 rate_other_unit = `rate` of the log looks like { $unit }: in all turns programme, angles, attitude, or the swing that the Earth's rate makes in the outputs, say so. Mend its unit in the map
+rate_at_rest = `rate` of the log shows { $rates } deg/s in every still position, and from { $least } deg/s on the table is taken to turn: name this in the map as `offset` of `rate`, in the unit of its column
 time_other_unit = `time` looks like { $unit }: in all turns the outputs swing as the Earth's rate makes them, if it is. Mend its unit in the map
 time_unproved = a sample every { $step } s, intervals of { $usual } s: cannot tell whether `time` is in this unit, because no turn shows the Earth's rate. If these are too long, mend its unit in the map
 scale_unproved = cannot tell whether `output` is in this unit, because no heading is known: the Earth's rate at rest would show its scale, and that of `rate`. Give --programme, or name `table` or `attitude` in the map

@@ -177,6 +177,7 @@ programme_left = { $count }段不在测试程序中，已剔除
 programme_clock = 测试程序始于记录的{ $seconds } s
 programme_ambiguous = 程序的时刻从日志的{ $one } s起算与从{ $other } s起算同样吻合，相差一个测点：请在映射中写明`force`或`rate`，或记录完整的程序
 rate_other_unit = 日志的`rate`像是{ $unit }：所有转动中，程序、转台角度、姿态或地球自转使输出产生的波动都表明如此。请在映射中改正其单位
+rate_at_rest = 记录的`rate`在每个静止测点均为{ $rates }°/s，而从{ $least }°/s起视为转动：请在映射中写为`rate`的`offset`，单位同该列
 time_other_unit = `time`像是{ $unit }：若如此，所有转动中输出的波动都与地球自转相符。请在映射中改正其单位
 time_unproved = 每{ $step } s一个采样、稳定段{ $usual } s：无法判断`time`的单位，因为没有转动显示地球自转。如过长，请在映射中改正其单位
 scale_unproved = 无法判断`output`的单位，因为不知方位：静止时的地球自转可显示其标度及`rate`的标度。请给出--programme，或在映射中写明`table`或`attitude`

@@ -943,6 +943,38 @@ fn a_date_that_the_logs_clock_contradicts_is_refused() {
     assert!(said.contains("the log's clock says 2000-01-01T08:00:00, as one that was never set"), "{said}");
 }
 
+/// The example log without the table's rate, with the clock set within a position, and without a position.
+#[test]
+fn where_intervals_and_rows_are_not_as_many_is_said() {
+    let logs = root().join("examples/logs");
+    let text = fs::read_to_string(logs.join("table.csv")).unwrap();
+    let (head, rows) = text.split_once('\n').unwrap();
+    let rows: Vec<&str> = rows.lines().collect();
+    let dir = tempfile::tempdir().unwrap();
+    let programme = fs::read_to_string(logs.join("programme.csv")).unwrap();
+    let map = fs::read_to_string(logs.join("map.toml")).unwrap().replace("rate =", "# rate =");
+    fs::write(dir.path().join("map.toml"), map).unwrap();
+    let made = |stamp: &dyn Fn(usize) -> Option<usize>, programme: &str| {
+        let row = |(k, row): (usize, &&str)| Some(format!("{};{}\n", stamp(k)?, row.split_once(';').unwrap().1));
+        let log = format!("{head}\n{}", rows.iter().enumerate().filter_map(row).collect::<String>());
+        fs::write(dir.path().join("log.csv"), log).unwrap();
+        fs::write(dir.path().join("programme.csv"), programme).unwrap();
+        dwells(dir.path(), &["log.csv", "--map", "map.toml", "--programme", "programme.csv"])
+    };
+    let jump = |k: usize| Some(if k < 500 { k } else { k + 3600 });
+    let said = refused(&made(&jump, &programme));
+    assert!(said.contains("37 intervals were found and the programme has 36 rows"), "{said}");
+    assert!(said.contains("splits: intervals 6/7 (49") || said.contains("splits: intervals 6/7 (50"), "{said}");
+    // Its row once more, as is said.
+    let lines: Vec<&str> = programme.lines().collect();
+    let twice = [&lines[..7], &lines[6..]].concat().join("\n") + "\n";
+    assert_eq!(campaign(&made(&jump, &twice))["dwells"].as_array().unwrap().len(), 37);
+    let skipped = |k: usize| Some(k).filter(|k| !(455..545).contains(k));
+    let said = refused(&made(&skipped, &programme));
+    assert!(said.contains("35 intervals were found and the programme has 36 rows"), "{said}");
+    assert!(said.contains("between intervals 5/6 (4"), "{said}");
+}
+
 /// The example log in units that it is not in, with a cell too many, and one that moves: what is said.
 #[test]
 fn units_that_cannot_be_shifted_cells_and_motion_are_refused() {

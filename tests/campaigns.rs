@@ -345,6 +345,7 @@ fn bad_members() -> Vec<(&'static str, &'static str, Value)> {
         ("a time without offset", "/measured_at", json!("2026-03-01T08:00:00")),
         ("a negative uncertainty", "/station_uncertainty/fixture_arcsec", json!(-1.0)),
         ("an uncertainty of degrees", "/station_uncertainty/fixture_arcsec", json!(7200.0)),
+        ("gravity of no place", "/site/gravity_g0", json!(0.985)),
         ("a latitude beyond the pole", "/site/latitude_deg", json!(91.0)),
     ]
 }

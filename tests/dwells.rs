@@ -832,6 +832,149 @@ fn what_was_commanded_agrees_with_the_outputs_or_is_refused() {
     }
 }
 
+/// The example log in two parts, by clocks of several kinds: what is laid behind one another, and what is refused.
+#[test]
+fn logs_of_one_campaign_count_once_and_in_order_of_time() {
+    let logs = root().join("examples/logs");
+    let text = fs::read_to_string(logs.join("table.csv")).unwrap();
+    let (head, rows) = text.split_once('\n').unwrap();
+    let rows: Vec<&str> = rows.lines().collect();
+    let dir = tempfile::tempdir().unwrap();
+    fs::copy(logs.join("programme.csv"), dir.path().join("programme.csv")).unwrap();
+    let map = fs::read_to_string(logs.join("map.toml")).unwrap().replace("measured_at", "# measured_at");
+    fs::write(dir.path().join("undated.toml"), &map).unwrap();
+    fs::copy(logs.join("map.toml"), dir.path().join("map.toml")).unwrap();
+    // Rows of a part with another stamp; the log's own counts seconds from 0.
+    let write = |name: &str, unit: &str, part: std::ops::Range<usize>, stamp: &dyn Fn(usize) -> String| {
+        let row = |k: usize| format!("{};{}\n", stamp(k), rows[k].split_once(';').unwrap().1);
+        let head = head.replace("[s]", &format!("[{unit}]"));
+        fs::write(dir.path().join(name), format!("{head}\n{}", part.map(row).collect::<String>())).unwrap();
+    };
+    let made = |logs: &[&str], map: &str| {
+        dwells(dir.path(), &[logs, &["--map", map, "--programme", "programme.csv"]].concat())
+    };
+    // 2026-03-01T08:00:00Z.
+    let unix = |k: usize| format!("{}", 1_772_352_000 + k);
+    let iso = |k: usize| format!("2026-03-01 {:02}:{:02}:{:02}+08:00", 16 + k / 3600, k / 60 % 60, k % 60);
+    let (whole, half) = (rows.len(), 21 * 90);
+    write("all.csv", "s", 0..whole, &|k| k.to_string());
+    write("from0.csv", "s", half..whole, &|k| (k - half).to_string());
+    write("first.csv", "s", 0..half, &|k| k.to_string());
+    write("over.csv", "s", half - 90..whole, &|k| k.to_string());
+    for (kind, unit, stamp) in [("unix", "unix_s", &unix as &dyn Fn(usize) -> String), ("iso", "s", &iso)] {
+        write(&format!("{kind}1.csv"), unit, 0..half, stamp);
+        write(&format!("{kind}2.csv"), unit, half..whole, stamp);
+        write(&format!("{kind}3.csv"), unit, half - 90..whole, stamp);
+    }
+    let starts = |made: &Value| -> Vec<f64> {
+        made["dwells"].as_array().unwrap().iter().map(|dwell| dwell["start_s"].as_f64().unwrap()).collect()
+    };
+    let expected = starts(&campaign(&made(&["all.csv"], "map.toml")));
+    assert_eq!(expected.len(), 36);
+    let as_expected = |output: &Output| {
+        let made = campaign(output);
+        let starts = starts(&made);
+        assert_eq!(starts.len(), 36, "{starts:?}");
+        assert!(starts.iter().zip(&expected).all(|(own, whole)| (own - whole).abs() < 3.0), "{starts:?}");
+        made["measured_at"].as_str().unwrap().to_owned()
+    };
+    assert_eq!(as_expected(&made(&["first.csv", "from0.csv"], "map.toml")), "2026-03-01T08:00:00Z");
+    for kind in ["unix", "iso"] {
+        let [first, second, over] = [1, 2, 3].map(|part| format!("{kind}{part}.csv"));
+        for order in [[&*first, &*second], [&*second, &*first]] {
+            let output = made(&order, "undated.toml");
+            assert_eq!(as_expected(&output), "2026-03-01T08:00:00Z");
+            let said = String::from_utf8_lossy(&output.stderr);
+            let note = format!("in order of time: {first}, {second}");
+            assert_eq!(said.contains(&note), order[0] == second, "{said}");
+        }
+        for order in [[&*first, &*over], [&*over, &*first]] {
+            let said = refused(&made(&order, "undated.toml"));
+            let begins = format!("{over}: line 2: begins at 2026-03-01T08:30:00Z, 90.0 s before {first} ends");
+            assert!(said.contains(&format!("{begins} (2026-03-01T08:31:29Z)")), "{said}");
+        }
+        let said = refused(&made(&[&first, &first], "undated.toml"));
+        assert!(said.contains(&format!("{first}: line 2: begins")), "{said}");
+    }
+    let said = refused(&made(&["all.csv", "all.csv"], "map.toml"));
+    assert!(said.contains("all.csv: holds the same 3240 rows as all.csv"), "{said}");
+    let said = refused(&made(&["first.csv", "over.csv"], "map.toml"));
+    assert!(said.contains("over.csv: holds 89.0 s of first.csv again, from 1800.0 s to 1889.0 s"), "{said}");
+}
+
+/// The first rows of the example log by clocks with dates, and what the map says of the date.
+#[test]
+fn a_date_that_the_logs_clock_contradicts_is_refused() {
+    let logs = root().join("examples/logs");
+    let text = fs::read_to_string(logs.join("table.csv")).unwrap();
+    let (head, rows) = text.split_once('\n').unwrap();
+    let rows: Vec<&str> = rows.lines().collect();
+    let dir = tempfile::tempdir().unwrap();
+    fs::copy(logs.join("programme.csv"), dir.path().join("programme.csv")).unwrap();
+    let map = fs::read_to_string(logs.join("map.toml")).unwrap();
+    let made = |stamp: &dyn Fn(usize) -> String, unit: &str, date: &str| {
+        let row = |(k, row): (usize, &&str)| format!("{};{}\n", stamp(k), row.split_once(';').unwrap().1);
+        let head = head.replace("[s]", unit);
+        let log = format!("{head}\n{}", rows.iter().enumerate().map(row).collect::<String>());
+        fs::write(dir.path().join("log.csv"), log).unwrap();
+        fs::write(dir.path().join("map.toml"), map.replace("2026-03-01T08:00:00Z", date)).unwrap();
+        dwells(dir.path(), &["log.csv", "--map", "map.toml", "--programme", "programme.csv"])
+    };
+    let time = |k: usize| format!("{:02}:{:02}:{:02}", 8 + k / 3600, k / 60 % 60, k % 60);
+    let unix = |k: usize| (1_772_352_000 + k).to_string();
+    let zoned = |k: usize| format!("2026-03-01T{}Z", time(k));
+    let local = |k: usize| format!("2026-03-01 {}", time(k));
+    let unset = |k: usize| format!("2000-01-01 {}", time(k));
+    let clocks: [(&dyn Fn(usize) -> String, &str, &str); 3] =
+        [(&unix, "[unix_s]", "08:00:00Z"), (&zoned, "[s]", "08:00:00Z"), (&local, "[s]", "08:00:00")];
+    for (stamp, unit, clock) in clocks {
+        // A day off, or any hour of the date.
+        for date in ["2026-03-01T00:00:00+08:00", "2026-03-02T06:00:00Z"] {
+            campaign(&made(stamp, unit, date));
+        }
+        let said = refused(&made(stamp, unit, "2025-12-24T08:00:00Z"));
+        let words =
+            format!("`measured_at`: is 2025-12-24T08:00:00Z, and the log's clock runs from 2026-03-01T{clock} to");
+        assert!(said.contains(&words), "{said}");
+    }
+    let output = made(&unset, "[s]", "2026-03-01T08:00:00Z");
+    assert_eq!(campaign(&output)["measured_at"], "2026-03-01T08:00:00Z");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("the log's clock says 2000-01-01T08:00:00, as one that was never set"), "{said}");
+}
+
+/// The example log without the table's rate, with the clock set within a position, and without a position.
+#[test]
+fn where_intervals_and_rows_are_not_as_many_is_said() {
+    let logs = root().join("examples/logs");
+    let text = fs::read_to_string(logs.join("table.csv")).unwrap();
+    let (head, rows) = text.split_once('\n').unwrap();
+    let rows: Vec<&str> = rows.lines().collect();
+    let dir = tempfile::tempdir().unwrap();
+    let programme = fs::read_to_string(logs.join("programme.csv")).unwrap();
+    let map = fs::read_to_string(logs.join("map.toml")).unwrap().replace("rate =", "# rate =");
+    fs::write(dir.path().join("map.toml"), map).unwrap();
+    let made = |stamp: &dyn Fn(usize) -> Option<usize>, programme: &str| {
+        let row = |(k, row): (usize, &&str)| Some(format!("{};{}\n", stamp(k)?, row.split_once(';').unwrap().1));
+        let log = format!("{head}\n{}", rows.iter().enumerate().filter_map(row).collect::<String>());
+        fs::write(dir.path().join("log.csv"), log).unwrap();
+        fs::write(dir.path().join("programme.csv"), programme).unwrap();
+        dwells(dir.path(), &["log.csv", "--map", "map.toml", "--programme", "programme.csv"])
+    };
+    let jump = |k: usize| Some(if k < 500 { k } else { k + 3600 });
+    let said = refused(&made(&jump, &programme));
+    assert!(said.contains("37 intervals were found and the programme has 36 rows"), "{said}");
+    assert!(said.contains("splits: intervals 6/7 (49") || said.contains("splits: intervals 6/7 (50"), "{said}");
+    // Its row once more, as is said.
+    let lines: Vec<&str> = programme.lines().collect();
+    let twice = [&lines[..7], &lines[6..]].concat().join("\n") + "\n";
+    assert_eq!(campaign(&made(&jump, &twice))["dwells"].as_array().unwrap().len(), 37);
+    let skipped = |k: usize| Some(k).filter(|k| !(455..545).contains(k));
+    let said = refused(&made(&skipped, &programme));
+    assert!(said.contains("35 intervals were found and the programme has 36 rows"), "{said}");
+    assert!(said.contains("between intervals 5/6 (4"), "{said}");
+}
+
 /// The example log in units that it is not in, with a cell too many, and one that moves: what is said.
 #[test]
 fn units_that_cannot_be_shifted_cells_and_motion_are_refused() {
@@ -856,8 +999,20 @@ fn units_that_cannot_be_shifted_cells_and_motion_are_refused() {
         let said = refused(&made(text.replace(unit, other)));
         assert!(said.contains(expected), "{other}: {said}");
     }
-    // A decimal comma between commas, in the first rows and later.
     let rows: Vec<&str> = rows.lines().collect();
+    // A rate that is off by a hundredth of a degree a second, until the map says so.
+    let off = |row: &&str| {
+        let (before, rate) = row.rsplit_once(';').unwrap();
+        format!("{before};{:.2}\n", rate.parse::<f64>().unwrap() + 0.01)
+    };
+    let off = format!("{head}\n{}", rows.iter().map(off).collect::<String>());
+    let said = refused(&made(off.clone()));
+    assert!(said.contains("`rate` of the log shows 0.0100 deg/s in every still position"), "{said}");
+    let map = fs::read_to_string(logs.join("map.toml")).unwrap();
+    fs::write(dir.path().join("map.toml"), map.replace("[\"table\"]", "[\"table\"], offset = 0.01")).unwrap();
+    assert_eq!(campaign(&made(off))["dwells"].as_array().unwrap().len(), 36);
+    fs::write(dir.path().join("map.toml"), map).unwrap();
+    // A decimal comma between commas, in the first rows and later.
     for (damaged, way) in [(7, "line 9"), (1700, "line 1702")] {
         let cells = |k: usize, row: &&str| {
             let row = row.replace(';', ",");

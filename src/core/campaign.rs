@@ -17,6 +17,7 @@ mod columns;
 pub mod commanded;
 mod contradicting;
 mod earth_rate;
+pub mod gravity;
 mod note;
 pub mod repeats;
 mod stated_errors;

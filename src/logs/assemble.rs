@@ -61,6 +61,10 @@ const USUAL_S: f64 = 86_400.0;
 /// Time from sample to sample, and length of a usual dwell, s, from which the unit of time is asked about.
 const SELDOM_S: f64 = 5.0;
 const LONG_S: f64 = 3600.0;
+/// Difference of outputs, in standard deviations of white noise, that is none; part of a usual dwell, beyond a usual
+/// pause, that hides a dwell.
+const ALIKE: f64 = 10.0;
+const HIDES: f64 = 0.5;
 /// Part of a turn that may be about what is level.
 const LEVEL_TURN: f64 = 0.05;
 /// Cosine below which two verticals are different orientations (10 deg).
@@ -104,7 +108,8 @@ pub fn assemble(
         log.by_own_time();
     }
     let turns = turning::take_out(log, map.min_s, programme);
-    let other_unit = turning::of_other_unit(log, programme).or_else(|| turns.other_unit.clone());
+    let of_unit = turning::of_other_unit(log, programme).or_else(|| turns.other_unit.clone());
+    let other_unit = of_unit.or_else(|| turning::rate_at_rest(log, programme));
     let (breaks, keep_short) = (log.breaks.clone(), programme.is_some());
     let search = Search { min_s: map.min_s, breaks, keep_short, room: Vec::new() };
     let found = find(&mut log.series, &watched, &search);
@@ -173,7 +178,7 @@ impl Work<'_> {
             return Err(below_min(message!("no_interval", seconds = figure(span, 1), least)));
         }
         self.note(&found, usual);
-        let is_proved = self.log.unix_s.is_some() || self.turns.proved;
+        let is_proved = self.log.began.is_some() || self.turns.proved;
         if !is_proved && (self.log.sample_s >= SELDOM_S || usual >= LONG_S) {
             let [step, usual] = [self.log.sample_s, usual].map(|value| significant(value, 3));
             self.remarks.push(message!("time_unproved", step, usual));
@@ -446,7 +451,7 @@ impl Work<'_> {
         } else {
             let blind = seen.iter().all(|s| s.up.is_none() && s.turn_arcsec_s.is_none());
             if blind && seen.len() != programme.len() {
-                return Err(message!("programme_count", intervals = seen.len(), rows = programme.len()));
+                return Err(self.miscounted(candidates, programme.len()));
             }
             let others = exchanged(&seen, programme);
             if !others.is_empty() {
@@ -475,6 +480,50 @@ impl Work<'_> {
             self.remarks.extend(missing(&matched.iter().flatten().copied().collect::<Vec<_>>(), programme));
         }
         self.check_commanded(candidates)
+    }
+
+    /// That intervals and rows are not as many, and where it shows: neighbours with the same outputs may be one position,
+    /// a long pause may hide one.
+    fn miscounted(&self, candidates: &[Candidate], rows: usize) -> Message {
+        const SAID: usize = 5;
+        let (series, intervals) = (&self.log.series, candidates.len());
+        let fault = message!("programme_count", intervals, rows);
+        let pauses: Vec<(f64, f64)> = candidates
+            .windows(2)
+            .map(|p| (series.end_s(p[0].interval.to), series.start_s(p[1].interval.from)))
+            .collect();
+        let lengths = candidates.iter().map(|c| series.end_s(c.interval.to) - series.start_s(c.interval.from));
+        let usual = median_of(pauses.iter().map(|(from, to)| to - from)).unwrap_or(0.0);
+        let long = usual + HIDES * median_of(lengths).unwrap_or(0.0);
+        let is_told = |k: &usize| match intervals > rows {
+            true => self.are_alike(candidates[*k].interval, candidates[k + 1].interval),
+            false => pauses[*k].1 - pauses[*k].0 > long,
+        };
+        let told: Vec<usize> = (0..pauses.len()).filter(is_told).collect();
+        let said = told.iter().take(SAID).map(|&k| {
+            let (from, to) = pauses[k];
+            text(format_args!("{}/{} ({from:.0}–{to:.0} s)", k + 1, k + 2))
+        });
+        let places = list(said.chain((told.len() > SAID).then(|| text("…"))));
+        match intervals > rows {
+            _ if told.is_empty() => fault,
+            true => message!("intervals_alike", fault, places),
+            false => message!("pauses_long", fault, places),
+        }
+    }
+
+    /// Whether the outputs of two intervals differ by no more than noise makes of them.
+    fn are_alike(&self, one: Interval, other: Interval) -> bool {
+        let mut outputs = (0..self.outputs()).filter_map(|k| self.track(Role::Output(k)));
+        outputs.all(|track| {
+            let mean = |i: Interval| track.mean_of(i.from, i.to);
+            let variance = |i: Interval| {
+                let mean = mean(i);
+                let squares = track.mean[i.from..i.to].iter().map(|value| (value - mean).powi(2)).sum::<f64>();
+                squares / ((i.to - i.from) as f64).powi(2)
+            };
+            (mean(one) - mean(other)).abs() <= ALIKE * (variance(one) + variance(other)).sqrt()
+        })
     }
 
     /// Each position's own time, as far as the log was steady in it.

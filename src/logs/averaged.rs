@@ -8,6 +8,7 @@ use super::assemble::{Commanded, Dwell, TURNING, agree, by_accelerometers, laid_
 use super::error::LogError;
 use super::gather::{counted, same_layout};
 use super::map::{Columns, Map, Reading, TableColumns};
+use super::repeats::Rows;
 use super::source::Source;
 use super::text::LeftOut;
 use super::units::{Counts, Quantity, Unit};
@@ -241,7 +242,9 @@ fn rows(
     let wanted: Vec<usize> = places.readings.iter().map(|r| r.column).collect();
     let hz = map.rate_hz.filter(|hz| *hz > 0.0);
     let (mut found, mut incomplete, mut bad) = (Vec::new(), 0_usize, LeftOut::default());
-    let mut each = |row: &[f64]| {
+    let mut seen: Vec<Rows> = Vec::new();
+    let mut each = |seen: &mut Rows, row: &[f64]| {
+        seen.see(row, None);
         // A temperature may be missing in some dwells.
         let may_be_empty = |k: usize| places.temperature.contains(&k);
         if row.iter().enumerate().any(|(k, v)| v.is_nan() && !may_be_empty(k)) {
@@ -257,10 +260,13 @@ fn rows(
     for k in 0..sources.len() {
         same_layout(&sources[0], &sources[k])?;
         let (place, source) = &mut sources[k];
-        bad.add(source.rows(place, &wanted, &mut each)?);
-        if let Some(several) = source.several(&wanted) {
-            return Err(LogError::new(place.as_str(), several));
+        let mut own = Rows::new(place);
+        bad.add(source.rows(place, &wanted, &mut |row| each(&mut own, row))?);
+        let twice = || seen.iter().find_map(|earlier| own.again(earlier));
+        if let Some(fault) = source.several(&wanted).or_else(twice) {
+            return Err(LogError::new(place.as_str(), fault));
         }
+        seen.push(own);
     }
     if found.is_empty() {
         return Err(LogError::new(&sources[0].0, message!("no_rows", count = incomplete)));

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::assemble::{Commanded, Dwell, assemble, one_orientation};
+use super::clock::Epoch;
 use super::error::LogError;
 use super::gather::{Gathered, gather};
 use super::map::Map;
@@ -33,6 +34,10 @@ pub struct Made {
 
 /// |E| of gyros that measure rates of turn, whose pulse is one arcsec.
 const ONE_ARCSEC: std::ops::Range<f64> = 0.5..2.0;
+/// Days by which the map's date may be off the log's clock: a day, and any zone.
+const ONE_DATE_DAYS: f64 = 1.6;
+/// 2021-01-01. Clocks that were never set begin in 1970, 1980, 2000 or 2020.
+const EARLIEST: UtcMicros = UtcMicros(1_609_459_200_000_000);
 /// Room about a unit's factor.
 const UNIT_ROOM: f64 = 0.1;
 
@@ -110,6 +115,7 @@ pub fn campaign_from(
     } else {
         let place = sources.first().map(|(place, _)| place.clone()).unwrap_or_default();
         let mut gathered = gather(map, sources)?;
+        gathered.remarks.extend(clock_agrees(map, &gathered)?);
         let made = assemble(map, &mut gathered, site, positions)
             .map_err(|error| if error.place == "log" { LogError { place, ..error } } else { error })?;
         (made.dwells, gathered.unit, made.remarks, Some(gathered))
@@ -122,6 +128,24 @@ pub fn campaign_from(
     Ok(made)
 }
 
+/// That the map's date is that of the log's clock, but for the zone; what is said of a clock that was never set.
+fn clock_agrees(map: &Map, log: &Gathered) -> Result<Option<Message>, LogError> {
+    let Some((stated, (epoch, began_s))) = map.measured_at.as_ref().zip(log.began) else { return Ok(None) };
+    // What is no time is refused with the campaign.
+    let Ok(at) = time::parse(stated) else { return Ok(None) };
+    let ended_s = began_s + log.series.end_s(log.series.number.len());
+    let [from, to] = [began_s, ended_s].map(|seconds| epoch.moment(seconds));
+    if at >= from.plus_days(-ONE_DATE_DAYS) && at <= to.plus_days(ONE_DATE_DAYS) {
+        return Ok(None);
+    }
+    let (stated, [from, to]) = (sent(stated), [began_s, ended_s].map(|seconds| text(epoch.written(seconds))));
+    if epoch.moment(began_s) < EARLIEST {
+        return Ok(Some(message!("clock_unset", from, stated)));
+    }
+    let fault = message!("clock_of_another_date", stated, from, to);
+    Err(LogError::new("map", message!("at_map_key", key = "measured_at", fault)))
+}
+
 fn site_of(map: &Map) -> Option<Site> {
     let site = map.site.as_ref()?;
     let (latitude, gravity_g0) = (radians(site.latitude_deg), site.gravity_g0);
@@ -130,7 +154,8 @@ fn site_of(map: &Map) -> Option<Site> {
 
 fn body(map: &Map, dwells: &[Dwell], gathered: Option<&Gathered>) -> Result<CampaignBody, LogError> {
     let missing = |key: &'static str| LogError::new("map", message!("map_missing", key));
-    let began = gathered.and_then(|g| g.unix_s).map(|s| time::format(UtcMicros((s * 1e6) as i64)));
+    let began = gathered.and_then(|g| g.began).filter(|(epoch, _)| *epoch == Epoch::Unix);
+    let began = began.map(|(epoch, began_s)| time::format(epoch.moment(began_s)));
     if map.gyros.is_empty() {
         return Err(missing("gyros"));
     }

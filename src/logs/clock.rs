@@ -1,5 +1,8 @@
 //! Times of day and dates in a log's cells, as loggers write them, in seconds.
 
+use crate::core::time::UtcMicros;
+use crate::wire::time;
+
 /// `8:15:00,010` and `08:15` are seconds of the day. With a date before them (`2026-11-24`, `24.11.2026`,
 /// `2026/11/24`; a `T` or a blank between) they count from [`EPOCH`], so that nobody takes local time for UTC; with an
 /// offset or a Z they are Unix seconds.
@@ -26,6 +29,39 @@ pub fn seconds(text: &str) -> Option<f64> {
 const DAY: f64 = 86_400.0;
 /// 2020-01-01, in days since 1970.
 const EPOCH: i64 = 18_262;
+/// Dates without an offset are below it until 2048, Unix seconds have been above it since 1998.
+const LOCAL_S: f64 = 9e8;
+
+/// From when the seconds of a clock count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Epoch {
+    Unix,
+    /// Dates and times of day of a place that nobody says.
+    Local,
+}
+
+impl Epoch {
+    /// That of seconds which were read from a cell; none of a time of day.
+    pub fn of(seconds: f64) -> Option<Self> {
+        match seconds {
+            _ if (0.0..DAY + 1.0).contains(&seconds) => None,
+            LOCAL_S.. => Some(Self::Unix),
+            _ => Some(Self::Local),
+        }
+    }
+
+    /// The moment of such seconds; of local time as if it were UTC.
+    pub fn moment(self, seconds: f64) -> UtcMicros {
+        let since_1970 = if self == Self::Local { seconds + EPOCH as f64 * DAY } else { seconds };
+        UtcMicros((since_1970 * 1e6) as i64)
+    }
+
+    /// The moment as it is written; of local time without an offset.
+    pub fn written(self, seconds: f64) -> String {
+        let written = time::format(self.moment((seconds * 1e3).round() / 1e3));
+        if self == Self::Local { written.trim_end_matches('Z').to_owned() } else { written }
+    }
+}
 
 /// The time without its offset, and the offset in seconds.
 fn offset(time: &str) -> Option<(&str, Option<f64>)> {
@@ -120,5 +156,18 @@ mod tests {
         let days = 46_350.0 + 29_700.0 / DAY;
         assert!((of_sheet(days) - seconds("2026-11-24 08:15:00").unwrap()).abs() < 1e-4);
         assert_eq!(of_sheet(0.5), 43_200.0);
+    }
+
+    #[test]
+    fn seconds_say_from_when_they_count() {
+        for (text, written) in [
+            ("2026-11-24T08:15:00.5+08:00", Some("2026-11-24T00:15:00.5Z")),
+            ("24.11.2026 08:15:00", Some("2026-11-24T08:15:00")),
+            ("2019-11-24 08:15", Some("2019-11-24T08:15:00")),
+            ("23:59:60.9", None),
+        ] {
+            let seconds = seconds(text).unwrap();
+            assert_eq!(Epoch::of(seconds).map(|epoch| epoch.written(seconds)).as_deref(), written, "{text}");
+        }
     }
 }

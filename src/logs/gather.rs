@@ -1,7 +1,9 @@
 //! Logs read from first to last, once: every sample brought to the campaign's units and gathered into blocks.
 
+use super::clock::Epoch;
 use super::error::LogError;
 use super::map::{Columns, Found, Header, Map, Reading};
+use super::repeats::Rows;
 use super::sampling::Sampling;
 use super::source::Source;
 use super::text::LeftOut;
@@ -46,8 +48,8 @@ pub struct Gathered {
     pub sample_s: f64,
     /// Counts are of that time each, whatever their stamps say.
     pub is_regular: bool,
-    /// First time of the log, where its clock counts from 1970, s.
-    pub unix_s: Option<f64>,
+    /// From when the log's clock counts, and its first time by it, s.
+    pub began: Option<(Epoch, f64)>,
     pub remarks: Vec<Message>,
 }
 
@@ -126,13 +128,19 @@ pub fn gather(map: &Map, mut sources: Vec<(String, Source)>) -> Result<Gathered,
     if beside > 1 && sources.len() != beside {
         return Err(LogError::new("map", message!("map_logs", logs = beside, have = sources.len())));
     }
-    let (channels, unit, remarks) = channels(map, &sources)?;
+    let (channels, unit, mut remarks) = channels(map, &sources)?;
+    let is_row = beside == 1 && sources.len() > 1;
+    if is_row {
+        // The first decides which columns are what: others of another layout are named.
+        sources[1..].iter().try_for_each(|other| same_layout(&sources[0], other))?;
+        remarks.extend(in_order_of_time(map, &mut sources)?);
+    }
     let counts = unit.counts;
     let of_log = |log: usize| channels.iter().filter(move |c| c.reading.log == log).collect::<Vec<_>>();
     let rate = channels.iter().find(|channel| matches!(channel.role, Role::Rate(_)));
     let mut reader = Reader::new(map, unit, remarks);
     reader.rate_factor = rate.map_or(0.0, |channel| channel.reading.factor.abs());
-    let mut logs = Vec::new();
+    let mut logs: Vec<Room> = Vec::new();
     let mut roles = Vec::new();
     for k in 0..sources.len() {
         let own = of_log(if beside > 1 { k } else { 0 });
@@ -141,21 +149,36 @@ pub fn gather(map: &Map, mut sources: Vec<(String, Source)>) -> Result<Gathered,
         }
         if k == 0 || beside > 1 {
             let own_roles = tracks(&own, counts);
-            logs.push(Room::new(own_roles.len()));
+            let unit_s = logs.first_mut().map(|first| first.begun().unit_s());
+            logs.push(Room::new(own_roles.len(), unit_s));
             roles.extend(own_roles);
             reader.restart();
         } else {
-            // The first decides which columns are what: others of another layout are named.
-            same_layout(&sources[0], &sources[k])?;
             reader.follow();
         }
         let (place, source) = &mut sources[k];
+        reader.seen.extend(is_row.then(|| Rows::new(place)));
         let room = logs.last_mut().expect("a room was made for the first log");
         reader.read(map, place, source, &own, room)?;
     }
     let blocks: Vec<Blocks> = logs.into_iter().map(Room::into_blocks).collect();
     let series = Series::join(blocks);
     reader.into_gathered(&sources[0].0, series, roles)
+}
+
+/// Puts logs that follow one another in order of time, where their clocks have one epoch; that it was another order.
+fn in_order_of_time(map: &Map, sources: &mut Vec<(String, Source)>) -> Result<Option<Message>, LogError> {
+    let began = |(place, source): &mut (String, Source)| Ok(Stamps::of(map, place, source)?.began);
+    let began = sources.iter_mut().map(began).collect::<Result<Vec<_>, LogError>>()?;
+    let Some(began) = began.into_iter().collect::<Option<Vec<(Epoch, f64)>>>() else { return Ok(None) };
+    let of_one_epoch = began.iter().all(|(epoch, _)| *epoch == began[0].0);
+    if !of_one_epoch || began.is_sorted_by(|a, b| a.1 <= b.1) {
+        return Ok(None);
+    }
+    let mut of_time: Vec<(f64, (String, Source))> = began.iter().map(|(_, s)| *s).zip(sources.drain(..)).collect();
+    of_time.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sources.extend(of_time.into_iter().map(|(_, source)| source));
+    Ok(Some(message!("logs_in_order", logs = list(sources.iter().map(|(place, _)| sent(place))))))
 }
 
 pub fn same_layout(first: &(String, Source), other: &(String, Source)) -> Result<(), LogError> {
@@ -242,13 +265,15 @@ fn tracks(channels: &[&Channel], counts: Counts) -> Vec<Role> {
 /// Blocks of a log, begun once the time between its samples is known.
 struct Room {
     width: usize,
+    /// Unit of the blocks of the log beside it.
+    unit_s: Option<f64>,
     first: Vec<(f64, Vec<f64>)>,
     blocks: Option<Blocks>,
 }
 
 impl Room {
-    fn new(width: usize) -> Self {
-        Self { width, first: Vec::new(), blocks: None }
+    fn new(width: usize, unit_s: Option<f64>) -> Self {
+        Self { width, unit_s, first: Vec::new(), blocks: None }
     }
 
     fn push(&mut self, time: f64, values: &[f64]) {
@@ -257,28 +282,63 @@ impl Room {
             None => {
                 self.first.push((time, values.to_vec()));
                 if self.first.len() == FIRST_ROWS {
-                    self.begin();
+                    self.begun();
                 }
             }
         }
     }
 
-    fn begin(&mut self) {
-        let mut steps: Vec<f64> = self.first.windows(2).map(|p| p[1].0 - p[0].0).filter(|d| *d > 0.0).collect();
-        steps.sort_by(f64::total_cmp);
-        let usual = steps.get(steps.len() / 2).copied().unwrap_or(1.0);
-        let mut blocks = Blocks::new(self.width, usual);
-        for (time, values) in self.first.drain(..) {
-            blocks.push(time, &values);
-        }
-        self.blocks = Some(blocks);
+    fn begun(&mut self) -> &mut Blocks {
+        self.blocks.get_or_insert_with(|| {
+            let mut steps: Vec<f64> = self.first.windows(2).map(|p| p[1].0 - p[0].0).filter(|d| *d > 0.0).collect();
+            steps.sort_by(f64::total_cmp);
+            let usual = steps.get(steps.len() / 2).copied().unwrap_or(1.0);
+            let mut blocks = match self.unit_s {
+                Some(unit_s) => Blocks::beside(self.width, usual, unit_s),
+                None => Blocks::new(self.width, usual),
+            };
+            for (time, values) in self.first.drain(..) {
+                blocks.push(time, &values);
+            }
+            blocks
+        })
     }
 
     fn into_blocks(mut self) -> Blocks {
-        if self.blocks.is_none() {
-            self.begin();
-        }
-        self.blocks.take().expect("blocks were begun above")
+        self.begun();
+        self.blocks.expect("blocks were begun above")
+    }
+}
+
+/// The stamps of a log: their column, what makes seconds of them, and the unit of that column, s.
+struct Stamps {
+    column: Option<usize>,
+    factor: f64,
+    unit_s: f64,
+    /// From when they count, and the first of them, s.
+    began: Option<(Epoch, f64)>,
+}
+
+impl Stamps {
+    fn of(map: &Map, place: &str, source: &mut Source) -> Result<Self, LogError> {
+        let fail = |fault: Message| LogError::new(place, message!("at_map_key", key = "time", fault));
+        let Some(time) = &map.time else {
+            let Some(hz) = map.rate_hz.filter(|hz| *hz > 0.0) else {
+                return Err(LogError::new("map", message!("map_no_time")));
+            };
+            return Ok(Self { column: None, factor: hz.recip(), unit_s: 0.0, began: None });
+        };
+        let own = Columns { log: None, ..time.clone() };
+        let name = own.columns.first().ok_or_else(|| fail(message!("map_no_columns")))?;
+        let (column, _) = name.find(source).map_err(fail)?;
+        let (found, unit, _) = own.unit(Quantity::Time, source).map_err(fail)?;
+        let factor = found.factor * own.scale.first().unwrap_or(&1.0);
+        let is_unix = unit.trim().to_lowercase().starts_with("unix_");
+        let began = source.first(column).and_then(|(first, is_clock)| {
+            let of_cells = if is_clock { Epoch::of(first) } else { None };
+            Some((if is_unix { Epoch::Unix } else { of_cells? }, first * factor))
+        });
+        Ok(Self { column: Some(column), factor, unit_s: found.factor, began })
     }
 }
 
@@ -526,7 +586,7 @@ struct Reader {
     clock: Clock,
     unit: Unit,
     hz: Option<f64>,
-    absolute: bool,
+    epoch: Option<Epoch>,
     time_factor: f64,
     time_unit_s: f64,
     /// Of the log with the outputs.
@@ -539,6 +599,8 @@ struct Reader {
     counters: Vec<Counter>,
     temperature: Temperature,
     held: Vec<Held>,
+    /// The rows of logs that follow one another.
+    seen: Vec<Rows>,
     remarks: Vec<Message>,
 }
 
@@ -548,7 +610,7 @@ impl Reader {
             clock: Clock::default(),
             unit,
             hz: map.rate_hz,
-            absolute: false,
+            epoch: None,
             time_factor: 1.0,
             time_unit_s: 0.0,
             sampling: Sampling::default(),
@@ -560,6 +622,7 @@ impl Reader {
             counters: Vec::new(),
             temperature: Temperature::default(),
             held: Vec::new(),
+            seen: Vec::new(),
             remarks,
         }
     }
@@ -585,7 +648,8 @@ impl Reader {
         channels: &[&Channel],
         room: &mut Room,
     ) -> Result<(), LogError> {
-        let time = self.time_column(map, place, source)?;
+        let Stamps { column: time, factor, unit_s, began } = Stamps::of(map, place, source)?;
+        (self.time_factor, self.time_unit_s, self.epoch) = (factor, unit_s, began.map(|(epoch, _)| epoch));
         let mut wanted: Vec<usize> = channels.iter().map(|c| c.reading.column).collect();
         wanted.extend(time);
         let has_output = channels.iter().any(|c| matches!(c.role, Role::Output(_)));
@@ -611,7 +675,10 @@ impl Reader {
                 None => (index - 1) as f64,
             };
             if std::mem::take(&mut follows) {
-                self.begin_after(stamp);
+                self.begin_after(stamp)?;
+            }
+            if let Some(seen) = self.seen.last_mut() {
+                seen.see(values, time.map(|_| stamp * factor));
             }
             let Some(at) = self.clock.at(stamp, self.time_factor)? else { return Ok(()) };
             self.rows += 1;
@@ -643,7 +710,7 @@ impl Reader {
             Ok(())
         })?;
         self.bad.add(bad);
-        match source.several(&wanted).or_else(|| self.unusable()) {
+        match source.several(&wanted).or_else(|| self.unusable()).or_else(|| self.repeated()) {
             Some(fault) => Err(LogError::new(place, fault)),
             None => Ok(()),
         }
@@ -658,14 +725,32 @@ impl Reader {
         (self.rows == 0).then(|| message!("no_rows", count = self.missing))
     }
 
+    /// That the last log has rows of one before it.
+    fn repeated(&self) -> Option<Message> {
+        let (last, before) = self.seen.split_last()?;
+        before.iter().find_map(|earlier| last.again(earlier))
+    }
+
     /// The clock of a log that follows another: its own where that goes on, else a second after the other's end.
-    fn begin_after(&mut self, stamp: f64) {
-        let (Some(last), Some(origin)) = (self.clock.last, self.clock.origin) else { return };
-        let own = stamp * self.time_factor - origin + self.clock.carried;
-        if own <= last {
-            self.clock.carried += last + BETWEEN_LOGS_S - own;
+    ///
+    /// # Errors
+    /// It began before the other's end, by a clock that both have.
+    fn begin_after(&mut self, stamp: f64) -> Result<(), Message> {
+        let (Some(last), Some(origin)) = (self.clock.last, self.clock.origin) else { return Ok(()) };
+        let begin = stamp * self.time_factor;
+        let back = last - (begin - origin + self.clock.carried);
+        if let (Some(epoch), [.., other, _]) = (self.epoch, &self.seen[..])
+            && back > 2.0 * self.clock.interval
+        {
+            let (from, to) = (text(epoch.written(begin)), text(epoch.written(begin + back)));
+            let other = sent(&other.place);
+            return Err(message!("log_overlaps", other, seconds = figure(back + self.clock.interval, 1), from, to));
+        }
+        if back >= 0.0 {
+            self.clock.carried += back + BETWEEN_LOGS_S;
         }
         self.clock.last = None;
+        Ok(())
     }
 
     /// The values of a row in the campaign's units, counts as if their counters had no end.
@@ -712,25 +797,6 @@ impl Reader {
         series.keep(&marked);
         let said = spans.iter().take(RUNS_SAID).map(|(from, to)| text(format_args!("{from:.1}–{to:.1}")));
         self.remarks.push(message!("samples_frozen", runs = spans.len(), count, spans = list(said)));
-    }
-
-    fn time_column(&mut self, map: &Map, place: &str, source: &Source) -> Result<Option<usize>, LogError> {
-        let fail = |fault: Message| LogError::new(place, message!("at_map_key", key = "time", fault));
-        let Some(time) = &map.time else {
-            let Some(hz) = map.rate_hz.filter(|hz| *hz > 0.0) else {
-                return Err(LogError::new("map", message!("map_no_time")));
-            };
-            self.time_factor = hz.recip();
-            return Ok(None);
-        };
-        let own = Columns { log: None, ..time.clone() };
-        let name = own.columns.first().ok_or_else(|| fail(message!("map_no_columns")))?;
-        let (column, _) = name.find(source).map_err(fail)?;
-        let (found, unit, _) = own.unit(Quantity::Time, source).map_err(fail)?;
-        self.time_unit_s = found.factor;
-        self.time_factor = found.factor * own.scale.first().unwrap_or(&1.0);
-        self.absolute = unit.trim().to_lowercase().starts_with("unix_");
-        Ok(Some(column))
     }
 
     fn into_gathered(mut self, place: &str, mut series: Series, roles: Vec<Role>) -> Result<Gathered, LogError> {
@@ -785,7 +851,7 @@ impl Reader {
                 track.scale(interval.recip());
             });
         }
-        let unix_s = self.clock.origin.filter(|_| self.absolute);
+        let began = self.epoch.zip(self.clock.origin);
         Ok(Gathered {
             series,
             roles,
@@ -795,7 +861,7 @@ impl Reader {
             breaks: self.breaks,
             sample_s: interval,
             is_regular: regular.is_some(),
-            unix_s,
+            began,
             remarks: self.remarks,
         })
     }

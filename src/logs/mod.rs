@@ -18,6 +18,7 @@ mod npy;
 #[cfg(feature = "parquet")]
 mod parquet;
 pub mod programme;
+mod repeats;
 pub mod report;
 mod sampling;
 pub mod sheet;

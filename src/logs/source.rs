@@ -103,6 +103,18 @@ impl Source {
         }
     }
 
+    /// The first number of a column, as far as the beginning of the log shows it, and whether it was read from a time
+    /// of day or a date.
+    pub fn first(&mut self, column: usize) -> Option<(f64, bool)> {
+        match self {
+            Self::Text(log) => log.first(column),
+            Self::Whole { values, clocks, .. } => {
+                let first = values[column].iter().copied().find(|value| value.is_finite());
+                first.map(|first| (first, clocks.contains(&column)))
+            }
+        }
+    }
+
     /// A column, none of those that are `used`, that says that the rows read are of several IMUs.
     pub fn several(&self, used: &[usize]) -> Option<Message> {
         let found: Vec<(usize, Vec<String>)> = match self {

@@ -172,7 +172,7 @@ fn log(seed: u64, hz: f64, told: Told) -> (Gathered, Vec<Position>, Vec<Truth>) 
         breaks: Vec::new(),
         sample_s: step,
         is_regular: true,
-        unix_s: None,
+        began: None,
         remarks: Vec::new(),
     };
     (gathered, programme, truth)

@@ -91,6 +91,21 @@ impl TextLog {
         Ok(Self { place: place.to_owned(), reader, layout, lenient: false, clocks: Vec::new(), ids })
     }
 
+    /// The first number of a column, and whether it was read from a time of day or a date. The rows stay to be read.
+    pub fn first(&mut self, column: usize) -> Option<(f64, bool)> {
+        let (head, layout) = (self.reader.fill_buf().ok()?.to_vec(), self.layout.clone());
+        let (place, reader) = (self.place.clone(), Box::new(Cursor::new(head)));
+        let mut own = Self { place, reader, layout, lenient: true, clocks: Vec::new(), ids: Vec::new() };
+        let mut first = None;
+        let each = &mut |values: &[f64]| {
+            first = first.or(Some(values[0]).filter(|value| value.is_finite()));
+            Ok(())
+        };
+        // What is wrong with a row is said when it is read.
+        own.rows(&[column], each).ok();
+        first.map(|first| (first, own.clocks.contains(&column)))
+    }
+
     /// Reads the rows from first to last: the numbers of the columns `wanted`, NaN where a cell is empty.
     /// Returns which lines were no rows.
     ///

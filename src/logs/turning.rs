@@ -6,10 +6,11 @@ use nalgebra::{Rotation3, Vector3};
 use super::gather::{Gathered, Role};
 use super::units::Quantity;
 use crate::core::dwells::intervals::{Interval, Search, find};
-use crate::core::dwells::programme::Position;
+use crate::core::dwells::programme::{Position, REST_ARCSEC_S};
 use crate::core::dwells::turns;
 use crate::core::frames::{Body, Nav, Rotation};
-use crate::core::message::Message;
+use crate::core::message::{Message, figure, list};
+use crate::core::numerics::median::median_of;
 use crate::message;
 
 /// A stretch by the log's clock.
@@ -34,6 +35,9 @@ pub struct Turns {
 
 /// Part by which rates may be off those in another unit.
 const OTHER_UNIT: f64 = 0.05;
+/// Rates that no table is told, arcsec/s: a turn would take two hours. Part of a log in which a table stands.
+const SLOWEST: f64 = 180.0;
+const AT_REST: f64 = 0.2;
 /// Blocks of a stretch, at least.
 const FEWEST: usize = 8;
 /// Turns by whose swing units are known, parts of a turn that are sampled, and how far a swing by another unit turns: at
@@ -166,6 +170,21 @@ pub fn of_other_unit(log: &Gathered, programme: Option<&[Position]>) -> Option<M
     };
     let unit = Quantity::Rate.units().iter().find(is_unit)?;
     Some(message!("rate_other_unit", unit = *unit))
+}
+
+/// That the column of the rate shows one and the same slow turn wherever the table stands.
+pub fn rate_at_rest(log: &Gathered, programme: Option<&[Position]>) -> Option<Message> {
+    let rates = by_blocks(log, Role::Rate)?;
+    let is_told = told(programme.unwrap_or_default()).first().is_some_and(|slowest| *slowest < SLOWEST);
+    let slow: Vec<&Vector3<f64>> = rates.iter().filter(|rate| rate.norm() < SLOWEST).collect();
+    if is_told || (slow.len() as f64) < AT_REST * rates.len() as f64 {
+        return None;
+    }
+    let usual = Vector3::from_fn(|c, _| median_of(slow.iter().map(|rate| rate[c])).unwrap_or(0.0));
+    let columns = log.roles.iter().filter(|role| matches!(role, Role::Rate(_))).count();
+    let in_degrees = |arcsec: f64| figure(arcsec / 3600.0, 4);
+    let shown = list(usual.iter().take(columns).map(|rate| in_degrees(*rate)));
+    (usual.norm() >= REST_ARCSEC_S).then(|| message!("rate_at_rest", rates = shown, least = in_degrees(REST_ARCSEC_S)))
 }
 
 /// Rate of turn of a stated attitude, East North Up, arcsec/s, as three tracks more.

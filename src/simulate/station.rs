@@ -2,9 +2,10 @@
 
 use nalgebra::{Rotation3, Vector3};
 
+use crate::core::campaign::gravity::normal_gravity_g0;
 use crate::core::campaign::{Phase, Site};
 use crate::core::fault::Faults;
-use crate::core::units::{EARTH_RATE_DEG_H, STANDARD_GRAVITY_M_S2, radians};
+use crate::core::units::{EARTH_RATE_DEG_H, radians};
 
 use super::fault_at::fault;
 use super::programme::Planned;
@@ -59,13 +60,6 @@ impl Earth {
             magnetic_field_nav: states_field.then_some(self.field),
         }
     }
-}
-
-/// Somigliana's formula of GRS 80 with the free-air gradient, in g0.
-pub fn normal_gravity_g0(latitude: f64, height_m: f64) -> f64 {
-    let s2 = latitude.sin().powi(2);
-    let at_ellipsoid = 9.780_326_771_5 * (1.0 + 0.001_931_851_353 * s2) / (1.0 - 0.006_694_380_022_9 * s2).sqrt();
-    (at_ellipsoid - 3.086e-6 * height_m) / STANDARD_GRAVITY_M_S2
 }
 
 /// Body-frame quantities at one instant.
@@ -141,15 +135,6 @@ mod tests {
             let sidereal_day_s = 86_164.098_903_691;
             assert!((earth.rate.norm() - 360.0 * 3600.0 / sidereal_day_s).abs() < 1e-6);
             assert!((degrees(earth.rate.z.atan2(earth.rate.y)) - latitude_deg).abs() < 1e-9);
-        }
-    }
-
-    #[test]
-    fn normal_gravity_is_the_tabulated_one() {
-        // GRS 80 (Moritz 2000): 9.7803267715 at the equator, 9.8321863685 at the poles, 9.806199203 at 45 degrees.
-        for (latitude_deg, m_s2) in [(0.0, 9.780_326_771_5), (90.0, 9.832_186_368_5), (45.0, 9.806_199_203)] {
-            let g = normal_gravity_g0(radians(latitude_deg), 0.0) * 9.806_65;
-            assert!((g - m_s2).abs() < 1e-8, "{latitude_deg}: {g}");
         }
     }
 

@@ -11,9 +11,16 @@ const BY_CHANCE: f64 = 3.5;
 /// Steps in the range of a scale on which no two samples fall on the end by chance.
 const FINE: f64 = 1000.0;
 
-/// Sums over blocks of 2^level seconds, which begin at whole multiples of their length.
+/// Part of an interval by which blocks may be shorter: a clock that is slow by so much leaves few of them empty.
+const SLOW: f64 = 0.01;
+/// Part of a block that rounding makes of nothing.
+const ROUNDED: f64 = 1e-9;
+
+/// Sums over blocks of 2^level units, which begin at whole multiples of their length.
 #[derive(Debug, Clone)]
 pub struct Blocks {
+    /// A second; of slower samples the time between them, s.
+    unit_s: f64,
     level: i32,
     most: usize,
     number: Vec<i64>,
@@ -82,9 +89,24 @@ impl Blocks {
         Self::with_room(channels, interval_s, MOST_BLOCKS)
     }
 
-    /// Keeps at most `most` blocks: they double in length when more would be needed. The first are at least
-    /// `interval_s` long, a power of two.
+    /// Keeps at most `most` blocks: they double in length when more would be needed. The first are as long as
+    /// `interval_s` above a second, else at least that but for a hundredth, a power of two.
     pub fn with_room(channels: usize, interval_s: f64, most: usize) -> Self {
+        let unit_s = if interval_s > 1.0 + SLOW { interval_s } else { 1.0 };
+        Self::in_units(channels, interval_s, most, unit_s)
+    }
+
+    /// As [`Self::new`], for a log beside another, whose blocks are of `unit_s`.
+    pub fn beside(channels: usize, interval_s: f64, unit_s: f64) -> Self {
+        Self::in_units(channels, interval_s, MOST_BLOCKS, unit_s)
+    }
+
+    /// What the length of a block is a power of two of, s.
+    pub fn unit_s(&self) -> f64 {
+        self.unit_s
+    }
+
+    fn in_units(channels: usize, interval_s: f64, most: usize, unit_s: f64) -> Self {
         let sums = Sums {
             origin: f64::NAN,
             sum: Vec::new(),
@@ -97,13 +119,22 @@ impl Blocks {
             changes: 0,
             whole: true,
         };
-        let level = interval_s.log2().ceil().clamp(-40.0, 40.0) as i32;
-        Self { level, most, number: Vec::new(), count: Vec::new(), time: Vec::new(), channels: vec![sums; channels] }
+        let units = interval_s / unit_s / (1.0 + SLOW);
+        let level = units.log2().ceil().clamp(-40.0, 40.0) as i32;
+        Self {
+            unit_s,
+            level,
+            most,
+            number: Vec::new(),
+            count: Vec::new(),
+            time: Vec::new(),
+            channels: vec![sums; channels],
+        }
     }
 
     /// One sample of every channel. Times do not decrease.
     pub fn push(&mut self, time_s: f64, values: &[f64]) {
-        let number = (time_s * 2f64.powi(-self.level)).floor() as i64;
+        let number = (time_s / self.unit_s * 2f64.powi(-self.level) + ROUNDED).floor() as i64;
         if self.number.last() != Some(&number) {
             if self.number.len() == self.most {
                 self.halve();
@@ -216,7 +247,7 @@ impl Limit {
 }
 
 impl Series {
-    /// Logs that ran beside one another, over the blocks in which all of them have samples.
+    /// Logs that ran beside one another, in blocks of one unit, over those in which all of them have samples.
     pub fn join(mut logs: Vec<Blocks>) -> Self {
         let level = logs.iter().map(|log| log.level).max().unwrap_or(0);
         for log in &mut logs {
@@ -242,7 +273,8 @@ impl Series {
         let tracks = logs.iter().zip(&kept).flat_map(of_log).collect();
         let mean_time = |log: &Blocks| kept[0].iter().map(|&k| log.time[k] / f64::from(log.count[k])).collect();
         let time_s = logs.first().map(mean_time).unwrap_or_default();
-        Self { block_s: 2f64.powi(level), number, time_s, tracks }
+        let unit_s = logs.first().map_or(1.0, |log| log.unit_s);
+        Self { block_s: unit_s * 2f64.powi(level), number, time_s, tracks }
     }
 
     /// Leaves the blocks that are marked.

@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
 use crate::core::campaign::{Phase, Site};
 use crate::core::frames::{Body, Nav, Rotation, Vector};
+use crate::core::numerics::median::upper_median_of;
 
 /// One position or turn.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -240,7 +241,8 @@ pub fn clock_offset(intervals: &[(f64, f64)], seen: &[Seen], programme: &[Positi
     Some(Clock { offset_s, rival_s })
 }
 
-/// By what a programme's times must be multiplied to fit the log, where they are in ms, minutes or hours.
+/// By what a programme's times must be multiplied to fit the log, where they are in ms, minutes or hours: its dwells then
+/// last about as long as the intervals.
 pub fn clock_factor(intervals: &[(f64, f64)], seen: &[Seen], programme: &[Position]) -> Option<f64> {
     const FACTORS: [f64; 5] = [1e-3, 60.0, 3600.0, 1e-6, 86_400.0];
     let in_unit = |factor: f64| -> Vec<Position> {
@@ -248,9 +250,14 @@ pub fn clock_factor(intervals: &[(f64, f64)], seen: &[Seen], programme: &[Positi
         let of = |p: &Position| Position { start_s: scaled(p.start_s), duration_s: scaled(p.duration_s), ..*p };
         programme.iter().map(of).collect()
     };
-    FACTORS.into_iter().find(|factor| clock_offset(intervals, seen, &in_unit(*factor)).is_some())
+    let found = upper_median_of(intervals.iter().map(|(from, to)| to - from))?;
+    let told = upper_median_of(programme.iter().filter_map(|p| p.duration_s))?;
+    let lasts = |factor: &f64| AS_LONG.contains(&(factor * told / found));
+    FACTORS.into_iter().filter(lasts).find(|factor| clock_offset(intervals, seen, &in_unit(*factor)).is_some())
 }
 
 /// Dwells by which one offset must fit better than another; clocks that agree so well are one.
 const AS_GOOD: f64 = 0.5;
+/// A usual dwell of a programme over a usual interval, of which edges are gone or which two dwells share.
+const AS_LONG: std::ops::Range<f64> = 0.3..4.0;
 const ONE_CLOCK_S: f64 = 1.0;

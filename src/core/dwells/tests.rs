@@ -9,7 +9,7 @@ use super::averages::{later, noise, settled, standard_error, without_edges};
 use super::blocks::{Blocks, Series};
 use super::intervals::{Found, Interval, Search, find};
 use super::noise::{Noise, octaves};
-use super::programme::{Position, Seen, Table, align, attitude, clock_offset, exchanged, twenty_four};
+use super::programme::{Position, Seen, Table, align, attitude, clock_factor, clock_offset, exchanged, twenty_four};
 use crate::core::campaign::Site;
 
 /// White noise of standard deviation `white` a sample, and flicker h/f made of Gauss-Markov processes, two an octave,
@@ -150,6 +150,37 @@ fn blocks_that_are_halved_hold_the_same_sums() {
     assert_eq!(coarse.tracks[0].step, 1.0);
 }
 
+/// Dwells of 60 s, half a minute of slew between: how many are found, s in all, and the shortest that was looked for.
+#[test]
+fn a_clock_that_is_a_little_slow_changes_little() {
+    let found = |step_s: f64| {
+        let mut rng = ChaCha8Rng::seed_from_u64(14);
+        let mut blocks = Blocks::new(1, step_s);
+        for k in 0..(1800.0 / step_s) as u32 {
+            let time = f64::from(k) * step_s;
+            let (dwell, into) = ((time / 90.0) as u32, time % 90.0);
+            let level = |dwell: u32| f64::from(7 * dwell % 11);
+            let share = ((into - 60.0) / 30.0).clamp(0.0, 1.0);
+            let noise = 0.01 * rng.sample::<f64, _>(StandardNormal);
+            blocks.push(time, &[level(dwell) * (1.0 - share) + level(dwell + 1) * share + noise]);
+        }
+        let mut series = Series::join(vec![blocks]);
+        let search = Search { min_s: None, breaks: Vec::new(), keep_short: false, room: Vec::new() };
+        let found = find(&mut series, &[0], &search);
+        let seconds: f64 = found.intervals.iter().map(|i| series.end_s(i.to) - series.start_s(i.from)).sum();
+        (found.intervals.len(), seconds, found.min_s)
+    };
+    let (count, whole, least) = found(1.0);
+    assert_eq!((count, least), (20, 24.0));
+    for step_s in [1.000_000_1, 1.000_01, 1.005, 1.02] {
+        let (count, seconds, least) = found(step_s);
+        assert_eq!(count, 20, "{step_s}");
+        assert!((seconds / whole - 1.0).abs() < 0.05 && (24.0..24.6).contains(&least), "{step_s}: {seconds} {whole}");
+    }
+    let (count, seconds, least) = found(1.28);
+    assert!(count == 20 && seconds > 0.9 * whole && least < 31.0, "{count} {seconds} {whole} {least}");
+}
+
 #[test]
 fn logs_beside_one_another_share_their_blocks() {
     let (mut fast, mut slow) = (Blocks::new(1, 0.01), Blocks::new(1, 0.1));
@@ -162,6 +193,13 @@ fn logs_beside_one_another_share_their_blocks() {
     let series = Series::join(vec![fast, slow]);
     assert_eq!((series.tracks[0].mean[0], series.tracks[1].mean[0]), (1.0, 2.0));
     assert!((series.start_s(0) - 5.0).abs() <= series.block_s);
+    let mut slow = Blocks::new(1, 1.28);
+    let mut fast = Blocks::beside(1, 0.01, slow.unit_s());
+    (0..10).for_each(|k| slow.push(f64::from(k) * 1.28, &[1.0]));
+    (0..1000).for_each(|k| fast.push(f64::from(k) * 0.01, &[2.0]));
+    let series = Series::join(vec![slow, fast]);
+    assert_eq!((series.block_s, &*series.number), (1.28, &[0, 1, 2, 3, 4, 5, 6, 7][..]));
+    assert_eq!(series.tracks[1].weight[1], 128.0);
 }
 
 #[test]
@@ -326,6 +364,22 @@ fn the_programmes_clock_is_found_in_the_log() {
     let shared: Vec<(f64, f64)> = spans[2..].iter().map(|(from, to)| (from - 37.0, to - 37.0)).collect();
     let one = clock_offset(&shared, &blind[2..], &programme).unwrap();
     assert!(one.offset_s.abs() < 1e-9 && one.rival_s.is_none(), "{one:?}");
+}
+
+#[test]
+fn times_in_another_unit_are_known_by_the_length_of_their_dwells() {
+    let timed = |k: usize, unit: f64| {
+        let (start_s, duration_s) = (Some(unit * 240.0 * k as f64), Some(unit * 180.0));
+        Position { start_s, duration_s, ..twenty_four()[k] }
+    };
+    let programme = |unit: f64| -> Vec<Position> { (0..24).map(|k| timed(k, unit)).collect() };
+    let spans: Vec<(f64, f64)> = (0..24).map(|k| (240.0 * k as f64 + 4.0, 240.0 * k as f64 + 170.0)).collect();
+    let blind = [Seen { up: None, turn_arcsec_s: None }; 24];
+    assert_eq!(clock_factor(&spans, &blind, &programme(1e3)), Some(1e-3));
+    assert_eq!(clock_factor(&spans, &blind, &programme(1.0 / 60.0)), Some(60.0));
+    // Few intervals of the programme were found: a thousandth of it lies in any one.
+    let few: Vec<(f64, f64)> = spans.iter().step_by(5).copied().collect();
+    assert_eq!(clock_factor(&few, &blind[..few.len()], &programme(1.0)), None);
 }
 
 #[test]

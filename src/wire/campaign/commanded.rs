@@ -3,18 +3,24 @@
 
 use crate::core::calibrate::outcome::evaluate;
 use crate::core::campaign::commanded::{AffectedDwells, CommandFinding, MistakeKind, Symptom, Vectors, findings};
-use crate::core::campaign::{Campaign, TestKind, constant, stuck};
+use crate::core::campaign::gravity::{normal_gravity_g0, possible_gravity_g0};
+use crate::core::campaign::{Campaign, Site, TestKind, constant, stuck};
 use crate::core::effects::Refusal;
-use crate::core::message::{Parameter, figure, signed};
+use crate::core::message::{Parameter, figure, signed, text};
 use crate::core::record::Plausibility;
+use crate::core::units::degrees;
 use crate::wire::prelude::*;
 
 /// Fields of a dwell that a station commands.
 const COMMANDED: [&str; 3] = ["attitude", "specific_force_g0", "rate_arcsec_s"];
 
-/// Refuses a campaign whose commanded vectors have moved D_I and D_S, or whose outputs are those of gyros in other
-/// slots or of another sign. Every way in calls it; what is stored is not asked again.
+/// Refuses a campaign whose commanded vectors have moved D_I and D_S, whose gravity is that of no place, or whose
+/// outputs are those of gyros in other slots or of another sign. Every way in calls it; what is stored is not asked
+/// again.
 pub fn check(campaign: &Campaign) -> Result<(), Faults> {
+    if let Some(fault) = campaign.site.as_ref().and_then(gravity_of_no_place) {
+        return Err(fault.into());
+    }
     let mut faults = Faults::default();
     for finding in findings(campaign).iter().filter(|finding| finding.matters) {
         faults.0.extend(faults_of(finding));
@@ -37,6 +43,17 @@ fn stuck_instead(campaign: &Campaign) -> Option<Faults> {
         faults.push(format!("/dwells/{}/output_pulse_s", stuck.dwells[0]), stuck.message());
     }
     (!faults.is_empty()).then_some(faults)
+}
+
+fn gravity_of_no_place(site: &Site) -> Option<Fault> {
+    let (least, most) = possible_gravity_g0(site);
+    if (least..=most).contains(&site.gravity_g0) {
+        return None;
+    }
+    let latitude = figure(degrees(site.latitude), 2);
+    let [least, most, normal] = [least, most, normal_gravity_g0(site.latitude, 0.0)].map(|gravity| figure(gravity, 4));
+    let message = message!("gravity_of_no_place", value = text(site.gravity_g0), latitude, normal, least, most);
+    Some(Fault { pointer: "/site/gravity_g0".to_owned(), message })
 }
 
 /// Faults of a campaign that its checks found dwell by dwell, put together where one mistake explains them.

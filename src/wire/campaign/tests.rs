@@ -51,6 +51,16 @@ fn places(document: &Value) -> Vec<String> {
 }
 
 #[test]
+fn gravity_of_no_place_is_refused_where_it_comes_in_and_not_where_it_is_stored() {
+    let text = with("/site/gravity_g0", json!(1.012)).to_string();
+    assert!(parse_json(text.as_bytes()).is_ok(), "what is stored is not asked again");
+    let faults = parse_json_as_sent(text.as_bytes()).unwrap_err();
+    assert_eq!(faults.0[0].pointer, "/site/gravity_g0");
+    assert_eq!(faults.0[0].message.code, "gravity_of_no_place");
+    assert_eq!(faults.0[0].message.parameter("normal"), Some(&figure(0.9973, 4)));
+}
+
+#[test]
 fn a_sound_campaign_is_read_and_written_back() {
     let campaign = parse_json(document().to_string().as_bytes()).expect("sound");
     assert_eq!(campaign.dwells.len(), 3);

@@ -39,6 +39,7 @@ deviation_range = must be a standard deviation from 0 to { $most }, is { $value 
 latitude_range = must be from -90 to 90, is { $value }
 station_uncertainty_range = must be a standard uncertainty of 0 to { $most } arcsec, is { $value }
 gravity_range = must be local gravity in g0 (9.80665 m/s^2), 0.9 to 1.1, is { $value }
+gravity_of_no_place = is { $value } g0, gravity of no place at latitude { $latitude } deg: normal gravity there is { $normal } g0, and { $least } to { $most } is accepted. Write local gravity in m/s^2 divided by 9.80665, or correct the latitude
 no_direction = must have a direction
 not_unit_vector = must be a unit vector, its length is { $length }
 not_perpendicular = must be perpendicular to the input axis, the angle is { $angle } deg

@@ -39,6 +39,7 @@ deviation_range = 应为0至{ $most }之间的标准差，实为{ $value }
 latitude_range = 应在-90与90之间，实为{ $value }
 station_uncertainty_range = 应为0至{ $most }角秒的标准不确定度，实为{ $value }
 gravity_range = 应为以g0（9.80665 m/s²）计的当地重力，0.9至1.1，实为{ $value }
+gravity_of_no_place = 是{ $value } g0，纬度{ $latitude }°处没有这样的重力：该处正常重力为{ $normal } g0，可接受{ $least }至{ $most }。请写当地重力（m/s²）除以9.80665的值，或改正纬度
 no_direction = 应有方向
 not_unit_vector = 应为单位矢量，其长度为{ $length }
 not_perpendicular = 应与输入轴垂直，实际夹角为{ $angle }°

@@ -969,6 +969,15 @@ fn where_intervals_and_rows_are_not_as_many_is_said() {
     let lines: Vec<&str> = programme.lines().collect();
     let twice = [&lines[..7], &lines[6..]].concat().join("\n") + "\n";
     assert_eq!(campaign(&made(&jump, &twice))["dwells"].as_array().unwrap().len(), 37);
+    // One turn's rate is another than the table's.
+    let slower = programme.replacen(",10\n", ",8\n", 1);
+    for (programme, count) in [(&programme, 0), (&slower, 1)] {
+        let output = made(&Some, programme);
+        assert_eq!(campaign(&output)["dwells"].as_array().unwrap().len(), 36, "{programme}");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(said.matches("in 1 turns the outputs swing with the Earth's rate").count(), count, "{said}");
+        assert_eq!(said.matches("/ 8.00 deg/s").count(), count, "{said}");
+    }
     let skipped = |k: usize| Some(k).filter(|k| !(455..545).contains(k));
     let said = refused(&made(&skipped, &programme));
     assert!(said.contains("35 intervals were found and the programme has 36 rows"), "{said}");

@@ -171,7 +171,13 @@ async fn the_clock_goes_on_beside_alerts_of_a_version_that_did_not_keep_since_wh
 
 /// A service that holds these records, on the clock of this machine: day 34 is now.
 async fn holding(records: impl Iterator<Item = Value>) -> Server {
-    let server = Server::start_with(&[("GYROWATCH_ALERTS__TICK_S", "0.05")]).await;
+    holding_where("0", records).await
+}
+
+/// As [`holding`], with the days within which a gyro is to be calibrated.
+async fn holding_where(interval_days: &str, records: impl Iterator<Item = Value>) -> Server {
+    let set = [("GYROWATCH_ALERTS__TICK_S", "0.05"), ("GYROWATCH_JUDGING__INTERVAL_DAYS", interval_days)];
+    let server = Server::start_with(&set).await;
     let now = Clock::System.now();
     let mut lines = String::new();
     for mut record in records {
@@ -557,32 +563,27 @@ async fn a_small_shift_of_a_station_is_told_with_the_record_that_shows_it_and_si
 /// A table that is wrongly levelled turns each gyro's figures its own way: no gyro has stepped.
 #[tokio::test]
 async fn gyros_that_a_station_moves_each_its_own_way_are_told_to_check_the_station() {
-    let lab = lab().await;
-    let off = |imu: i64, slot: i64| match slot {
-        0 => 0.0,
-        slot if (imu + slot) % 2 == 0 => SHIFT,
+    let off = |week: i64, imu: i64, slot: i64| match (week, slot) {
+        (..8, _) | (_, 0) => 0.0,
+        _ if (imu + slot) % 2 == 0 => SHIFT,
         _ => -SHIFT,
     };
-    let weeks = |weeks: std::ops::Range<i64>, by: fn(i64, i64) -> f64| -> Vec<Value> {
-        let of_week =
-            move |week: i64| (0..6).map(move |imu| calibrated(imu, 7 * week + imu, "ST-2", move |slot| by(imu, slot)));
-        weeks.flat_map(of_week).collect()
+    let of_week = move |week: i64| {
+        (0..6).map(move |imu| calibrated(imu, 7 * week + imu - 42, "ST-2", move |slot| off(week, imu, slot)))
     };
-    lab.clock_shows(&day(76));
-    sent(&lab, &weeks(4..8, |_, _| 0.0)).await;
-    sent(&lab, &weeks(8..11, off)).await;
-    let stations = lab.get("/v1/stations").await.ok();
+    let server = holding((0..11).flat_map(of_week)).await;
+    let stations: Value = server.get("/v1/stations").await.json();
     let of = stations["stations"].as_array().unwrap().iter().find(|one| one["name"] == "ST-2").unwrap();
     assert_eq!([&of["unlike"][0]["gyros"], &of["unlike"][0]["of"]], [12, 18], "{of}");
-    let table = lab.get("/stations").await.text;
+    let table = server.get("/stations").await.text();
     assert!(table.contains("12 of 18 gyros, each its own way"), "{table}");
     for gyro in [1, 8, 17] {
-        let told = lab.get(&format!("/v1/gyros/{}/diagnosis", serial(gyro))).await.ok();
+        let told: Value = server.get(&format!("/v1/gyros/{}/diagnosis", serial(gyro))).await.json();
         let cause = &told["coefficients"][0]["causes"][0];
         assert_eq!((&cause["cause"], &cause["class"]), (&json!("station"), &json!(["station", "step"])), "{told}");
         assert!(cause["detail"].as_str().unwrap().contains("ST-2 are off since"), "{cause}");
         for page in ["", "/report"] {
-            let page = lab.get(&format!("/gyros/{}{page}", serial(gyro))).await.text;
+            let page = server.get(&format!("/gyros/{}{page}", serial(gyro))).await.text();
             assert!(page.contains("Check the station first"), "{page}");
         }
     }
@@ -591,24 +592,15 @@ async fn gyros_that_a_station_moves_each_its_own_way_are_told_to_check_the_stati
 /// Its drift is in the list of what another alert explains; among those that fire it is overdue, and as bad as ever.
 #[tokio::test]
 async fn a_gyro_that_its_station_explains_is_as_bad_among_the_alerts_of_overdue_gyros() {
-    let lab = Lab::with(|config| {
-        config.alerts.tick_s = 0.05;
-        config.alerts.backfill_days = 30.0;
-        config.judging.interval_days = 12.0;
-    })
-    .await;
-    lab.clock_shows(&day(28));
-    sent(&lab, &quiet()).await;
-    lab.clock_shows(&day(34));
-    sent(&lab, &shifted(0..6)).await;
-    become_so(&lab, |alerts| station_is(alerts, "firing") && of_gyros(alerts, "inhibited").count() >= 17).await;
-    lab.clock_shows(&day(50));
-    let is_overdue = |one: &Value| one["serial"] == serial(4) && one["rule"] == "overdue" && one["state"] == "firing";
-    become_so(&lab, |alerts| alerts.iter().any(is_overdue)).await;
-    let firing = lab.get("/alerts").await.text;
+    let server = holding_where("3", quiet().into_iter().chain(shifted(0..6))).await;
+    let states = async || {
+        let found = server.get(&format!("/v1/alerts?serial={}&limit=1000", serial(4))).await.json();
+        let of = |state: &str| found["alerts"].as_array().unwrap().iter().filter(|one| one["state"] == state).count();
+        (of("inhibited"), of("firing"))
+    };
+    once(states, |(inhibited, firing)| *inhibited > 0 && *firing > 0).await;
+    let firing = server.get("/alerts").await.text();
     let row = firing.split("<article").find(|one| one.contains("/gyros/GYRO-04\"")).expect("it is overdue");
-    assert!(
-        row.contains("badge unconfirmed") && !row[..row.find("<details").unwrap()].contains("badge overdue"),
-        "{row}"
-    );
+    let head = &row[..row.find("<details").unwrap()];
+    assert!(head.contains("badge unconfirmed") && !head.contains("badge overdue"), "{head}");
 }

@@ -49,6 +49,8 @@ const GRAVITY: std::ops::Range<f64> = 0.9..1.1;
 const OFF_COMMANDED: f64 = 0.14;
 /// Part of a commanded rate by which the log's own may differ from it.
 const OFF_RATE: f64 = 0.2;
+/// The same, by how the outputs swing in the turn.
+const OTHER_SWING: f64 = 0.1;
 /// Turning of gyros that measure rates themselves, where nothing else says that the table turns: arcsec/s (1 deg/s).
 pub const TURNING: f64 = 3600.0;
 /// Part of a usual dwell from which a turn without dwell is said, and part of it that dwells must cover.
@@ -479,7 +481,26 @@ impl Work<'_> {
             }
             self.remarks.extend(missing(&matched.iter().flatten().copied().collect::<Vec<_>>(), programme));
         }
+        self.remarks.extend(self.at_another_rate(candidates));
         self.check_commanded(candidates)
+    }
+
+    /// Turns in which the outputs swing, with the Earth's rate, as at another rate than the programme tells.
+    fn at_another_rate(&self, candidates: &[Candidate]) -> Option<Message> {
+        let series = &self.log.series;
+        let of = |c: &Candidate| {
+            let told = c.position?.turn_arcsec_s.abs();
+            let (from, to) = (series.start_s(c.interval.from), series.end_s(c.interval.to));
+            let holds = |turn: &&Turned| turn.from_s <= from + series.block_s && to - series.block_s <= turn.to_s;
+            let turn = self.turns.stretches.iter().filter(|turn| turn.turns >= WHOLE).find(holds)?;
+            let swings = turn.turns * TURN_ARCSEC / (turn.to_s - turn.from_s);
+            let [swings_at, told_at] = [swings, told].map(|rate| rate / 3600.0);
+            let place = || text(format_args!("{from:.0} s: {swings_at:.2} / {told_at:.2} deg/s"));
+            (told > 0.0 && (swings / told - 1.0).abs() > OTHER_SWING).then(place)
+        };
+        let turns: Vec<Parameter> = candidates.iter().filter_map(of).collect();
+        let count = turns.len();
+        (count > 0).then(|| message!("turns_at_another_rate", count, turns = list(turns)))
     }
 
     /// That intervals and rows are not as many, and where it shows: neighbours with the same outputs may be one position,

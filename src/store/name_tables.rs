@@ -351,8 +351,8 @@ mod tests {
         assert!(table.add(2, 0, "IMU-O1"));
         assert_eq!(table.look_alike("IMU-01"), Some("IMU-O1"));
         assert_eq!(table.look_alike("IMU-O1"), None);
-        assert!(table.add(3, 0, "imu01"));
-        assert_eq!((table.alike(), table.look_alike("imu01")), (&[3][..], Some("IMU-O1")));
+        assert!(table.add(3, 0, "IMU01"));
+        assert_eq!((table.alike(), table.look_alike("IMU01")), (&[3][..], Some("IMU-O1")));
         table.remove(3);
         table.remove(2);
         assert_eq!((table.alike(), table.look_alike("IMU-01")), (&[][..], None));

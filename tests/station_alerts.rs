@@ -171,18 +171,18 @@ async fn the_clock_goes_on_beside_alerts_of_a_version_that_did_not_keep_since_wh
 
 /// A service that holds these records, on the clock of this machine: day 34 is now.
 async fn holding(records: impl Iterator<Item = Value>) -> Server {
-    holding_where("0", records).await
+    holding_where(34, "0", records).await
 }
 
-/// As [`holding`], with the days within which a gyro is to be calibrated.
-async fn holding_where(interval_days: &str, records: impl Iterator<Item = Value>) -> Server {
+/// As [`holding`], with the day that it is, and the days within which a gyro is to be calibrated.
+async fn holding_where(today: i64, interval_days: &str, records: impl Iterator<Item = Value>) -> Server {
     let set = [("GYROWATCH_ALERTS__TICK_S", "0.05"), ("GYROWATCH_JUDGING__INTERVAL_DAYS", interval_days)];
     let server = Server::start_with(&set).await;
     let now = Clock::System.now();
     let mut lines = String::new();
     for mut record in records {
         let at = time::parse(record["calibrated_at"].as_str().unwrap()).unwrap();
-        let ago = time::parse(&day(34)).unwrap().days_since(at);
+        let ago = time::parse(&day(today)).unwrap().days_since(at);
         record["calibrated_at"] = time::format(now.plus_days(-ago)).into();
         lines += &format!("{record}\n");
     }
@@ -569,9 +569,9 @@ async fn gyros_that_a_station_moves_each_its_own_way_are_told_to_check_the_stati
         _ => -SHIFT,
     };
     let of_week = move |week: i64| {
-        (0..6).map(move |imu| calibrated(imu, 7 * week + imu - 42, "ST-2", move |slot| off(week, imu, slot)))
+        (0..6).map(move |imu| calibrated(imu, 7 * week + imu, "ST-2", move |slot| off(week, imu, slot)))
     };
-    let server = holding((0..11).flat_map(of_week)).await;
+    let server = holding_where(76, "0", (0..11).flat_map(of_week)).await;
     let stations: Value = server.get("/v1/stations").await.json();
     let of = stations["stations"].as_array().unwrap().iter().find(|one| one["name"] == "ST-2").unwrap();
     assert_eq!([&of["unlike"][0]["gyros"], &of["unlike"][0]["of"]], [12, 18], "{of}");
@@ -592,7 +592,7 @@ async fn gyros_that_a_station_moves_each_its_own_way_are_told_to_check_the_stati
 /// Its drift is in the list of what another alert explains; among those that fire it is overdue, and as bad as ever.
 #[tokio::test]
 async fn a_gyro_that_its_station_explains_is_as_bad_among_the_alerts_of_overdue_gyros() {
-    let server = holding_where("3", quiet().into_iter().chain(shifted(0..6))).await;
+    let server = holding_where(34, "3", quiet().into_iter().chain(shifted(0..6))).await;
     let states = async || {
         let found = server.get(&format!("/v1/alerts?serial={}&limit=1000", serial(4))).await.json();
         let of = |state: &str| found["alerts"].as_array().unwrap().iter().filter(|one| one["state"] == state).count();

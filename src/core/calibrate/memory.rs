@@ -229,7 +229,7 @@ pub(super) fn weigh(
     plain: &mut [Option<DMatrix<f64>>],
     stated: bool,
 ) -> DepartureWeights {
-    // Errors that are far too large for the residuals say nothing of the scale.
+    // Errors that are far too large for the residuals say nothing of which kind it is.
     let chi2 = gyros.iter().map(|gyro| gyro.residuals.component_mul(gyro.weights).norm_squared()).sum();
     let is_told = stated && overstated(chi2, gyros.iter().map(|gyro| gyro.dof).sum()).is_none();
     let deviations = |gyro: &FittedGyro| gyro.variances.zip_map(gyro.weights, |v, w| v.sqrt() / w);
@@ -270,7 +270,7 @@ pub(super) fn weigh(
         }
     }
     let weight = |log: f64| (log - all.log()).exp();
-    let k = if is_told { PRIOR_DOF } else { 0.0 };
+    let k = if stated { PRIOR_DOF } else { 0.0 };
     for (j, (plain, gyro)) in plain.iter_mut().zip(gyros).enumerate() {
         let Some(covariance) = plain else { continue };
         let nu = gyro.dof as f64 + k;

@@ -178,7 +178,7 @@ fn a_clock_that_is_a_little_slow_changes_little() {
         assert!((seconds / whole - 1.0).abs() < 0.05 && (24.0..24.6).contains(&least), "{step_s}: {seconds} {whole}");
     }
     let (count, seconds, least) = found(1.28);
-    assert!(count == 20 && seconds > 0.9 * whole && least < 31.0, "{count} {seconds} {whole} {least}");
+    assert!(count == 20 && seconds > 0.75 * whole && least < 31.0, "{count} {seconds} {whole} {least}");
 }
 
 #[test]

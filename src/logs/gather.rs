@@ -142,10 +142,10 @@ pub fn gather(map: &Map, mut sources: Vec<(String, Source)>) -> Result<Gathered,
     reader.rate_factor = rate.map_or(0.0, |channel| channel.reading.factor.abs());
     let mut logs: Vec<Room> = Vec::new();
     let mut roles = Vec::new();
-    for k in 0..sources.len() {
+    for (k, (place, source)) in sources.iter_mut().enumerate() {
         let own = of_log(if beside > 1 { k } else { 0 });
         if own.is_empty() {
-            return Err(LogError::new(&sources[k].0, message!("log_unused", log = k + 1)));
+            return Err(LogError::new(place.as_str(), message!("log_unused", log = k + 1)));
         }
         if k == 0 || beside > 1 {
             let own_roles = tracks(&own, counts);
@@ -156,7 +156,6 @@ pub fn gather(map: &Map, mut sources: Vec<(String, Source)>) -> Result<Gathered,
         } else {
             reader.follow();
         }
-        let (place, source) = &mut sources[k];
         reader.seen.extend(is_row.then(|| Rows::new(place)));
         let room = logs.last_mut().expect("a room was made for the first log");
         reader.read(map, place, source, &own, room)?;

@@ -183,19 +183,18 @@ impl Campaign {
         if stated.iter().all(Option::is_some) {
             return stated.into_iter().collect();
         }
-        let law = self.law_of_errors(j)?;
+        let law = self.laws_of_errors()?.swap_remove(j);
         Some(stated.into_iter().zip(law).map(|(sem, law)| sem.unwrap_or(law)).collect())
     }
 
-    /// What the standard errors of gyro `j` go by in duration and rate, by dwell, pulse/s; none where no dwell states
-    /// any.
-    pub fn law_of_errors(&self, j: usize) -> Option<Vec<f64>> {
+    /// What the standard errors go by in duration and rate, by gyro and dwell, pulse/s; none where no dwell states any.
+    pub fn laws_of_errors(&self) -> Option<Vec<Vec<f64>>> {
         let dwells: Vec<_> = self.dwells.iter().map(|d| (d.duration_s, d.rate_arcsec_s)).collect();
         let gyros = self.gyros.iter().enumerate().map(|(gyro, CampaignGyro { slot, .. })| Stated {
             errors: self.stated_errors(gyro).collect(),
             input: self.geometry.triad(*slot).map(|triad| triad.input()),
         });
-        self.states_errors().then(|| stated_errors::law(&dwells, &gyros.collect::<Vec<_>>(), j))
+        self.states_errors().then(|| stated_errors::laws(&dwells, &gyros.collect::<Vec<_>>()))
     }
 
     fn stated_errors(&self, j: usize) -> impl Iterator<Item = Option<f64>> {

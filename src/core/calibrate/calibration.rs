@@ -120,7 +120,7 @@ pub struct Calibration {
     pub noise_found: NoiseFound,
 }
 
-/// Whether residuals are so large by chance that the model leaves something out, for this `p_value` of them.
+/// Whether residuals are so large that chance does not explain them: `p_value` is their chance.
 pub fn exceeds_noise(p_value: Option<f64>) -> bool {
     p_value.is_some_and(|p| p < 1e-3)
 }

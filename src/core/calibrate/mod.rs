@@ -110,6 +110,9 @@ pub fn calibrate_at_station(
 pub fn errors_as_weighed(campaign: &Campaign) -> Option<Vec<Vec<f64>>> {
     let gyros = 0..campaign.gyros.len();
     let stated = gyros.clone().map(|j| campaign.errors_of(j)).collect::<Option<Vec<_>>>()?;
+    if !shrunken_errors::may_scatter(&stated) {
+        return Some(stated);
+    }
     let mut shared = SharedFactors::default();
     let fit = |j: usize| fit_gyro(campaign, j, campaign.terms(), (vec![], &[]), (stated[j].clone(), &[]), &mut shared);
     let fits: Vec<GyroFit> = gyros.map(fit).collect();

@@ -33,15 +33,29 @@ pub(super) struct ShrunkenErrors {
     pub scatter: f64,
 }
 
+/// Whether standard errors, by gyro and dwell, scatter so much about their own mean that they may about a law.
+pub(super) fn may_scatter(stated: &[Vec<f64>]) -> bool {
+    let of_gyro = |sems: &Vec<f64>| {
+        let logs = DVector::from_iterator(sems.len(), sems.iter().map(|sem| sem.ln()));
+        logs.variance()
+    };
+    stated.iter().map(of_gyro).sum::<f64>() > DOUBTED * DOUBTED * stated.len() as f64
+}
+
 /// None where standard errors hardly scatter, or residuals follow them. `fits` are those of the errors as stated.
 pub(super) fn shrunken(campaign: &Campaign, fits: &[GyroFit], shared: &SharedFactors) -> Option<ShrunkenErrors> {
-    let gyros = (0..fits.len()).map(|j| Some((campaign.errors_of(j)?, law(campaign, j)?)));
-    let gyros: Vec<(Vec<f64>, Vec<f64>)> = gyros.collect::<Option<_>>()?;
+    let stated: Vec<Vec<f64>> = (0..fits.len()).map(|j| campaign.errors_of(j)).collect::<Option<_>>()?;
+    let is_exact = |fit: &GyroFit| fit.left().0.norm() == 0.0;
+    if !may_scatter(&stated) || fits.iter().any(is_exact) {
+        return None;
+    }
+    let laws = campaign.laws_of_errors()?;
+    let gyros: Vec<(&Vec<f64>, Vec<f64>)> =
+        stated.iter().zip(laws).map(|(sem, law)| (sem, with_mean_square(law, sem))).collect();
     let all = gyros.iter().flat_map(|(sem, law)| sem.iter().zip(law));
     let logs = DVector::from_vec(all.map(|(sem, law)| (sem / law).ln()).collect());
     let scatter = logs.variance().sqrt();
-    let is_exact = |fit: &GyroFit| fit.left().0.norm() == 0.0;
-    if scatter < DOUBTED || fits.iter().any(is_exact) {
+    if scatter < DOUBTED {
         return None;
     }
     let sd = |b: f64, j: usize| {
@@ -61,9 +75,8 @@ pub(super) fn shrunken(campaign: &Campaign, fits: &[GyroFit], shared: &SharedFac
     Some(ShrunkenErrors { sd: (0..fits.len()).map(|j| sd(b, j)).collect(), scatter })
 }
 
-/// What the errors of gyro `j` scatter about, with their mean square.
-fn law(campaign: &Campaign, j: usize) -> Option<Vec<f64>> {
-    let (sem, law) = (campaign.errors_of(j)?, campaign.law_of_errors(j)?);
+/// A law with the mean square of the errors that scatter about it.
+fn with_mean_square(law: Vec<f64>, sem: &[f64]) -> Vec<f64> {
     let times = (sem.iter().zip(&law).map(|(sem, law)| (sem / law).powi(2)).sum::<f64>() / sem.len() as f64).sqrt();
-    Some(law.into_iter().map(|law| law * times).collect())
+    law.into_iter().map(|law| law * times).collect()
 }

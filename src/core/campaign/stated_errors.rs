@@ -32,38 +32,39 @@ pub(super) struct Stated {
     pub input: Option<Vector3<f64>>,
 }
 
-/// What the stated errors of gyro `j` go by in dwells of these durations and rates (arcsec/s), some of which state them.
-pub(super) fn law(dwells: &[(f64, Vector3<f64>)], gyros: &[Stated], j: usize) -> Vec<f64> {
+/// What the stated errors of each gyro go by in dwells of these durations and rates (arcsec/s), some of which state them.
+pub(super) fn laws(dwells: &[(f64, Vector3<f64>)], gyros: &[Stated]) -> Vec<Vec<f64>> {
     let (durations, rates): (Vec<f64>, Vec<Vector3<f64>>) = dwells.iter().copied().unzip();
     let exposure = |gyro: &Stated| Exposure::of(&rates, &durations, gyro.input.as_ref());
     let shares: Vec<DVector<f64>> = gyros.iter().map(|gyro| exposure(gyro).rate).collect();
     let laws = FALLS.into_iter().flat_map(|fall| GROWTHS.map(|growth| (fall, growth)));
-    let tried: Vec<(f64, Vec<f64>)> = laws
+    let tried: Vec<(f64, Vec<Vec<f64>>)> = laws
         .map(|(fall, growth)| {
             let shape = |gyro: usize| {
                 let dwells = durations.iter().zip(shares[gyro].iter());
                 dwells.map(move |(duration, x)| 0.5 * ((1.0 + growth * x).ln() - fall * duration.ln()))
             };
-            let (mut deviations, mut level) = (Vec::new(), 0.0);
+            let (mut deviations, mut levels) = (Vec::new(), Vec::new());
             for (gyro, stated) in gyros.iter().enumerate() {
                 let over: Vec<f64> =
                     stated.errors.iter().zip(shape(gyro)).filter_map(|(sem, law)| Some((*sem)?.ln() - law)).collect();
                 let median = median_of(over.iter().copied()).unwrap_or(0.0);
                 deviations.extend(over.iter().map(|ln| (ln - median).abs()));
-                level = if gyro == j { median } else { level };
+                levels.push(median);
             }
             let mean = deviations.iter().sum::<f64>() / deviations.len() as f64;
             let free = deviations.len().saturating_sub(gyros.len()) as f64;
             let scatter = (NORMAL * mean).min(LARGEST_SCATTER);
             // The mean of squares whose logarithms scatter.
-            let log_variances = shape(j).map(|law| 2.0 * (level + law + scatter * scatter)).collect();
+            let of_gyro = |(j, level)| shape(j).map(|law| 2.0 * (level + law + scatter * scatter)).collect();
+            let log_variances = levels.into_iter().enumerate().map(of_gyro).collect();
             (-free * (mean + ROUNDING).ln() - (1.0 + growth).ln(), log_variances)
         })
         .collect();
     let weights = LogSum::of(&tried.iter().map(|(weight, _)| *weight).collect::<Vec<_>>()).log();
-    let usual = |k: usize| {
-        let all: Vec<f64> = tried.iter().map(|(weight, log_variances)| weight + log_variances[k]).collect();
+    let usual = |j: usize, k: usize| {
+        let all: Vec<f64> = tried.iter().map(|(weight, log_variances)| weight + log_variances[j][k]).collect();
         (0.5 * (LogSum::of(&all).log() - weights)).exp()
     };
-    (0..dwells.len()).map(usual).collect()
+    (0..gyros.len()).map(|j| (0..dwells.len()).map(|k| usual(j, k)).collect()).collect()
 }

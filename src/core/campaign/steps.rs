@@ -77,14 +77,14 @@ impl CoarseStep {
 /// Where commanded values are written with so few digits, or outputs come in so coarse counts, that it matters: each by
 /// the gyro of `gyros` (those of the campaign, in its order) that shows it most.
 pub fn coarse_steps(campaign: &Campaign, gyros: &[Option<GyroNoise>]) -> Vec<CoarseStep> {
-    let commanded = gyros.iter().flatten().filter_map(|gyro| rounded(campaign, gyro));
+    let steps = [Stepped::Force, Stepped::Rate].map(|of| commanded_step(campaign, of));
+    let commanded = gyros.iter().flatten().filter_map(|gyro| rounded(steps, gyro));
     let counted = gyros.iter().enumerate().filter_map(|(j, gyro)| counted(campaign, j, gyro.as_ref()?));
     let worst = |a: &CoarseStep, b: &CoarseStep| a.times.total_cmp(&b.times);
     commanded.max_by(worst).into_iter().chain(counted.max_by(worst)).collect()
 }
 
-fn rounded(campaign: &Campaign, gyro: &GyroNoise) -> Option<CoarseStep> {
-    let steps = [Stepped::Force, Stepped::Rate].map(|of| commanded_step(campaign, of));
+fn rounded(steps: [f64; 2], gyro: &GyroNoise) -> Option<CoarseStep> {
     let [of_force, of_rate] = [gyro.g * steps[0], gyro.e * steps[1]];
     let times = (evenly(of_force.hypot(of_rate)) / median_of(gyro.sd.iter().copied())?).min(MOST_TIMES);
     let (of, step) = if of_force > of_rate { (Stepped::Force, steps[0]) } else { (Stepped::Rate, steps[1]) };

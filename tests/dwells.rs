@@ -832,31 +832,57 @@ fn what_was_commanded_agrees_with_the_outputs_or_is_refused() {
     }
 }
 
+/// The example log with its map and its programme, and a directory for logs that are made of it.
+struct ExampleLog {
+    head: String,
+    rows: Vec<String>,
+    map: String,
+    programme: String,
+    dir: tempfile::TempDir,
+}
+
+impl ExampleLog {
+    fn read() -> Self {
+        let text = |name: &str| fs::read_to_string(root().join("examples/logs").join(name)).unwrap();
+        let table = text("table.csv");
+        let (head, rows) = table.split_once('\n').unwrap();
+        let (head, rows) = (head.to_owned(), rows.lines().map(str::to_owned).collect());
+        let (map, programme, dir) = (text("map.toml"), text("programme.csv"), tempfile::tempdir().unwrap());
+        let example = Self { head, rows, map, programme, dir };
+        example.write("map.toml", &example.map);
+        example.write("programme.csv", &example.programme);
+        example
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        fs::write(self.dir.path().join(name), text).unwrap();
+    }
+
+    /// Its rows that have a stamp, with that in place of their own, which counts seconds from 0.
+    fn write_stamped(&self, name: &str, unit: &str, stamp: impl Fn(usize) -> Option<String>) {
+        let row = |(k, row): (usize, &String)| Some(format!("{};{}\n", stamp(k)?, row.split_once(';').unwrap().1));
+        let rows: String = self.rows.iter().enumerate().filter_map(row).collect();
+        self.write(name, &format!("{}\n{rows}", self.head.replace("[s]", &format!("[{unit}]"))));
+    }
+
+    fn dwells(&self, logs: &[&str], map: &str) -> Output {
+        dwells(self.dir.path(), &[logs, &["--map", map, "--programme", "programme.csv"]].concat())
+    }
+}
+
 /// The example log in two parts, by clocks of several kinds: what is laid behind one another, and what is refused.
 #[test]
 fn logs_of_one_campaign_count_once_and_in_order_of_time() {
-    let logs = root().join("examples/logs");
-    let text = fs::read_to_string(logs.join("table.csv")).unwrap();
-    let (head, rows) = text.split_once('\n').unwrap();
-    let rows: Vec<&str> = rows.lines().collect();
-    let dir = tempfile::tempdir().unwrap();
-    fs::copy(logs.join("programme.csv"), dir.path().join("programme.csv")).unwrap();
-    let map = fs::read_to_string(logs.join("map.toml")).unwrap().replace("measured_at", "# measured_at");
-    fs::write(dir.path().join("undated.toml"), &map).unwrap();
-    fs::copy(logs.join("map.toml"), dir.path().join("map.toml")).unwrap();
-    // Rows of a part with another stamp; the log's own counts seconds from 0.
+    let example = ExampleLog::read();
+    example.write("undated.toml", &example.map.replace("measured_at", "# measured_at"));
     let write = |name: &str, unit: &str, part: std::ops::Range<usize>, stamp: &dyn Fn(usize) -> String| {
-        let row = |k: usize| format!("{};{}\n", stamp(k), rows[k].split_once(';').unwrap().1);
-        let head = head.replace("[s]", &format!("[{unit}]"));
-        fs::write(dir.path().join(name), format!("{head}\n{}", part.map(row).collect::<String>())).unwrap();
+        example.write_stamped(name, unit, |k| part.contains(&k).then(|| stamp(k)));
     };
-    let made = |logs: &[&str], map: &str| {
-        dwells(dir.path(), &[logs, &["--map", map, "--programme", "programme.csv"]].concat())
-    };
+    let made = |logs: &[&str], map: &str| example.dwells(logs, map);
     // 2026-03-01T08:00:00Z.
     let unix = |k: usize| format!("{}", 1_772_352_000 + k);
     let iso = |k: usize| format!("2026-03-01 {:02}:{:02}:{:02}+08:00", 16 + k / 3600, k / 60 % 60, k % 60);
-    let (whole, half) = (rows.len(), 21 * 90);
+    let (whole, half) = (example.rows.len(), 21 * 90);
     write("all.csv", "s", 0..whole, &|k| k.to_string());
     write("from0.csv", "s", half..whole, &|k| (k - half).to_string());
     write("first.csv", "s", 0..half, &|k| k.to_string());
@@ -905,20 +931,11 @@ fn logs_of_one_campaign_count_once_and_in_order_of_time() {
 /// The first rows of the example log by clocks with dates, and what the map says of the date.
 #[test]
 fn a_date_that_the_logs_clock_contradicts_is_refused() {
-    let logs = root().join("examples/logs");
-    let text = fs::read_to_string(logs.join("table.csv")).unwrap();
-    let (head, rows) = text.split_once('\n').unwrap();
-    let rows: Vec<&str> = rows.lines().collect();
-    let dir = tempfile::tempdir().unwrap();
-    fs::copy(logs.join("programme.csv"), dir.path().join("programme.csv")).unwrap();
-    let map = fs::read_to_string(logs.join("map.toml")).unwrap();
+    let example = ExampleLog::read();
     let made = |stamp: &dyn Fn(usize) -> String, unit: &str, date: &str| {
-        let row = |(k, row): (usize, &&str)| format!("{};{}\n", stamp(k), row.split_once(';').unwrap().1);
-        let head = head.replace("[s]", unit);
-        let log = format!("{head}\n{}", rows.iter().enumerate().map(row).collect::<String>());
-        fs::write(dir.path().join("log.csv"), log).unwrap();
-        fs::write(dir.path().join("map.toml"), map.replace("2026-03-01T08:00:00Z", date)).unwrap();
-        dwells(dir.path(), &["log.csv", "--map", "map.toml", "--programme", "programme.csv"])
+        example.write_stamped("log.csv", unit, |k| Some(stamp(k)));
+        example.write("map.toml", &example.map.replace("2026-03-01T08:00:00Z", date));
+        example.dwells(&["log.csv"], "map.toml")
     };
     let time = |k: usize| format!("{:02}:{:02}:{:02}", 8 + k / 3600, k / 60 % 60, k % 60);
     let unix = |k: usize| (1_772_352_000 + k).to_string();
@@ -926,7 +943,7 @@ fn a_date_that_the_logs_clock_contradicts_is_refused() {
     let local = |k: usize| format!("2026-03-01 {}", time(k));
     let unset = |k: usize| format!("2000-01-01 {}", time(k));
     let clocks: [(&dyn Fn(usize) -> String, &str, &str); 3] =
-        [(&unix, "[unix_s]", "08:00:00Z"), (&zoned, "[s]", "08:00:00Z"), (&local, "[s]", "08:00:00")];
+        [(&unix, "unix_s", "08:00:00Z"), (&zoned, "s", "08:00:00Z"), (&local, "s", "08:00:00")];
     for (stamp, unit, clock) in clocks {
         // A day off, or any hour of the date.
         for date in ["2026-03-01T00:00:00+08:00", "2026-03-02T06:00:00Z"] {
@@ -937,7 +954,7 @@ fn a_date_that_the_logs_clock_contradicts_is_refused() {
             format!("`measured_at`: is 2025-12-24T08:00:00Z, and the log's clock runs from 2026-03-01T{clock} to");
         assert!(said.contains(&words), "{said}");
     }
-    let output = made(&unset, "[s]", "2026-03-01T08:00:00Z");
+    let output = made(&unset, "s", "2026-03-01T08:00:00Z");
     assert_eq!(campaign(&output)["measured_at"], "2026-03-01T08:00:00Z");
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(said.contains("the log's clock says 2000-01-01T08:00:00, as one that was never set"), "{said}");
@@ -946,20 +963,13 @@ fn a_date_that_the_logs_clock_contradicts_is_refused() {
 /// The example log without the table's rate, with the clock set within a position, and without a position.
 #[test]
 fn where_intervals_and_rows_are_not_as_many_is_said() {
-    let logs = root().join("examples/logs");
-    let text = fs::read_to_string(logs.join("table.csv")).unwrap();
-    let (head, rows) = text.split_once('\n').unwrap();
-    let rows: Vec<&str> = rows.lines().collect();
-    let dir = tempfile::tempdir().unwrap();
-    let programme = fs::read_to_string(logs.join("programme.csv")).unwrap();
-    let map = fs::read_to_string(logs.join("map.toml")).unwrap().replace("rate =", "# rate =");
-    fs::write(dir.path().join("map.toml"), map).unwrap();
+    let example = ExampleLog::read();
+    let programme = example.programme.clone();
+    example.write("map.toml", &example.map.replace("rate =", "# rate ="));
     let made = |stamp: &dyn Fn(usize) -> Option<usize>, programme: &str| {
-        let row = |(k, row): (usize, &&str)| Some(format!("{};{}\n", stamp(k)?, row.split_once(';').unwrap().1));
-        let log = format!("{head}\n{}", rows.iter().enumerate().filter_map(row).collect::<String>());
-        fs::write(dir.path().join("log.csv"), log).unwrap();
-        fs::write(dir.path().join("programme.csv"), programme).unwrap();
-        dwells(dir.path(), &["log.csv", "--map", "map.toml", "--programme", "programme.csv"])
+        example.write_stamped("log.csv", "s", |k| Some(stamp(k)?.to_string()));
+        example.write("programme.csv", programme);
+        example.dwells(&["log.csv"], "map.toml")
     };
     let jump = |k: usize| Some(if k < 500 { k } else { k + 3600 });
     let said = refused(&made(&jump, &programme));

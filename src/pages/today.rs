@@ -618,21 +618,7 @@ mod tests {
     fn carried(number: u32, reaches: i64) -> Standing {
         let at = UtcMicros(reaches * UtcMicros::DAY);
         let reach = Reach { coefficient: Coefficient::DI, at, between: [None; 2], provisional: false };
-        Standing {
-            number,
-            serial: format!("GYRO-{number}").into(),
-            newest: None,
-            state: None,
-            status: Some(Status::InTolerance),
-            drift: [Status::InTolerance; 3],
-            violations: Vec::new(),
-            load: 0.0,
-            overdue_days: None,
-            out_of_use: None,
-            since: None,
-            outlook: Outlook { reach: Some(reach), ..Outlook::default() },
-            attributes: Default::default(),
-        }
+        Standing::made_for_tests(number, Outlook { reach: Some(reach), ..Outlook::default() })
     }
 
     #[test]

@@ -128,21 +128,7 @@ mod tests {
     #[test]
     fn a_date_of_the_straight_line_is_provisional_however_long_the_course_is() {
         let reach = Reach { coefficient: Coefficient::DI, at: UtcMicros(0), between: [None; 2], provisional: false };
-        let standing = Standing {
-            number: 1,
-            serial: "A".into(),
-            newest: None,
-            state: None,
-            status: None,
-            drift: [Status::InTolerance; 3],
-            violations: Vec::new(),
-            load: 0.0,
-            overdue_days: None,
-            out_of_use: None,
-            since: None,
-            outlook: Outlook { reach: Some(reach), ..Outlook::default() },
-            attributes: Default::default(),
-        };
+        let standing = Standing::made_for_tests(1, Outlook { reach: Some(reach), ..Outlook::default() });
         assert!(DueDate::by_trend(&standing).unwrap().provisional);
     }
 }

@@ -284,6 +284,27 @@ impl StoredFacts {
 mod tests {
     use super::*;
 
+    impl Standing {
+        /// A gyro in tolerance of which nothing but its outlook is known.
+        pub fn made_for_tests(number: u32, outlook: Outlook) -> Self {
+            Self {
+                number,
+                serial: format!("GYRO-{number}").into(),
+                newest: None,
+                state: None,
+                status: Some(Status::InTolerance),
+                drift: [Status::InTolerance; 3],
+                violations: Vec::new(),
+                load: 0.0,
+                overdue_days: None,
+                out_of_use: None,
+                since: None,
+                outlook,
+                attributes: Default::default(),
+            }
+        }
+    }
+
     #[test]
     fn a_rank_is_read_as_it_was_made_and_the_worst_in_use_has_the_greatest() {
         let all = || std::iter::once(None).chain(Status::ALL.into_iter().map(Some));

@@ -308,4 +308,7 @@ fn campaigns_of_other_imus_gyros_or_instants_are_refused_by_file() {
         let words = complaint(&["calibrate", CAMPAIGN, path(file)], 1);
         assert!(words.contains(path(file)) && words.contains(CAMPAIGN) && words.contains(why), "{words}");
     }
+    let copy = later(|_| ());
+    let words = complaint(&["calibrate", CAMPAIGN, path(&copy)], 1);
+    assert!(words.contains(path(&copy)) && words.contains("the same to the last digit"), "{words}");
 }

@@ -63,6 +63,18 @@ pub(super) fn files_of_one_imu(files: &[(&str, &Campaign)]) -> anyhow::Result<()
     Ok(())
 }
 
+/// Refuses one measurement under two times: what it repeats would be taken for a second one's.
+fn refuse_copies(files: &[(&str, &Campaign)]) -> anyhow::Result<()> {
+    for (i, (file, one)) in files.iter().enumerate() {
+        let outputs = |campaign: &Campaign| campaign.dwells.iter().flat_map(|d| d.output_pulse_s.clone()).collect();
+        let of_one: Vec<f64> = outputs(one);
+        if let Some((beside, _)) = files[..i].iter().find(|(_, other)| outputs(other) == of_one) {
+            bail!(said(message!("terminal_copies", first = (*beside).to_owned(), second = (*file).to_owned())));
+        }
+    }
+    Ok(())
+}
+
 impl Calibrate {
     pub fn run(self) -> anyhow::Result<()> {
         let config = settings::config()?;
@@ -74,6 +86,7 @@ impl Calibrate {
         fitted.sort_by_key(|one| one.campaign.measured_at);
         let files: Vec<_> = fitted.iter().map(|one| (one.file.as_str(), &one.campaign)).collect();
         files_of_one_imu(&files)?;
+        refuse_copies(&files)?;
         let pairs: Vec<_> = fitted.iter().map(|one| (&one.campaign, &one.outcome)).collect();
         let between: Vec<RepeatedBody> = repeated(&pairs).iter().map(RepeatedBody::from).collect();
         match self.format {

@@ -5,7 +5,7 @@ use crate::core::campaign::Campaign;
 use crate::core::model::Term;
 use crate::core::mounting::Slot;
 use crate::core::name::Name;
-use crate::core::numerics::between::Scatter;
+use crate::core::numerics::between::{Mean, Observation, Scatter, means};
 use crate::core::numerics::tails::chi2_quantile;
 
 /// One coefficient over several campaigns.
@@ -20,7 +20,8 @@ pub struct Repeated {
     pub campaigns: usize,
     /// Weighted by 1/(sd^2 + tau^2).
     pub mean: f64,
-    /// Of that mean. A station's own part is the same in all of its campaigns, and does not average out.
+    /// Of that mean, with what campaigns may differ by where a coefficient in the same unit shows that they do. A
+    /// station's own part is the same in all of its campaigns, and does not average out.
     pub sd: f64,
     /// Root mean square of the stated standard deviations, and standard deviation of the values about their mean.
     pub stated_sd: f64,
@@ -30,15 +31,8 @@ pub struct Repeated {
     pub beyond_sd: f64,
 }
 
-/// A value of one campaign.
-#[derive(Debug, Clone, Copy)]
-struct Value<'a> {
-    value: f64,
-    sd: f64,
-    /// Part of the standard deviation that the campaigns of a station share.
-    of_station: f64,
-    station: &'a Name,
-}
+/// The coefficients of one gyro, by their places in [`COEFFICIENTS`]: what campaigns determine of each.
+type Values = [Vec<Observation>; COEFFICIENTS.len()];
 
 impl Repeated {
     /// Real over stated standard deviation, sqrt(Q/dof).
@@ -51,43 +45,30 @@ impl Repeated {
         [0.975, 0.025].map(|q| (self.scatter.chi2 / chi2_quantile(q, self.scatter.dof as f64)).sqrt())
     }
 
+    /// None of fewer than two values.
     fn of(
         (slot, serial): (Slot, &Name),
         (coefficient, unit): (&'static str, &'static str),
-        all: &[Value],
+        values: &[Observation],
+        mean: Mean,
     ) -> Option<Self> {
-        let pairs: Vec<(f64, f64)> = all.iter().map(|v| (v.value, v.sd)).collect();
-        let scatter = Scatter::of(&pairs)?;
-        let beyond_sd = scatter.beyond();
-        let weights: Vec<f64> = all.iter().map(|v| 1.0 / (v.sd.powi(2) + beyond_sd.powi(2))).collect();
-        let total: f64 = weights.iter().sum();
-        let shares = || weights.iter().map(|w| w / total);
-        let mean = all.iter().zip(shares()).map(|(v, share)| v.value * share).sum();
-        let own = |v: &Value| v.sd.powi(2) - v.of_station.powi(2) + beyond_sd.powi(2);
-        let independent: f64 = all.iter().zip(shares()).map(|(v, share)| share * share * own(v)).sum();
-        let mut stations: Vec<(&Name, f64)> = Vec::new();
-        for (v, share) in all.iter().zip(shares()) {
-            match stations.iter_mut().find(|(name, _)| *name == v.station) {
-                Some((_, sum)) => *sum += share * v.of_station,
-                None => stations.push((v.station, share * v.of_station)),
-            }
-        }
-        let shared: f64 = stations.iter().map(|(_, sum)| sum * sum).sum();
-        let n = all.len() as f64;
-        let plain = all.iter().map(|v| v.value).sum::<f64>() / n;
-        let squares = all.iter().map(|v| (v.value - plain).powi(2)).sum::<f64>();
+        let scatter = Scatter::of(values)?;
+        let n = values.len() as f64;
+        let plain = values.iter().map(|v| v.value).sum::<f64>() / n;
+        let squares = values.iter().map(|v| (v.value - plain).powi(2)).sum::<f64>();
+        let stated = values.iter().map(|v| v.sd.powi(2) + v.shared_sd.powi(2)).sum::<f64>() / n;
         Some(Self {
             slot,
             serial: serial.clone(),
             coefficient,
             unit,
-            campaigns: all.len(),
-            mean,
-            sd: (independent + shared).sqrt(),
-            stated_sd: (all.iter().map(|v| v.sd * v.sd).sum::<f64>() / n).sqrt(),
+            campaigns: values.len(),
+            mean: mean.value,
+            sd: mean.sd,
+            stated_sd: stated.sqrt(),
             scatter_sd: (squares / (n - 1.0)).sqrt(),
             scatter,
-            beyond_sd,
+            beyond_sd: scatter.beyond(),
         })
     }
 }
@@ -96,26 +77,50 @@ impl Repeated {
 const COEFFICIENTS: [(&str, &str); 5] =
     [("D_I", "deg/(h*g0)"), ("D_S", "deg/(h*g0)"), ("D_O", "deg/(h*g0)"), ("|E|", "pulse/arcsec"), ("D_F", "deg/h")];
 
+/// Coefficients that may differ alike between campaigns: those of gyros in one unit.
+const ALIKE: [std::ops::Range<usize>; 3] = [0..3, 3..4, 4..5];
+
 /// Every coefficient that two campaigns or more determine, gyro by gyro. The campaigns are of one IMU.
 pub fn repeated(fitted: &[(&Campaign, &Outcome)]) -> Vec<Repeated> {
     let Some((first, _)) = fitted.first() else { return Vec::new() };
-    let mut all = Vec::new();
-    for gyro in &first.gyros {
-        let each: Vec<[Option<Value>; 5]> = fitted.iter().map(|(c, outcome)| values(c, outcome, gyro.slot)).collect();
-        for (place, coefficient) in COEFFICIENTS.into_iter().enumerate() {
-            let known: Vec<Value> = each.iter().filter_map(|values| values[place]).collect();
-            all.extend(Repeated::of((gyro.slot, &gyro.serial), coefficient, &known));
+    let mut stations: Vec<&Name> = fitted.iter().map(|(campaign, _)| &campaign.station).collect();
+    stations.sort();
+    stations.dedup();
+    let mut gyros: Vec<Values> = vec![Default::default(); first.gyros.len()];
+    for (campaign, outcome) in fitted {
+        let group = stations.partition_point(|station| *station < &campaign.station);
+        for (gyro, all) in first.gyros.iter().zip(&mut gyros) {
+            for (all, value) in all.iter_mut().zip(values((campaign, outcome), gyro.slot, group)) {
+                all.extend(value);
+            }
         }
     }
-    all
+    let mut all: Vec<Vec<Repeated>> = vec![Vec::new(); gyros.len()];
+    for places in ALIKE {
+        let determined = |values: &Values| -> Vec<usize> { places.clone().filter(|p| values[*p].len() > 1).collect() };
+        let of_gyro = |values: &Values| determined(values).into_iter().map(|place| values[place].clone()).collect();
+        let sets: Vec<Vec<Vec<Observation>>> = gyros.iter().map(of_gyro).collect();
+        for (((gyro, values), means), all) in first.gyros.iter().zip(&gyros).zip(means(&sets)).zip(&mut all) {
+            let of_place = |(p, mean)| Repeated::of((gyro.slot, &gyro.serial), COEFFICIENTS[p], &values[p], mean);
+            all.extend(determined(values).into_iter().zip(means).filter_map(of_place));
+        }
+    }
+    all.into_iter().flatten().collect()
 }
 
-fn values<'a>(campaign: &'a Campaign, outcome: &Outcome, slot: Slot) -> [Option<Value<'a>>; 5] {
-    let Outcome::Imu { calibration, separations, .. } = outcome else { return [None; 5] };
+fn values(
+    (campaign, outcome): (&Campaign, &Outcome),
+    slot: Slot,
+    group: usize,
+) -> [Option<Observation>; COEFFICIENTS.len()] {
+    let none = [None; COEFFICIENTS.len()];
+    let Outcome::Imu { calibration, separations, .. } = outcome else { return none };
     let fitted = calibration.gyros.iter().zip(separations).find(|(gyro, _)| gyro.slot == slot);
-    let Some((gyro, Ok(separation))) = fitted else { return [None; 5] };
-    let value = |value: f64, sd: Option<f64>, of_station: f64| {
-        Some(Value { value, sd: sd.filter(|sd| *sd > 0.0)?, of_station, station: &campaign.station })
+    let Some((gyro, Ok(separation))) = fitted else { return none };
+    // Of the standard deviation the campaigns of a station share what the station does.
+    let value = |value: f64, sd: Option<f64>, shared_sd: f64| {
+        let own = sd? * sd? - shared_sd * shared_sd;
+        (own > 0.0).then(|| Observation { value, sd: own.sqrt(), shared_sd, group })
     };
     let rigid = &separation.rigid;
     let sds = rigid.sd().map_or([None; 3], |sds| sds.map(Some));
@@ -138,26 +143,23 @@ fn values<'a>(campaign: &'a Campaign, outcome: &Outcome, slot: Slot) -> [Option<
 mod tests {
     use super::*;
 
-    fn repeated(values: &[(f64, f64, f64, &str)]) -> Repeated {
-        let name = |text: &str| Name::parse(text).expect("a name");
-        let stations: Vec<Name> = values.iter().map(|v| name(v.3)).collect();
-        let values: Vec<Value> = values
-            .iter()
-            .zip(&stations)
-            .map(|((value, sd, of_station, _), station)| Value {
-                value: *value,
-                sd: *sd,
-                of_station: *of_station,
-                station,
-            })
-            .collect();
-        Repeated::of((Slot::G1, &name("A")), COEFFICIENTS[0], &values).expect("two values")
+    fn repeated(values: &[(f64, f64, f64, usize)]) -> Repeated {
+        let value = |(value, sd, shared_sd, group): &(f64, f64, f64, usize)| Observation {
+            value: *value,
+            sd: *sd,
+            shared_sd: *shared_sd,
+            group: *group,
+        };
+        let values: Vec<Observation> = values.iter().map(value).collect();
+        let mean = means(&[vec![values.clone()]])[0][0];
+        let serial = Name::parse("A").expect("a name");
+        Repeated::of((Slot::G1, &serial), COEFFICIENTS[0], &values, mean).expect("two values")
     }
 
     #[test]
     fn two_values_that_differ_by_their_noise_repeat() {
         // x = 1 and 2, sd 1: Q = 1/2, mean 1.5 with sd 1/sqrt 2. Quantiles of one degree of freedom: 5.024, 9.82e-4.
-        let found = repeated(&[(1.0, 1.0, 0.0, "S"), (2.0, 1.0, 0.0, "S")]);
+        let found = repeated(&[(1.0, 1.0, 0.0, 0), (2.0, 1.0, 0.0, 0)]);
         assert!((found.scatter.chi2 - 0.5).abs() < 1e-12 && found.scatter.dof == 1);
         assert!((found.mean - 1.5).abs() < 1e-12 && (found.sd - 0.5_f64.sqrt()).abs() < 1e-12);
         assert!((found.ratio() - 0.5_f64.sqrt()).abs() < 1e-12 && found.beyond_sd == 0.0);
@@ -167,16 +169,19 @@ mod tests {
 
     #[test]
     fn values_that_differ_by_more_widen_the_sd_of_their_mean() {
-        // x = 0 and 10, sd 1: Q = 50, tau^2 = (50 - 1)/(2 - 1) = 49, sd of the mean sqrt(50/2).
-        let found = repeated(&[(0.0, 1.0, 0.0, "S"), (10.0, 1.0, 0.0, "S")]);
-        assert!((found.beyond_sd - 7.0).abs() < 1e-12 && (found.sd - 5.0).abs() < 1e-12, "{found:?}");
+        // x = 0 and 10, sd 1: Q = 50, tau^2 = (50 - 1)/(2 - 1) = 49. Were tau known, the sd of the mean were sqrt(50/2):
+        // two values tell it badly.
+        let found = repeated(&[(0.0, 1.0, 0.0, 0), (10.0, 1.0, 0.0, 0)]);
+        assert!((found.beyond_sd - 7.0).abs() < 1e-12 && (found.mean - 5.0).abs() < 1e-9, "{found:?}");
+        assert!((10.0..40.0).contains(&found.sd), "{found:?}");
     }
 
     #[test]
     fn what_a_station_does_to_all_its_campaigns_does_not_average_out() {
         // Four values of sd 5, of which 4 are the station's: 3/sqrt 4 and 4 of one station, 4/sqrt 2 of two.
-        let four = |stations: [&'static str; 4]| repeated(&stations.map(|station| (1.0, 5.0, 4.0, station))).sd;
-        assert!((four(["S"; 4]) - (2.25_f64 + 16.0).sqrt()).abs() < 1e-12);
-        assert!((four(["S", "T", "S", "T"]) - (2.25_f64 + 8.0).sqrt()).abs() < 1e-12);
+        let four = |stations: [usize; 4]| repeated(&stations.map(|station| (1.0, 3.0, 4.0, station)));
+        assert!((four([0; 4]).sd - (2.25_f64 + 16.0).sqrt()).abs() < 1e-12);
+        assert!((four([0, 1, 0, 1]).sd - (2.25_f64 + 8.0).sqrt()).abs() < 1e-12);
+        assert!((four([0; 4]).stated_sd - 5.0).abs() < 1e-12);
     }
 }

@@ -25,7 +25,7 @@ use crate::core::effects::{Estimate, GyroAxes, Refusal, Scope, Setting, axes};
 use crate::core::message::{Message, text};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::Slot;
-use crate::core::numerics::between::Scatter;
+use crate::core::numerics::between::{Observation, Scatter};
 use crate::core::numerics::least_squares::Factor;
 use crate::core::record::Name;
 use crate::message;
@@ -417,7 +417,8 @@ fn between(parts: &[CampaignPart]) -> [f64; 3] {
             let of_part = |part: &CampaignPart| {
                 let parameter = part.calibration.gyros[j].of(term)?[i];
                 let scale = part.setting.gyros[j].scale;
-                Some((parameter.value / scale, parameter.sd.filter(|sd| *sd > 0.0)? / scale))
+                let sd = parameter.sd.filter(|sd| *sd > 0.0)?;
+                Some(Observation::independent(parameter.value / scale, sd / scale))
             };
             Scatter::of(&parts.iter().filter_map(of_part).collect::<Vec<_>>())
         };

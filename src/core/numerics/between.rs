@@ -1,32 +1,60 @@
-//! Whether values differ by more than their standard deviations say (Cochran 1954), and by how much (DerSimonian and
-//! Laird, Controlled Clinical Trials 7, 1986).
+//! Values of one quantity that differ by more than their standard deviations say: whether (Cochran, Biometrics 10, 1954),
+//! by how much (DerSimonian and Laird, Controlled Clinical Trials 7, 1986), and what that does to their mean.
+//!
+//! x_i = mu + u_g z_g + c_i + e_i: e_i of the stated standard deviation, z_g of unit variance common to a group of values
+//! (u: what a station does to all of its campaigns), c_i of standard deviation tau, which nobody knows. V(tau) is the
+//! covariance diag(sd^2 + tau^2) + u u' by groups. Of few values the likelihood of tau is wide: the mean is a mixture over
+//! tau, whose prior is what like quantities show (the same tau with probability [`ALIKE`]).
 
+use std::f64::consts::FRAC_2_PI;
+
+use super::normal::normal_cdf;
 use super::tails::chi2_tail;
 
 /// Chance below which values differ by more than their standard deviations.
 const BEYOND_NOISE: f64 = 0.05;
+/// Prior probability that a quantity's tau is that of the others of its set, and a set's that of the other sets.
+const ALIKE: [f64; 2] = [0.8, 0.7];
+/// Prior probability that nothing differs; else tau is half-Cauchy of the scale of the standard deviations.
+const NONE: f64 = 0.25;
+/// Values of tau, of the scale: from this one on, each as much larger.
+const FIRST: f64 = 0.05;
+const STEP: f64 = 1.25;
+/// Half a 95 % interval over the standard deviation, of a normal distribution.
+const OF_95: f64 = 1.959_964;
+
+/// One value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Observation {
+    pub value: f64,
+    /// Of this value alone.
+    pub sd: f64,
+    /// Of what all values of the group share.
+    pub shared_sd: f64,
+    pub group: usize,
+}
 
 /// Sums over values of one or several quantities, each with a mean of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Scatter {
-    /// Q, the sum of ((x - mean)/sd)^2 about the weighted mean.
+    /// Q = (x - mean)' V(0)^-1 (x - mean) about the weighted mean.
     pub chi2: f64,
     pub dof: usize,
-    /// sum w - sum w^2/sum w, w = 1/sd^2.
+    /// dQ/d(tau^2) in expectation: the trace of V^-1 - V^-1 1 1' V^-1/(1' V^-1 1).
     weight: f64,
 }
 
+impl Observation {
+    pub fn independent(value: f64, sd: f64) -> Self {
+        Self { value, sd, shared_sd: 0.0, group: 0 }
+    }
+}
+
 impl Scatter {
-    /// Of one quantity: values with their standard deviations, two at least.
-    pub fn of(values: &[(f64, f64)]) -> Option<Self> {
-        let sum = |f: &dyn Fn(f64, f64) -> f64| values.iter().map(|(x, sd)| f(*x, sd.powi(-2))).sum::<f64>();
-        let (s1, s2) = (sum(&|_, w| w), sum(&|_, w| w * w));
-        let mean = sum(&|x, w| x * w) / s1;
-        (values.len() > 1).then(|| Self {
-            chi2: sum(&|x, w| w * (x - mean).powi(2)),
-            dof: values.len() - 1,
-            weight: s1 - s2 / s1,
-        })
+    /// Of one quantity: two values at least.
+    pub fn of(values: &[Observation]) -> Option<Self> {
+        let at = Weighted::of(values, 0.0);
+        (values.len() > 1).then_some(Self { chi2: at.chi2, dof: values.len() - 1, weight: at.trace })
     }
 
     /// Both together: Q, degrees of freedom and weights add.
@@ -39,9 +67,286 @@ impl Scatter {
         chi2_tail(self.chi2, self.dof)
     }
 
+    pub fn is_beyond(&self) -> bool {
+        self.p_value().is_some_and(|p| p < BEYOND_NOISE)
+    }
+
     /// tau, the standard deviation beside those that are stated: zero where Q is within chance.
     pub fn beyond(&self) -> f64 {
-        let is_beyond = self.p_value().is_some_and(|p| p < BEYOND_NOISE);
-        if is_beyond { ((self.chi2 - self.dof as f64) / self.weight).max(0.0).sqrt() } else { 0.0 }
+        if self.is_beyond() { ((self.chi2 - self.dof as f64) / self.weight).max(0.0).sqrt() } else { 0.0 }
+    }
+}
+
+/// A weighted mean and its standard deviation: half of its 95 % interval over 1.96.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mean {
+    pub value: f64,
+    pub sd: f64,
+}
+
+/// The means of quantities that may scatter alike: sets (gyros) of quantities (coefficients) of values, two at least of
+/// each. As stated where Q of all together is within chance and that of the quantity as well.
+pub fn means(sets: &[Vec<Vec<Observation>>]) -> Vec<Vec<Mean>> {
+    let scatter = |values: &Vec<Observation>| Scatter::of(values).unwrap_or_default();
+    let together = sets.iter().flatten().map(scatter).fold(Scatter::default(), Scatter::plus);
+    let mixtures = match sets.iter().flatten().any(|values| scatter(values).is_beyond()) || together.is_beyond() {
+        true => mixtures(sets),
+        false => Vec::new(),
+    };
+    let mean = |i: usize, j: usize, values: &Vec<Observation>| match mixtures.get(i) {
+        Some(of_set) if together.is_beyond() || scatter(values).is_beyond() => of_set[j].mean(),
+        _ => {
+            let Weighted { mean, variance, .. } = Weighted::of(values, 0.0);
+            Mean { value: mean, sd: variance.sqrt() }
+        }
+    };
+    let of_set = |(i, set): (usize, &Vec<Vec<Observation>>)| {
+        set.iter().enumerate().map(|(j, values)| mean(i, j, values)).collect()
+    };
+    sets.iter().enumerate().map(of_set).collect()
+}
+
+/// What a value of tau makes of the values of one quantity.
+#[derive(Debug, Clone, Copy)]
+struct Weighted {
+    mean: f64,
+    variance: f64,
+    chi2: f64,
+    trace: f64,
+    /// Restricted: -(ln|V| + ln(1' V^-1 1) + Q)/2.
+    log_likelihood: f64,
+}
+
+impl Weighted {
+    /// V^-1 by groups: W - W u u' W/(1 + u' W u), W = diag(1/(sd^2 + tau^2)) (Sherman and Morrison).
+    fn of(values: &[Observation], tau: f64) -> Self {
+        #[derive(Clone, Copy, Default)]
+        struct Group {
+            uu: f64,
+            u1: f64,
+            ux: f64,
+        }
+        let weight = |v: &Observation| 1.0 / (v.sd.powi(2) + tau.powi(2));
+        let mut groups = vec![Group::default(); values.iter().map(|v| v.group + 1).max().unwrap_or(0)];
+        let (mut s11, mut s1x, mut sxx, mut log_det) = (0.0, 0.0, 0.0, 0.0);
+        // From the first value on: the squares of what is common to all would drown what differs.
+        let origin = values.first().map_or(0.0, |v| v.value);
+        for v in values {
+            let (w, x, group) = (weight(v), v.value - origin, &mut groups[v.group]);
+            (s11, s1x, sxx, log_det) = (s11 + w, s1x + w * x, sxx + w * x * x, log_det - w.ln());
+            group.uu += w * v.shared_sd.powi(2);
+            group.u1 += w * v.shared_sd;
+            group.ux += w * v.shared_sd * x;
+        }
+        for Group { uu, u1, ux } in &groups {
+            let by = 1.0 + uu;
+            (s11, s1x, sxx, log_det) = (s11 - u1 * u1 / by, s1x - u1 * ux / by, sxx - ux * ux / by, log_det + by.ln());
+        }
+        let trace = |v: &Observation| {
+            let (w, group) = (weight(v), groups[v.group]);
+            let (own, row) = (w * v.shared_sd, w - w * v.shared_sd * group.u1 / (1.0 + group.uu));
+            w - own * own / (1.0 + group.uu) - row * row / s11
+        };
+        let chi2 = (sxx - s1x * s1x / s11).max(0.0);
+        Self {
+            mean: origin + s1x / s11,
+            variance: 1.0 / s11,
+            chi2,
+            trace: values.iter().map(trace).sum(),
+            log_likelihood: -0.5 * (log_det + s11.ln() + chi2),
+        }
+    }
+}
+
+/// Weighted means of one quantity over values of tau, with their probabilities.
+struct Mixture(Vec<(f64, Weighted)>);
+
+impl Mixture {
+    fn mean(&self) -> Mean {
+        let value = self.0.iter().map(|(p, at)| p * at.mean).sum();
+        let within = |half: f64| -> f64 {
+            let share = |at: &Weighted| {
+                let z = |end: f64| normal_cdf((end - at.mean) / at.variance.sqrt());
+                z(value + half) - z(value - half)
+            };
+            self.0.iter().map(|(p, at)| p * share(at)).sum()
+        };
+        let (mut low, mut high) = (0.0, 1.0);
+        while within(high) < 0.95 && high < f64::MAX.sqrt() {
+            high *= 2.0;
+        }
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if within(middle) < 0.95 { low = middle } else { high = middle }
+        }
+        Mean { value, sd: high / OF_95 }
+    }
+}
+
+/// The mixture of every quantity.
+fn mixtures(sets: &[Vec<Vec<Observation>>]) -> Vec<Vec<Mixture>> {
+    let values = || sets.iter().flatten().flatten();
+    let mut sds: Vec<f64> = values().map(|v| v.sd).collect();
+    sds.sort_by(f64::total_cmp);
+    let scale = sds[sds.len() / 2];
+    let range = |of: &Vec<Observation>| {
+        let ends = of.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v.value), b.max(v.value)]);
+        ends[1] - ends[0]
+    };
+    let widest = sets.iter().flatten().map(range).fold(100.0 * scale, f64::max) * 3.0;
+    let taus: Vec<f64> = std::iter::once(0.0)
+        .chain(std::iter::successors(Some(FIRST * scale), |tau| Some(tau * STEP)).take_while(|tau| *tau < widest))
+        .collect();
+    let prior = prior(&taus, scale);
+    let of_set = |set: &Vec<Vec<Observation>>| -> Vec<Vec<Weighted>> {
+        set.iter().map(|values| taus.iter().map(|tau| Weighted::of(values, *tau)).collect()).collect()
+    };
+    let weighted: Vec<Vec<Vec<Weighted>>> = sets.iter().map(of_set).collect();
+    let likelihoods: Vec<Vec<Vec<f64>>> =
+        weighted.iter().map(|set| set.iter().map(|at| likelihood(at)).collect()).collect();
+    let sets_told: Vec<Vec<f64>> = likelihoods.iter().map(|set| told(set.iter(), ALIKE[0], &prior)).collect();
+    let others = |all: &[Vec<f64>], own: usize, alike: f64, before: &[f64]| {
+        let rest = all.iter().enumerate().filter(|(k, _)| *k != own).map(|(_, one)| one);
+        let of_others = normalised(told(rest, alike, &prior).iter().zip(before).map(|(l, p)| l * p).collect());
+        blend(alike, &of_others, &prior)
+    };
+    let mixture = |(i, set): (usize, Vec<Vec<Weighted>>)| {
+        let of_set = others(&sets_told, i, ALIKE[1], &prior);
+        let of_quantity = |(j, at): (usize, Vec<Weighted>)| {
+            let before = others(&likelihoods[i], j, ALIKE[0], &of_set);
+            let after = normalised(before.iter().zip(&likelihoods[i][j]).map(|(p, l)| p * l).collect());
+            Mixture(after.into_iter().zip(at).collect())
+        };
+        set.into_iter().enumerate().map(of_quantity).collect()
+    };
+    weighted.into_iter().enumerate().map(mixture).collect()
+}
+
+/// Probabilities of the values of tau, each of what lies between its neighbours' midpoints.
+fn prior(taus: &[f64], scale: f64) -> Vec<f64> {
+    let below = |tau: f64| FRAC_2_PI * (tau / scale).atan();
+    let end = |k: usize| match (taus.get(k), taus.get(k + 1)) {
+        (Some(0.0), Some(next)) => below(next / STEP.sqrt()),
+        (Some(tau), Some(next)) => below((tau * next).sqrt()),
+        _ => 1.0,
+    };
+    let of = |k: usize| match k {
+        0 => NONE + (1.0 - NONE) * end(0),
+        k => (1.0 - NONE) * (end(k) - end(k - 1)),
+    };
+    (0..taus.len()).map(of).collect()
+}
+
+/// Of every tau, the largest 1.
+fn likelihood(at: &[Weighted]) -> Vec<f64> {
+    let top = at.iter().map(|at| at.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
+    at.iter().map(|at| (at.log_likelihood - top).exp()).collect()
+}
+
+/// What several say of a tau that each has with probability `alike`, and else one of its own.
+fn told<'a>(all: impl Iterator<Item = &'a Vec<f64>>, alike: f64, prior: &[f64]) -> Vec<f64> {
+    all.fold(vec![1.0; prior.len()], |product, one| {
+        let own: f64 = one.iter().zip(prior).map(|(l, p)| l * p).sum();
+        normalised(product.iter().zip(one).map(|(a, l)| a * (alike * l + (1.0 - alike) * own)).collect())
+    })
+}
+
+fn blend(share: f64, one: &[f64], other: &[f64]) -> Vec<f64> {
+    one.iter().zip(other).map(|(a, b)| share * a + (1.0 - share) * b).collect()
+}
+
+fn normalised(mut all: Vec<f64>) -> Vec<f64> {
+    let total: f64 = all.iter().sum();
+    all.iter_mut().for_each(|one| *one /= total);
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    fn of(values: &[(f64, f64)]) -> Vec<Observation> {
+        values.iter().map(|(value, sd)| Observation::independent(*value, *sd)).collect()
+    }
+
+    #[test]
+    fn what_a_group_shares_is_no_scatter_among_its_values() {
+        // x = 1, 2, 4 of sd 1, of which all share 5: about their mean 7/3 they scatter by Q = 14/3.
+        let shared = [1.0, 2.0, 4.0].map(|value| Observation { value, sd: 1.0, shared_sd: 5.0, group: 0 });
+        let scatter = Scatter::of(&shared).unwrap();
+        assert!((scatter.chi2 - 14.0 / 3.0).abs() < 1e-9 && (scatter.weight - 2.0).abs() < 1e-9, "{scatter:?}");
+        let mean = Weighted::of(&shared, 0.0);
+        assert!((mean.mean - 7.0 / 3.0).abs() < 1e-9 && (mean.variance - (25.0 + 1.0 / 3.0)).abs() < 1e-9, "{mean:?}");
+    }
+
+    #[test]
+    fn groups_are_weighed_as_their_covariance_is_inverted() {
+        let all = [(1.0, 1.0, 2.0, 0), (2.5, 0.5, 1.5, 0), (0.3, 2.0, 1.0, 1), (1.7, 1.2, 0.4, 1), (2.2, 0.9, 0.0, 2)]
+            .map(|(value, sd, shared_sd, group)| Observation { value, sd, shared_sd, group });
+        let tau = 0.7;
+        let covariance = nalgebra::DMatrix::from_fn(5, 5, |i, j| {
+            let (a, b) = (&all[i], &all[j]);
+            let own = if i == j { a.sd.powi(2) + tau * tau } else { 0.0 };
+            own + if a.group == b.group { a.shared_sd * b.shared_sd } else { 0.0 }
+        });
+        let inverse = covariance.clone().cholesky().unwrap().inverse();
+        let (x, ones) = (nalgebra::DVector::from_fn(5, |i, _| all[i].value), nalgebra::DVector::repeat(5, 1.0));
+        let s11 = ones.dot(&(&inverse * &ones));
+        let mean = ones.dot(&(&inverse * &x)) / s11;
+        let residual = &x - &ones * mean;
+        let chi2 = residual.dot(&(&inverse * &residual));
+        let projected = &inverse - &inverse * &ones * ones.transpose() * &inverse / s11;
+        let found = Weighted::of(&all, tau);
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-10 * b.abs().max(1.0);
+        assert!(close(found.mean, mean) && close(found.variance, 1.0 / s11) && close(found.chi2, chi2), "{found:?}");
+        assert!(close(found.trace, projected.trace()), "{found:?}");
+        let likelihood = -0.5 * (covariance.determinant().ln() + s11.ln() + chi2);
+        assert!(close(found.log_likelihood, likelihood), "{found:?}");
+    }
+
+    #[test]
+    fn values_within_chance_have_the_mean_of_their_weights() {
+        let found = means(&[vec![of(&[(1.0, 1.0), (2.0, 2.0)])]]);
+        let expected = Mean { value: 1.2, sd: 0.8_f64.sqrt() };
+        assert!((found[0][0].value - expected.value).abs() < 1e-12 && (found[0][0].sd - expected.sd).abs() < 1e-12);
+    }
+
+    /// The share of 95 % intervals that hold the mean, of three gyros with three coefficients each; the values of `lone`
+    /// gyros scatter by `tau`, and those gyros are counted.
+    fn coverage(campaigns: usize, tau: f64, lone: usize, seed: u64) -> f64 {
+        const FLEETS: usize = 60;
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut normal = || (0..12).map(|_| rng.random_range(0.0..1.0)).sum::<f64>() - 6.0;
+        let (mut held, mut all) = (0, 0);
+        for _ in 0..FLEETS {
+            let mut set = |tau: f64| -> Vec<Vec<Observation>> {
+                let value = |normal: &mut dyn FnMut() -> f64| Observation::independent(normal() * tau.hypot(1.0), 1.0);
+                (0..3).map(|_| (0..campaigns).map(|_| value(&mut normal)).collect()).collect()
+            };
+            let sets: Vec<_> = (0..3).map(|gyro| set(if gyro < lone { tau } else { 0.0 })).collect();
+            let found = means(&sets);
+            all += 3 * lone;
+            held += found[..lone].iter().flatten().filter(|mean| mean.value.abs() < OF_95 * mean.sd).count();
+        }
+        held as f64 / all as f64
+    }
+
+    #[test]
+    fn the_sd_of_a_mean_covers_what_few_values_do_not_tell() {
+        for (campaigns, tau, lone, bounds) in [
+            (2, 0.0, 3, 0.92..0.99),
+            (2, 2.0, 3, 0.90..0.98),
+            (2, 20.0, 3, 0.90..0.98),
+            (3, 6.0, 3, 0.91..0.98),
+            (5, 2.0, 3, 0.91..0.98),
+            (10, 6.0, 3, 0.92..0.98),
+            (2, 20.0, 1, 0.83..0.98),
+            (3, 6.0, 1, 0.86..0.98),
+        ] {
+            let found = coverage(campaigns, tau, lone, 20_261_130);
+            assert!(bounds.contains(&found), "{campaigns} campaigns, tau {tau}, {lone} gyros: {found}");
+        }
     }
 }

@@ -104,6 +104,7 @@ terminal_uncertainties_unstated = No uncertainty of the station is stated: its l
 terminal_not_separated = { $slot } ({ $serial }) is not separated: { $reason }
 terminal_campaigns = { $imu }: { $count } campaigns
 terminal_campaigns_head = campaign | station | measured | gyro | D_I | D_S
+terminal_copies = { $first } and { $second }: all outputs are the same to the last digit; is it one measurement with another time? Leave one of them out
 terminal_repeats = Between campaigns
 terminal_repeats_head = gyro | coefficient | n | mean | unit | stated sd | scatter | scatter/stated | p | beyond
 terminal_repeats_nothing = Nothing is determined by two campaigns.

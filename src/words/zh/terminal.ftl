@@ -101,6 +101,7 @@ terminal_uncertainties_unstated = 未说明测试站的不确定度：标准差�
 terminal_not_separated = { $slot }（{ $serial }）未分离：{ $reason }
 terminal_campaigns = { $imu }：{ $count }次试验
 terminal_campaigns_head = 试验 | 测试站 | 测量时间 | 陀螺 | D_I | D_S
+terminal_copies = { $first }与{ $second }：所有输出逐位相同；是否为同一次测量改了时间？请去掉其中之一
 terminal_repeats = 各次试验之间
 terminal_repeats_head = 陀螺 | 系数 | n | 均值 | 单位 | 所述标准差 | 分散 | 分散/所述 | p | 超出部分
 terminal_repeats_nothing = 没有由两次试验确定的量。

@@ -942,8 +942,13 @@ fn a_date_that_the_logs_clock_contradicts_is_refused() {
     let zoned = |k: usize| format!("2026-03-01T{}Z", time(k));
     let local = |k: usize| format!("2026-03-01 {}", time(k));
     let unset = |k: usize| format!("2000-01-01 {}", time(k));
-    let clocks: [(&dyn Fn(usize) -> String, &str, &str); 3] =
-        [(&unix, "unix_s", "08:00:00Z"), (&zoned, "s", "08:00:00Z"), (&local, "s", "08:00:00")];
+    let unmarked = |k: usize| format!("20260301T{}", time(k).replace(':', ""));
+    let clocks: [(&dyn Fn(usize) -> String, &str, &str); 4] = [
+        (&unix, "unix_s", "08:00:00Z"),
+        (&zoned, "s", "08:00:00Z"),
+        (&local, "s", "08:00:00"),
+        (&unmarked, "s", "08:00:00"),
+    ];
     for (stamp, unit, clock) in clocks {
         // A day off, or any hour of the date.
         for date in ["2026-03-01T00:00:00+08:00", "2026-03-02T06:00:00Z"] {
@@ -958,6 +963,14 @@ fn a_date_that_the_logs_clock_contradicts_is_refused() {
     assert_eq!(campaign(&output)["measured_at"], "2026-03-01T08:00:00Z");
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(said.contains("the log's clock says 2000-01-01T08:00:00, as one that was never set"), "{said}");
+    // Dates say their unit themselves.
+    let log = example.dir.path().join("log.csv");
+    let without = fs::read_to_string(&log).unwrap().replacen("time [s]", "time", 1);
+    example.write("log.csv", &without.replace("2000-01-01", "2026-03-01"));
+    campaign(&example.dwells(&["log.csv"], "map.toml"));
+    let minutes = |k: usize| format!("{}:{:02}", k / 60, k % 60);
+    let said = refused(&made(&minutes, "s", "2026-03-01T08:00:00Z"));
+    assert!(said.contains("\"24:00\" is no time that can be read; write 08:15:00.5"), "{said}");
 }
 
 /// The example log without the table's rate, with the clock set within a position, and without a position.

@@ -327,13 +327,18 @@ impl Stamps {
             };
             return Ok(Self { column: None, factor: hz.recip(), unit_s: 0.0, began: None });
         };
-        let own = Columns { log: None, ..time.clone() };
+        let mut own = Columns { log: None, ..time.clone() };
         let name = own.columns.first().ok_or_else(|| fail(message!("map_no_columns")))?;
         let (column, _) = name.find(source).map_err(fail)?;
+        let first = source.first(column);
+        // Dates and times of day are read as seconds.
+        if first.is_some_and(|(_, is_clock)| is_clock) && source.columns()[column].unit.is_none() {
+            own = own.or_unit("s");
+        }
         let (found, unit, _) = own.unit(Quantity::Time, source).map_err(fail)?;
         let factor = found.factor * own.scale.first().unwrap_or(&1.0);
         let is_unix = unit.trim().to_lowercase().starts_with("unix_");
-        let began = source.first(column).and_then(|(first, is_clock)| {
+        let began = first.and_then(|(first, is_clock)| {
             let of_cells = if is_clock { Epoch::of(first) } else { None };
             Some((if is_unix { Epoch::Unix } else { of_cells? }, first * factor))
         });

@@ -87,6 +87,7 @@ unit_of_map_alone = { $key } is taken for { $unit }, as the map says; the header
 ## Time
 
 date_unclear = "{ $value }" is a date whose day and month cannot be told apart; write it as 2026-11-24 (yyyy-mm-dd), or name `rate_hz` in place of `time`
+time_unread = "{ $value }" is no time that can be read; write 08:15:00.5, 2026-11-24T08:15:00 or 20261124T081500, with an offset or Z if you like, or give `rate_hz` in place of `time`
 time_back = time jumps back by { $seconds } s, from { $from } to { $to }: two logs in one file, or a clock that was set; cut the file here and name both parts
 time_coarse = { $repeated } of { $rows } samples repeat the time before: the clock is too coarse; leave `time` out and give `rate_hz`
 time_wrapped = the clock began anew { $count } times (midnight, or a full counter) and was carried on

@@ -87,6 +87,7 @@ unit_of_map_alone = { $key }按映射取为{ $unit }；表头写“{ $header }�
 ## 时间
 
 date_unclear = “{ $value }”中分不清日与月；请写作2026-11-24（yyyy-mm-dd），或用`rate_hz`代替`time`
+time_unread = 时间"{ $value }"无法读取；请写成08:15:00.5、2026-11-24T08:15:00或20261124T081500（可带时区或Z），或以`rate_hz`代替`time`
 time_back = 时间倒退{ $seconds } s，从{ $from }到{ $to }：一个文件中有两个记录，或时钟被重设；请在此处分为两个文件
 time_coarse = { $rows }个采样中有{ $repeated }个与前一时刻相同：时钟分辨率不足；请去掉`time`，给出`rate_hz`
 time_wrapped = 时钟重新开始{ $count }次（午夜或计数器溢出），已接续

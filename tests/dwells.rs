@@ -1001,6 +1001,19 @@ fn where_intervals_and_rows_are_not_as_many_is_said() {
         assert_eq!(said.matches("in 1 turns the outputs swing with the Earth's rate").count(), count, "{said}");
         assert_eq!(said.matches("/ 8.00 deg/s").count(), count, "{said}");
     }
+    // A clock that runs half a per cent fast, and one that is right.
+    for (fast, count) in [(1.005, 1), (1.0, 0)] {
+        example.write_stamped("log.csv", "s", |k| Some(format!("{:.3}", fast * k as f64)));
+        example.write("programme.csv", &programme);
+        let output = example.dwells(&["log.csv"], "map.toml");
+        assert_eq!(campaign(&output)["dwells"].as_array().unwrap().len(), 36);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(
+            said.matches("turns the outputs swing with the Earth's rate about -0.5 % off").count(),
+            count,
+            "{said}"
+        );
+    }
     let skipped = |k: usize| Some(k).filter(|k| !(455..545).contains(k));
     let said = refused(&made(&skipped, &programme));
     assert!(said.contains("35 intervals were found and the programme has 36 rows"), "{said}");

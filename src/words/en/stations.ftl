@@ -186,6 +186,7 @@ time_unproved = a sample every { $step } s, intervals of { $usual } s: cannot te
 scale_unproved = cannot tell whether `output` is in this unit, because no heading is known: the Earth's rate at rest would show its scale, and that of `rate`. Give --programme, or name `table` or `attitude` in the map
 programme_rates = in { $count } of { $of } dwells the rate in the log contradicts the programme; the first at { $start } s: is it another programme, or a sign?
 turns_at_another_rate = in { $count } turns the outputs swing with the Earth's rate as at another rate than the programme tells (at { $turns }): is the rate of a row wrong?
+turns_by_one_factor = in all { $count } turns the outputs swing with the Earth's rate about { $percent } % off the rates that the programme tells. The log's clock (`rate_hz`, `time`) or every rate is wrong by so much; |E| is too, unless only the clock is and the outputs are no counts
 programme_contradicted = in { $count } of { $of } dwells the accelerometers contradict the programme; the first at { $start } s, by { $degrees } deg: axes, signs or order are wrong
 cells_alike = { $count } cells in lines { $from } to { $to } have the same fault; the first: { $fault }
 cells_alike_of_line = { $count } cells in line { $line } have the same fault; the first: { $fault }

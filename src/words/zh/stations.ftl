@@ -186,6 +186,7 @@ time_unproved = 每{ $step } s一个采样、稳定段{ $usual } s：无法判�
 scale_unproved = 无法判断`output`的单位，因为不知方位：静止时的地球自转可显示其标度及`rate`的标度。请给出--programme，或在映射中写明`table`或`attitude`
 programme_rates = { $of }个测点中有{ $count }个，日志中的转速与程序矛盾；第一个在{ $start } s：是否为另一程序，或符号有误？
 turns_at_another_rate = 在{ $count }次转动中，输出随地球自转的起伏所示的转速与测试程序不同（{ $turns }）：是否有一行的转速写错？
+turns_by_one_factor = 在全部{ $count }次转动中，输出随地球自转的起伏所示的转速与测试程序相差约{ $percent }%。日志的时钟（`rate_hz`、`time`）或全部转速有此误差；|E|也有此误差，除非仅时钟有误且输出不是脉冲计数
 programme_contradicted = { $of }个测点中有{ $count }个加速度计与测试程序不符；第一处在{ $start } s，相差{ $degrees }°：轴、符号或次序有误
 cells_alike = 第{ $from }至{ $to }行有{ $count }个单元格错误相同；第一处：{ $fault }
 cells_alike_of_line = 第{ $line }行有{ $count }个单元格错误相同；第一处：{ $fault }

@@ -1001,6 +1001,26 @@ fn where_intervals_and_rows_are_not_as_many_is_said() {
         assert_eq!(said.matches("in 1 turns the outputs swing with the Earth's rate").count(), count, "{said}");
         assert_eq!(said.matches("/ 8.00 deg/s").count(), count, "{said}");
     }
+    // Totals that begin anew within a position or a turn: what is said of them.
+    let totals = |reset: usize| {
+        let mut total = [0.0; 3];
+        let row = |(k, row): (usize, &String)| {
+            let cells: Vec<&str> = row.split(';').collect();
+            for (total, cell) in total.iter_mut().zip(&cells[1..4]) {
+                *total = if k == reset { 0.0 } else { *total + cell.parse::<f64>().unwrap().round() };
+            }
+            format!("{k};{};{};{};0\n", total[0], total[1], total[2])
+        };
+        let rows: String = example.rows.iter().enumerate().map(row).collect();
+        format!("{}\n{rows}", example.head.replace("[pulse]", "[pulse_total]"))
+    };
+    for reset in [0, 12 * 90 + 45, 26 * 90 + 45] {
+        example.write("log.csv", &totals(reset));
+        example.write("programme.csv", &programme);
+        let output = example.dwells(&["log.csv"], "map.toml");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(said.contains("counters fell to zero 1 times"), reset > 0, "{said}");
+    }
     // A clock that runs half a per cent fast, and one that is right.
     for (fast, count) in [(1.005, 1), (1.0, 0)] {
         example.write_stamped("log.csv", "s", |k| Some(format!("{:.3}", fast * k as f64)));

@@ -200,7 +200,8 @@ impl Work<'_> {
         let intervals = self.not_clipped(found.intervals)?;
         let mut candidates: Vec<Candidate> = intervals.into_iter().map(|i| self.candidate(i)).collect();
         self.check_force(&candidates)?;
-        let clipped = self.remarks.iter().find(|remark| remark.code == "intervals_clipped").cloned();
+        let explains = |remark: &&Message| ["intervals_clipped", "counter_reset"].contains(&&*remark.code);
+        let clipped = self.remarks.iter().find(explains).cloned();
         let after_clipping = |fault: Message| match clipped {
             Some(clipped) => message!("after_clipping", fault, clipped),
             None => fault,

@@ -104,6 +104,7 @@ rows_left_out = { $count } lines that are no rows are left out
 rows_left_out_at = { $count } lines that are no rows are left out; the first: { $fault }
 temperatures_left_out = { $count } temperatures are fault values of the sensor (a jump of more than 20 °C and back), and left out
 counter_wrapped = counters began anew { $count } times (16, 24 or 32 bits) and were carried on
+counter_reset = counters fell to zero { $count } times and counted on from there: were they reset, or are they full at another count than 16, 24 or 32 bits? Samples in which they fell are in no dwell
 counter_unclear = a counter of { $bits } bits changes by about half of its range from one sample to the next ({ $count } times), so nothing says how often it began anew: log faster, log the pulses of each sample, or use a wider counter
 samples_alternate = samples of `{ $key }` { $column } alternate between two levels ({ $one }, { $other }): are they of two IMUs in one file? Write one file for each
 log_of_several = column { $column } holds { $ids }: rows of several IMUs in one file; write one file for each

@@ -104,6 +104,7 @@ rows_left_out = { $count }行不是数据，已剔除
 rows_left_out_at = { $count }行不是数据行，未采用；第一处：{ $fault }
 temperatures_left_out = { $count }个温度为传感器故障值（跳变超过20 °C又恢复），未采用
 counter_wrapped = 计数器重新开始{ $count }次（16、24或32位），已接续
+counter_reset = 计数器{ $count }次归零后继续计数：是否被复位，或满量程不是16、24、32位？归零处的采样不计入测点
 counter_unclear = { $bits }位计数器相邻采样的变化约为其量程的一半（{ $count }次），无法判断它重新开始了几次：请提高采样率，或记录每次采样的脉冲数，或用更宽的计数器
 samples_alternate = `{ $key }`第{ $column }路的采样在两个数值间交替（{ $one }，{ $other }）：是否两套IMU写在一个文件中？请分成各自的文件
 log_of_several = 列{ $column }中有{ $ids }：一个文件中有多套IMU的数据行；请分成各自的文件

@@ -942,8 +942,13 @@ fn a_date_that_the_logs_clock_contradicts_is_refused() {
     let zoned = |k: usize| format!("2026-03-01T{}Z", time(k));
     let local = |k: usize| format!("2026-03-01 {}", time(k));
     let unset = |k: usize| format!("2000-01-01 {}", time(k));
-    let clocks: [(&dyn Fn(usize) -> String, &str, &str); 3] =
-        [(&unix, "unix_s", "08:00:00Z"), (&zoned, "s", "08:00:00Z"), (&local, "s", "08:00:00")];
+    let unmarked = |k: usize| format!("20260301T{}", time(k).replace(':', ""));
+    let clocks: [(&dyn Fn(usize) -> String, &str, &str); 4] = [
+        (&unix, "unix_s", "08:00:00Z"),
+        (&zoned, "s", "08:00:00Z"),
+        (&local, "s", "08:00:00"),
+        (&unmarked, "s", "08:00:00"),
+    ];
     for (stamp, unit, clock) in clocks {
         // A day off, or any hour of the date.
         for date in ["2026-03-01T00:00:00+08:00", "2026-03-02T06:00:00Z"] {
@@ -958,6 +963,14 @@ fn a_date_that_the_logs_clock_contradicts_is_refused() {
     assert_eq!(campaign(&output)["measured_at"], "2026-03-01T08:00:00Z");
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(said.contains("the log's clock says 2000-01-01T08:00:00, as one that was never set"), "{said}");
+    // Dates say their unit themselves.
+    let log = example.dir.path().join("log.csv");
+    let without = fs::read_to_string(&log).unwrap().replacen("time [s]", "time", 1);
+    example.write("log.csv", &without.replace("2000-01-01", "2026-03-01"));
+    campaign(&example.dwells(&["log.csv"], "map.toml"));
+    let minutes = |k: usize| format!("{}:{:02}", k / 60, k % 60);
+    let said = refused(&made(&minutes, "s", "2026-03-01T08:00:00Z"));
+    assert!(said.contains("\"24:00\" is no time that can be read; write 08:15:00.5"), "{said}");
 }
 
 /// The example log without the table's rate, with the clock set within a position, and without a position.
@@ -987,6 +1000,39 @@ fn where_intervals_and_rows_are_not_as_many_is_said() {
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(said.matches("in 1 turns the outputs swing with the Earth's rate").count(), count, "{said}");
         assert_eq!(said.matches("/ 8.00 deg/s").count(), count, "{said}");
+    }
+    // Totals that begin anew within a position or a turn: what is said of them.
+    let totals = |reset: usize| {
+        let mut total = [0.0; 3];
+        let row = |(k, row): (usize, &String)| {
+            let cells: Vec<&str> = row.split(';').collect();
+            for (total, cell) in total.iter_mut().zip(&cells[1..4]) {
+                *total = if k == reset { 0.0 } else { *total + cell.parse::<f64>().unwrap().round() };
+            }
+            format!("{k};{};{};{};0\n", total[0], total[1], total[2])
+        };
+        let rows: String = example.rows.iter().enumerate().map(row).collect();
+        format!("{}\n{rows}", example.head.replace("[pulse]", "[pulse_total]"))
+    };
+    for reset in [0, 12 * 90 + 45, 26 * 90 + 45] {
+        example.write("log.csv", &totals(reset));
+        example.write("programme.csv", &programme);
+        let output = example.dwells(&["log.csv"], "map.toml");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(said.contains("counters fell to zero 1 times"), reset > 0, "{said}");
+    }
+    // A clock that runs half a per cent fast, and one that is right.
+    for (fast, count) in [(1.005, 1), (1.0, 0)] {
+        example.write_stamped("log.csv", "s", |k| Some(format!("{:.3}", fast * k as f64)));
+        example.write("programme.csv", &programme);
+        let output = example.dwells(&["log.csv"], "map.toml");
+        assert_eq!(campaign(&output)["dwells"].as_array().unwrap().len(), 36);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(
+            said.matches("turns the outputs swing with the Earth's rate about -0.5 % off").count(),
+            count,
+            "{said}"
+        );
     }
     let skipped = |k: usize| Some(k).filter(|k| !(455..545).contains(k));
     let said = refused(&made(&skipped, &programme));

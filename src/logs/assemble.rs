@@ -19,7 +19,7 @@ use crate::core::dwells::programme::{
 };
 use crate::core::dwells::turns::{TURN_ARCSEC, WHOLE};
 use crate::core::frames::{Body, Nav, Rotation, Vector};
-use crate::core::message::{Message, Parameter, figure, list, significant, text};
+use crate::core::message::{Message, Parameter, figure, list, signed, significant, text};
 use crate::core::numerics::median::median_of;
 use crate::core::units::EARTH_RATE_DEG_H;
 use crate::message;
@@ -51,6 +51,10 @@ const OFF_COMMANDED: f64 = 0.14;
 const OFF_RATE: f64 = 0.2;
 /// The same, by how the outputs swing in the turn.
 const OTHER_SWING: f64 = 0.1;
+/// The same of all turns, so many at the least, and how alike they are then: a clock, or all rates.
+const OTHER_FACTOR: f64 = 1e-3;
+const FEWEST_TURNS: usize = 6;
+const ONE_FACTOR: f64 = 0.5;
 /// Turning of gyros that measure rates themselves, where nothing else says that the table turns: arcsec/s (1 deg/s).
 pub const TURNING: f64 = 3600.0;
 /// Part of a usual dwell from which a turn without dwell is said, and part of it that dwells must cover.
@@ -196,7 +200,8 @@ impl Work<'_> {
         let intervals = self.not_clipped(found.intervals)?;
         let mut candidates: Vec<Candidate> = intervals.into_iter().map(|i| self.candidate(i)).collect();
         self.check_force(&candidates)?;
-        let clipped = self.remarks.iter().find(|remark| remark.code == "intervals_clipped").cloned();
+        let explains = |remark: &&Message| ["intervals_clipped", "counter_reset"].contains(&&*remark.code);
+        let clipped = self.remarks.iter().find(explains).cloned();
         let after_clipping = |fault: Message| match clipped {
             Some(clipped) => message!("after_clipping", fault, clipped),
             None => fault,
@@ -485,7 +490,8 @@ impl Work<'_> {
         self.check_commanded(candidates)
     }
 
-    /// Turns in which the outputs swing, with the Earth's rate, as at another rate than the programme tells.
+    /// Turns in which the outputs swing, with the Earth's rate, as at another rate than the programme tells: some, or
+    /// all of them by one factor.
     fn at_another_rate(&self, candidates: &[Candidate]) -> Option<Message> {
         let series = &self.log.series;
         let of = |c: &Candidate| {
@@ -493,14 +499,22 @@ impl Work<'_> {
             let (from, to) = (series.start_s(c.interval.from), series.end_s(c.interval.to));
             let holds = |turn: &&Turned| turn.from_s <= from + series.block_s && to - series.block_s <= turn.to_s;
             let turn = self.turns.stretches.iter().filter(|turn| turn.turns >= WHOLE).find(holds)?;
-            let swings = turn.turns * TURN_ARCSEC / (turn.to_s - turn.from_s);
-            let [swings_at, told_at] = [swings, told].map(|rate| rate / 3600.0);
-            let place = || text(format_args!("{from:.0} s: {swings_at:.2} / {told_at:.2} deg/s"));
-            (told > 0.0 && (swings / told - 1.0).abs() > OTHER_SWING).then(place)
+            (told > 0.0).then_some((from, turn.swings_arcsec_s, told))
         };
-        let turns: Vec<Parameter> = candidates.iter().filter_map(of).collect();
-        let count = turns.len();
-        (count > 0).then(|| message!("turns_at_another_rate", count, turns = list(turns)))
+        let turns: Vec<(f64, f64, f64)> = candidates.iter().filter_map(of).collect();
+        let is_other = |(_, swings, told): &&(f64, f64, f64)| (swings / told - 1.0).abs() > OTHER_SWING;
+        let place = |(from, swings, told): &(f64, f64, f64)| {
+            let [swings_at, told_at] = [swings, told].map(|rate| rate / 3600.0);
+            text(format_args!("{from:.0} s: {swings_at:.2} / {told_at:.2} deg/s"))
+        };
+        let others: Vec<Parameter> = turns.iter().filter(is_other).map(place).collect();
+        if !others.is_empty() {
+            return Some(message!("turns_at_another_rate", count = others.len(), turns = list(others)));
+        }
+        let off = median_of(turns.iter().map(|(_, swings, told)| swings / told - 1.0))?;
+        let near = |(_, swings, told): &(f64, f64, f64)| (swings / told - 1.0 - off).abs() < ONE_FACTOR * off.abs();
+        let is_one = turns.len() >= FEWEST_TURNS && off.abs() > OTHER_FACTOR && turns.iter().all(near);
+        is_one.then(|| message!("turns_by_one_factor", count = turns.len(), percent = signed(100.0 * off, 1)))
     }
 
     /// That intervals and rows are not as many, and where it shows: neighbours with the same outputs may be one position,

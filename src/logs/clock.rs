@@ -5,19 +5,26 @@ use crate::wire::time;
 
 /// `8:15:00,010` and `08:15` are seconds of the day. With a date before them (`2026-11-24`, `24.11.2026`,
 /// `2026/11/24`; a `T` or a blank between) they count from [`EPOCH`], so that nobody takes local time for UTC; with an
-/// offset or a Z they are Unix seconds.
+/// offset or a Z they are Unix seconds. `20261124T081500` is a date with a time too; digits alone are a number.
 pub fn seconds(text: &str) -> Option<f64> {
     let (date, time) = match text.split_once(['T', ' ']) {
         Some((date, time)) => (Some(days(date)?), time.trim()),
         None => (None, text),
     };
     let (time, offset) = offset(time)?;
-    let mut parts = time.split(':');
-    let (hours, minutes) = (whole(parts.next()?, 23)?, whole(parts.next()?, 59)?);
-    let second = parts.next().map_or(Some(0.0), fraction)?;
-    if parts.next().is_some() {
-        return None;
+    let mut parts: Vec<&str> = time.split(':').collect();
+    if let ([digits], Some(_)) = (&parts[..], date)
+        && digits.is_ascii()
+        && digits.split(['.', ',']).next().is_some_and(|whole| whole.len() == 6)
+    {
+        parts = vec![&digits[..2], &digits[2..4], &digits[4..]];
     }
+    let (hours, minutes, second) = match parts[..] {
+        [hours, minutes] => (hours, minutes, 0.0),
+        [hours, minutes, second] => (hours, minutes, fraction(second)?),
+        _ => return None,
+    };
+    let (hours, minutes) = (whole(hours, 23)?, whole(minutes, 59)?);
     let of_day = f64::from(hours * 3600 + minutes * 60) + second;
     Some(match (date, offset) {
         (None, _) => of_day,
@@ -69,7 +76,8 @@ fn offset(time: &str) -> Option<(&str, Option<f64>)> {
         return Some((utc.trim_end(), Some(0.0)));
     }
     let Some(at) = time.rfind(['+', '-']) else { return Some((time, None)) };
-    let (hours, minutes) = time[at + 1..].split_once(':')?;
+    let digits = &time[at + 1..];
+    let (hours, minutes) = digits.split_once(':').or_else(|| digits.split_at_checked(2))?;
     let seconds = f64::from(whole(hours, 14)? * 3600 + whole(minutes, 59)? * 60);
     Some((time[..at].trim_end(), Some(if time[at..].starts_with('-') { -seconds } else { seconds })))
 }
@@ -82,6 +90,12 @@ pub fn is_unclear_date(text: &str) -> bool {
     parts.len() == 3 && parts.iter().all(is_part) && days(date).is_none()
 }
 
+/// Whether a text has the digits and marks of a time and is none.
+pub fn is_like_time(text: &str) -> bool {
+    let mark = |b: u8| b.is_ascii_digit() || b":.,-+/TZ ".contains(&b);
+    text.contains(':') && text.starts_with(|c: char| c.is_ascii_digit()) && text.bytes().all(mark)
+}
+
 /// A moment as a spreadsheet keeps it, in days since 1899-12-30; below one day it is a time of day.
 pub fn of_sheet(days: f64) -> f64 {
     const EPOCH_OF_SHEETS: f64 = 43_831.0;
@@ -90,12 +104,17 @@ pub fn of_sheet(days: f64) -> f64 {
 
 /// Days since 1970 of a date whose order is plain: the year first, or points between day, month and year.
 fn days(date: &str) -> Option<i64> {
-    let mark = ['-', '/', '.'].into_iter().find(|mark| date.contains(*mark))?;
-    let parts: Vec<&str> = date.split(mark).collect();
+    let is_plain = date.len() == 8 && date.bytes().all(|b| b.is_ascii_digit());
+    let mark = ['-', '/', '.'].into_iter().find(|mark| date.contains(*mark));
+    let parts: Vec<&str> = match mark {
+        Some(mark) => date.split(mark).collect(),
+        None if is_plain => vec![&date[..4], &date[4..6], &date[6..]],
+        None => return None,
+    };
     let [first, month, last] = parts[..] else { return None };
     let (year, day) = match (first.len(), last.len(), mark) {
         (4, ..) => (first, last),
-        (_, 4, '.') => (last, first),
+        (_, 4, Some('.')) => (last, first),
         _ => return None,
     };
     let [month, day] = [(month, 12), (day, 31)].map(|(text, most)| Some(whole(text, most)? as i8));
@@ -128,6 +147,14 @@ mod tests {
             ("2026/11/24 08:15:00", Some(2_519.0 * DAY + 29_700.0)),
             ("2026-11-24T08:15:00Z", Some(1_795_508_100.0)),
             ("2026-11-24 08:15:00 +08:00", Some(1_795_508_100.0 - 28_800.0)),
+            ("20261124T081500", Some(2_519.0 * DAY + 29_700.0)),
+            ("20261124 081500.5", Some(2_519.0 * DAY + 29_700.5)),
+            ("20261124T081500Z", Some(1_795_508_100.0)),
+            ("20261124T081500+0800", Some(1_795_508_100.0 - 28_800.0)),
+            ("20261324T081500", None),
+            ("20261124T0815000", None),
+            ("2026112T081500", None),
+            ("081500", None),
             // The order of day and month is not plain.
             ("11/10/2026 08:15:00", None),
             ("24:15:00", None),
@@ -147,6 +174,16 @@ mod tests {
         }
         for text in ["2026-11-24", "24.11.2026 08:15", "1.2.3.4", "a/b/c", "-0.5", "8:15:00", "1e-5"] {
             assert!(!is_unclear_date(text), "{text}");
+        }
+    }
+
+    #[test]
+    fn times_that_cannot_be_read_are_known_as_such() {
+        for text in ["25:10", "08:15:00:10", "24:15:00.5", "2026-13-24T08:15:00Z"] {
+            assert!(is_like_time(text) && seconds(text).is_none(), "{text}");
+        }
+        for text in ["a:b", "12 pulses", ":", "3.5", "G1: off"] {
+            assert!(!is_like_time(text), "{text}");
         }
     }
 

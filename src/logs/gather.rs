@@ -107,7 +107,7 @@ const FIRST_ROWS: usize = 256;
 const BETWEEN_LOGS_S: f64 = 1.0;
 /// Values in a row that are the same by no chance, where no more than such a share of the others is so: a sensor or a
 /// logger that hangs. Where more of the log is so, its readings stand still by nature.
-const FROZEN: u64 = 50;
+const FROZEN: u64 = 25;
 const SAME: f64 = 0.2;
 const MOST_FROZEN: f64 = 0.1;
 /// Samples that alternate between two levels: how much nearer each is to the last but one than to the last, counts
@@ -327,13 +327,18 @@ impl Stamps {
             };
             return Ok(Self { column: None, factor: hz.recip(), unit_s: 0.0, began: None });
         };
-        let own = Columns { log: None, ..time.clone() };
+        let mut own = Columns { log: None, ..time.clone() };
         let name = own.columns.first().ok_or_else(|| fail(message!("map_no_columns")))?;
         let (column, _) = name.find(source).map_err(fail)?;
+        let first = source.first(column);
+        // Dates and times of day are read as seconds.
+        if first.is_some_and(|(_, is_clock)| is_clock) && source.columns()[column].unit.is_none() {
+            own = own.or_unit("s");
+        }
         let (found, unit, _) = own.unit(Quantity::Time, source).map_err(fail)?;
         let factor = found.factor * own.scale.first().unwrap_or(&1.0);
         let is_unix = unit.trim().to_lowercase().starts_with("unix_");
-        let began = source.first(column).and_then(|(first, is_clock)| {
+        let began = first.and_then(|(first, is_clock)| {
             let of_cells = if is_clock { Epoch::of(first) } else { None };
             Some((if is_unix { Epoch::Unix } else { of_cells? }, first * factor))
         });
@@ -501,17 +506,27 @@ struct Counter {
     /// Steps of about half of its range: up or down, nobody knows.
     unclear: u64,
     period: f64,
+    /// The last step that was no fall to zero, whether the counter has just fallen there, and how often it went on from
+    /// there as before.
+    step: Option<f64>,
+    fell: bool,
+    resets: u64,
 }
 
 /// Part of a counter's range from which a step is not plain, and from which it is the step back over its end.
 const UNCLEAR_STEP: std::ops::Range<f64> = 0.4..0.6;
 /// Part of its range that a counter went through, which began anew.
 const RANGE_SEEN: f64 = 0.9;
+/// Steps, and a count, within which a counter that was reset is of zero and goes on, and from which on it has fallen.
+const AT_ZERO: f64 = 3.0;
+const FALLEN: f64 = 8.0;
 
 impl Default for Counter {
     fn default() -> Self {
         let (least, most) = (f64::INFINITY, f64::NEG_INFINITY);
-        Self { last: 0.0, carried: 0.0, least, most, whole: true, began_anew: 0, unclear: 0, period: 0.0 }
+        let (carried, began_anew, unclear, period) = (0.0, 0, 0, 0.0);
+        let (step, fell, resets) = (None, false, 0);
+        Self { last: 0.0, carried, least, most, whole: true, began_anew, unclear, period, step, fell, resets }
     }
 }
 
@@ -529,9 +544,26 @@ impl Counter {
             if share >= UNCLEAR_STEP.end {
                 self.began_anew += 1;
                 self.carried -= step.signum() * period;
+                return value + self.carried;
             }
         }
+        if is_next {
+            self.see_reset(value, step.abs());
+        }
         value + self.carried
+    }
+
+    /// Whether the counter fell to zero and went on from there.
+    fn see_reset(&mut self, value: f64, step: f64) {
+        let usual = self.step.map(|usual| usual + 1.0);
+        let is_near = |length: f64| usual.is_some_and(|usual| length <= AT_ZERO * usual);
+        if std::mem::take(&mut self.fell) {
+            self.resets += u64::from(is_near(step));
+        } else if is_near(value.abs()) && usual.is_some_and(|usual| step > FALLEN * usual) {
+            self.fell = true;
+            return;
+        }
+        self.step = Some(step);
     }
 
     /// The range of the least counter that can have counted all that was seen.
@@ -837,6 +869,8 @@ impl Reader {
         say(self.temperature.left_out, message!("temperatures_left_out", count = self.temperature.left_out));
         let began = self.counters.iter().map(|counter| counter.began_anew).sum::<u64>();
         say(began, message!("counter_wrapped", count = began));
+        let resets = self.counters.iter().map(|counter| counter.resets).max().unwrap_or(0);
+        say(resets, message!("counter_reset", count = resets));
         self.remarks.extend(self.bad.remark());
         let counted = self.unit.counts.need_time();
         if series.number.is_empty() {
@@ -936,6 +970,25 @@ mod tests {
         let (wide, steps) = counted(&fast, 4_294_967_296.0, 0.0);
         assert!(!wide.is_unclear());
         assert_eq!(steps, fast[1..]);
+    }
+
+    #[test]
+    fn a_counter_that_falls_to_zero_and_goes_on_was_reset() {
+        let shown = |turn: f64, fall: &dyn Fn(u32, f64) -> f64| {
+            let (mut counter, mut total) = (Counter::default(), 1e6);
+            for k in 0..1000 {
+                total += if (300..400).contains(&k) { turn } else { 24.0 + f64::from(k % 3) };
+                counter.see(fall(k, total), k > 0);
+            }
+            counter.resets
+        };
+        let at_200 = 1e6 + 200.0 * 25.0;
+        assert_eq!(shown(7000.0, &|_, total| total), 0);
+        assert_eq!(shown(7000.0, &|_, total| total - at_200), 0, "it passes zero");
+        assert_eq!(shown(7000.0, &|_, total| total - 1.35e6), 0, "it passes zero in a turn");
+        assert_eq!(shown(7000.0, &|k, total| if k < 200 { total } else { total - at_200 }), 1);
+        assert_eq!(shown(25.0, &|_, total| total.rem_euclid(1e4)), 2, "full at 10000");
+        assert_eq!(shown(7000.0, &|k, total| if k % 50 == 49 { 0.0 } else { total }), 0, "single zeros");
     }
 
     #[test]

@@ -404,7 +404,7 @@ impl Cells {
             // An empty cell is NaN; infinite is none.
             return if number.abs() > MOST { Err(message!("not_finite", value = sent(text))) } else { Ok(number) };
         }
-        if let Some(seconds) = text.contains(':').then(|| clock::seconds(text)).flatten() {
+        if let Some(seconds) = clock::seconds(text) {
             if !self.clocks.contains(&column) {
                 self.clocks.push(column);
             }
@@ -413,6 +413,7 @@ impl Cells {
         match text {
             _ if is_empty(text) => Ok(f64::NAN),
             _ if clock::is_unclear_date(text) => Err(message!("date_unclear", value = sent(text))),
+            _ if clock::is_like_time(text) => Err(message!("time_unread", value = sent(text))),
             _ => Err(message!("not_a_number", value = sent(text))),
         }
     }

@@ -20,6 +20,8 @@ pub struct Turned {
     pub to_s: f64,
     /// Turns in it, where their swing was taken out; zero where it was not.
     pub turns: f64,
+    /// Rate at which the outputs swing, by the log's clock, arcsec/s.
+    pub swings_arcsec_s: f64,
 }
 
 /// All stretches, and whether the log itself says that they are turns.
@@ -71,7 +73,8 @@ pub fn take_out(log: &mut Gathered, min_s: Option<f64>, programme: Option<&[Posi
     for (turn, angles) in turns {
         let (from_s, to_s) = (series.start_s(turn.from), series.end_s(turn.to));
         let turns = if angles.is_empty() { 0.0 } else { turns::take_out(series, &channels, turn, angles) };
-        stretches.push(Turned { from_s, to_s, turns });
+        let swings_arcsec_s = turns * turns::TURN_ARCSEC / (series.time_s[turn.to - 1] - series.time_s[turn.from]);
+        stretches.push(Turned { from_s, to_s, turns, swings_arcsec_s });
     }
     let (proved, other_unit) = by_swing(log, &found, programme);
     Turns { stretches, known, proved, other_unit }

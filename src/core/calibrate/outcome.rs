@@ -2,7 +2,7 @@
 
 use super::bench::{BenchCalibration, calibrate_bench};
 use super::drift::NotSeparated;
-use super::{Calibration, GyroCalibration, calibrate_at_station};
+use super::{Calibration, GyroCalibration, Kinds, calibrate_at_station, calibrate_in};
 use crate::core::augmented::{AugmentedModel, Options};
 use crate::core::campaign::commanded::force_off_gravity;
 use crate::core::campaign::{
@@ -132,9 +132,10 @@ fn held_scale(
         return None;
     }
     let fixture = Some(radians_from_arcsec(HELD_TO_ARCSEC));
-    let station_uncertainty = StationUncertainty { fixture, ..StationUncertainty::default() };
-    let turned = Campaign { station_uncertainty, ..campaign.clone() };
-    let turned = calibrate_at_station(&turned, terms, model, model.reference_c);
+    let stated = StationUncertainty { fixture, ..StationUncertainty::default() };
+    // What a rotation does is the same in any noise.
+    let turned =
+        calibrate_in(Kinds::White, campaign, terms, (&model.adopted, &model.known), model.reference_c, &stated);
     let moved = |((gyro, turned), own): ((&CampaignGyro, &GyroCalibration), &GyroCalibration)| {
         own.separate(&campaign.geometry, limits).ok().filter(|_| is_held(gyro))?;
         let budgets = own.budgets(&campaign.geometry, false)?.into_iter();

@@ -3,7 +3,7 @@ use nalgebra::Vector3;
 use super::calibration::GAUGE;
 use super::*;
 use crate::core::campaign::made_for_tests::{self, name};
-use crate::core::campaign::{CampaignGyro, Site};
+use crate::core::campaign::{CampaignGyro, Site, StationPart};
 use crate::core::model::Term;
 use crate::core::mounting::Slot;
 use crate::core::record::Plausibility;
@@ -326,7 +326,7 @@ fn the_scatter_of_stated_errors_is_that_of_the_still_dwells() {
 
 #[test]
 fn a_scale_that_is_held_is_told_where_its_direction_shows_and_nobody_states_it() {
-    let told = |sem: f64, known_e, fixture| {
+    let evaluated = |sem: f64, known_e, fixture| {
         let rows: Vec<Row> = (0..24)
             .map(|k| {
                 // The vertical part of the Earth's rate along the face, the horizontal one along the next axis.
@@ -337,18 +337,28 @@ fn a_scale_that_is_held_is_told_where_its_direction_shows_and_nobody_states_it()
             .collect();
         let mut campaign = campaign(&rows, known_e);
         campaign.station_uncertainty.fixture = fixture;
-        let Ok(outcome::Outcome::Imu { calibration, .. }) = outcome::evaluate(&campaign, &Plausibility::ever()) else {
-            return false;
-        };
-        calibration
-            .all_notes()
-            .iter()
-            .any(|note| matches!(note, CampaignNote::HeldScale { moves, .. } if *moves > 3e-4))
+        match outcome::evaluate(&campaign, &Plausibility::ever()) {
+            Ok(outcome::Outcome::Imu { calibration, .. }) => (calibration, campaign.geometry),
+            other => panic!("{other:?}"),
+        }
+    };
+    let told = |sem: f64, known_e, fixture| {
+        let (calibration, _) = evaluated(sem, known_e, fixture);
+        calibration.all_notes().iter().find_map(|note| match note {
+            CampaignNote::HeldScale { moves, arcsec, .. } => Some((*moves, *arcsec)),
+            _ => None,
+        })
     };
     let held = Some([2.0, 0.0, 0.0]);
-    assert!(told(1e-3, held, None));
-    assert!(!told(1e-3, held, Some(1e-4)), "the station states it");
-    assert!(!told(1.0, held, None), "the noise hides it");
+    let (moves, arcsec) = told(1e-3, held, None).unwrap();
+    assert!(moves > 3e-4, "{moves}");
+    // What the station's own share is where it states as much.
+    let (stated, geometry) = evaluated(1e-3, held, Some((arcsec / 3600.0).to_radians()));
+    let budgets = stated.gyros[0].budgets(&geometry, false).unwrap();
+    let of_fixture = |k: usize| budgets[k].of_station[StationPart::Fixture as usize].unwrap();
+    assert_close(moves, of_fixture(0).max(of_fixture(1)));
+    assert_eq!(told(1e-3, held, Some(1e-4)), None, "the station states it");
+    assert_eq!(told(1.0, held, None), None, "the noise hides it");
 }
 
 #[test]

@@ -22,6 +22,9 @@ const BEYOND_NOISE: f64 = 5.0;
 /// And by more than this share of the range of outputs: rounding.
 const ROUNDING: f64 = 1e-6;
 
+/// Share of that range which is more than the noise of outputs that are told apart.
+const NOISE: f64 = 1e-3;
+
 /// The output of a gyro is exactly the same in these dwells on end, which command different outputs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StuckOutput {
@@ -85,11 +88,10 @@ fn is_stuck(campaign: &Campaign, j: usize, runs: &[Range<usize>]) -> Vec<bool> {
     let outputs = DVector::from_iterator(campaign.dwells.len(), campaign.free_outputs(j));
     let factor = Factor::new(design.select_rows(&others), &vec![1.0; others.len()]);
     let fit = factor.fit(&outputs.select_rows(&others));
-    if fit.dof == 0 {
-        return none;
-    }
-    let variance = fit.chi2 / fit.dof as f64;
     let (step, range) = step_and_range(campaign, j);
+    // Where no residual tells the noise, it is below a part of the range, or a count hides it.
+    let unknown = (NOISE * range).hypot(step);
+    let variance = if fit.dof > 0 { fit.chi2 / fit.dof as f64 } else { unknown * unknown };
     let is_elsewhere = |k: usize| {
         let row = design.row(k).transpose();
         let sd = (variance * (1.0 + (factor.covariance() * &row).dot(&row))).sqrt();
@@ -158,6 +160,32 @@ mod tests {
                 stands.dwells[from..=to].iter_mut().for_each(|d| d.output_pulse_s[0] = value);
                 assert_eq!(found(&stands), [(from, to)], "{count}");
                 assert_eq!(constant(&stands).count(), 0);
+            }
+        }
+    }
+
+    #[test]
+    fn it_is_named_before_as_few_dwells_as_determine_the_model() {
+        let of_dwells = |honest: &Campaign, places: &[usize]| Campaign {
+            dwells: places.iter().map(|k| honest.dwells[*k].clone()).collect(),
+            ..honest.clone()
+        };
+        // Six positions or seven, and a turn about each axis.
+        let honest = campaign(1.4, 7200.0, 1e-3, 0.0);
+        for last in [&[0, 1, 2, 3, 4, 5, 6, 24, 26, 28][..], &[0, 1, 2, 3, 4, 5, 24, 26, 28]] {
+            let before: Vec<usize> = (0..48).filter(|k| !last.contains(k)).collect();
+            let mut stands = of_dwells(&honest, &[&before, last].concat());
+            let value = stands.dwells[0].output_pulse_s[0];
+            stands.dwells[..before.len()].iter_mut().for_each(|d| d.output_pulse_s[0] = value);
+            assert_eq!(found(&stands), [(0, before.len() - 1)], "{last:?}");
+        }
+        for scale in [1.4, 1e-2, 1e-4, 1e-6] {
+            for count in [0.0, 1.0, 10.0, 100.0, 1e3] {
+                let honest = campaign(scale, 7200.0, 1e-3, count);
+                for from in 0..38 {
+                    let part = of_dwells(&honest, &(from..48).collect::<Vec<_>>());
+                    assert_eq!(found(&part), [], "{scale} {count} {from}");
+                }
             }
         }
     }

@@ -93,7 +93,7 @@ pub(super) fn beside(gyro: &GyroHistory, others: &[&GyroHistory]) -> Vec<(Arc<st
         return Vec::new();
     }
     let fleet: Vec<&GyroHistory> = std::iter::once(gyro).chain(others.iter().copied()).collect();
-    let scatters = scatters(&fleet);
+    let scatters: Vec<[f64; 3]> = std::iter::once(sd).chain(scatters(others)).collect();
     let of = |station: &Arc<str>| unlike(&fleet, &scatters, station);
     stations.into_iter().flat_map(|station| of(station).into_iter().map(|one| (station.clone(), one))).collect()
 }

@@ -45,6 +45,11 @@ const UNEXPLAINED: f64 = 5.0;
 /// Power of a harmonic over that of noise from which the angle's own scale is fitted, and how far it may be off.
 const PLAIN: f64 = 100.0;
 const SCALE: f64 = 0.03;
+/// Rounds in which it is found. Each leaves a part, as a slow drift explains nearly the same: of noise that is well so,
+/// and a scale from [`PLAINLY_OFF`] on is found in full.
+const FEW_ROUNDS: usize = 3;
+const MANY_ROUNDS: usize = 12;
+const PLAINLY_OFF: f64 = 5e-3;
 
 /// Intervals in which the table turns, faster than one at rest may seem to, at a rate that does not change: `rates` by block, arcsec/s, in any three axes.
 pub fn steady_turns(series: &Series, rates: &[Vector3<f64>]) -> Vec<Interval> {
@@ -197,7 +202,10 @@ fn fitted(series: &Series, channels: &[usize], turn: Interval, angles: &mut [f64
     };
     let mut fits = fit(angles);
     let mut scaled = 1.0;
-    for _ in 0..3 {
+    for round in 0..MANY_ROUNDS {
+        if round >= FEW_ROUNDS && (scaled - 1.0_f64).abs() < PLAINLY_OFF {
+            break;
+        }
         let (mut up, mut down) = (0.0, 0.0);
         for own in fits.iter().filter(|fit| fit.power > PLAIN) {
             let weight = own.scatter.max(f64::MIN_POSITIVE).powi(-2);

@@ -87,6 +87,7 @@ unit_of_map_alone = { $key } is taken for { $unit }, as the map says; the header
 ## Time
 
 date_unclear = "{ $value }" is a date whose day and month cannot be told apart; write it as 2026-11-24 (yyyy-mm-dd), or name `rate_hz` in place of `time`
+time_unread = "{ $value }" is no time that can be read; write 08:15:00.5, 2026-11-24T08:15:00 or 20261124T081500, with an offset or Z if you like, or give `rate_hz` in place of `time`
 time_back = time jumps back by { $seconds } s, from { $from } to { $to }: two logs in one file, or a clock that was set; cut the file here and name both parts
 time_coarse = { $repeated } of { $rows } samples repeat the time before: the clock is too coarse; leave `time` out and give `rate_hz`
 time_wrapped = the clock began anew { $count } times (midnight, or a full counter) and was carried on
@@ -103,6 +104,7 @@ rows_left_out = { $count } lines that are no rows are left out
 rows_left_out_at = { $count } lines that are no rows are left out; the first: { $fault }
 temperatures_left_out = { $count } temperatures are fault values of the sensor (a jump of more than 20 °C and back), and left out
 counter_wrapped = counters began anew { $count } times (16, 24 or 32 bits) and were carried on
+counter_reset = counters fell to zero { $count } times and counted on from there: were they reset, or are they full at another count than 16, 24 or 32 bits? Samples in which they fell are in no dwell
 counter_unclear = a counter of { $bits } bits changes by about half of its range from one sample to the next ({ $count } times), so nothing says how often it began anew: log faster, log the pulses of each sample, or use a wider counter
 samples_alternate = samples of `{ $key }` { $column } alternate between two levels ({ $one }, { $other }): are they of two IMUs in one file? Write one file for each
 log_of_several = column { $column } holds { $ids }: rows of several IMUs in one file; write one file for each
@@ -185,6 +187,7 @@ time_unproved = a sample every { $step } s, intervals of { $usual } s: cannot te
 scale_unproved = cannot tell whether `output` is in this unit, because no heading is known: the Earth's rate at rest would show its scale, and that of `rate`. Give --programme, or name `table` or `attitude` in the map
 programme_rates = in { $count } of { $of } dwells the rate in the log contradicts the programme; the first at { $start } s: is it another programme, or a sign?
 turns_at_another_rate = in { $count } turns the outputs swing with the Earth's rate as at another rate than the programme tells (at { $turns }): is the rate of a row wrong?
+turns_by_one_factor = in all { $count } turns the outputs swing with the Earth's rate about { $percent } % off the rates that the programme tells. The log's clock (`rate_hz`, `time`) or every rate is wrong by so much; |E| is too, unless only the clock is and the outputs are no counts
 programme_contradicted = in { $count } of { $of } dwells the accelerometers contradict the programme; the first at { $start } s, by { $degrees } deg: axes, signs or order are wrong
 cells_alike = { $count } cells in lines { $from } to { $to } have the same fault; the first: { $fault }
 cells_alike_of_line = { $count } cells in line { $line } have the same fault; the first: { $fault }

@@ -87,6 +87,7 @@ unit_of_map_alone = { $key }按映射取为{ $unit }；表头写“{ $header }�
 ## 时间
 
 date_unclear = “{ $value }”中分不清日与月；请写作2026-11-24（yyyy-mm-dd），或用`rate_hz`代替`time`
+time_unread = 时间"{ $value }"无法读取；请写成08:15:00.5、2026-11-24T08:15:00或20261124T081500（可带时区或Z），或以`rate_hz`代替`time`
 time_back = 时间倒退{ $seconds } s，从{ $from }到{ $to }：一个文件中有两个记录，或时钟被重设；请在此处分为两个文件
 time_coarse = { $rows }个采样中有{ $repeated }个与前一时刻相同：时钟分辨率不足；请去掉`time`，给出`rate_hz`
 time_wrapped = 时钟重新开始{ $count }次（午夜或计数器溢出），已接续
@@ -103,6 +104,7 @@ rows_left_out = { $count }行不是数据，已剔除
 rows_left_out_at = { $count }行不是数据行，未采用；第一处：{ $fault }
 temperatures_left_out = { $count }个温度为传感器故障值（跳变超过20 °C又恢复），未采用
 counter_wrapped = 计数器重新开始{ $count }次（16、24或32位），已接续
+counter_reset = 计数器{ $count }次归零后继续计数：是否被复位，或满量程不是16、24、32位？归零处的采样不计入测点
 counter_unclear = { $bits }位计数器相邻采样的变化约为其量程的一半（{ $count }次），无法判断它重新开始了几次：请提高采样率，或记录每次采样的脉冲数，或用更宽的计数器
 samples_alternate = `{ $key }`第{ $column }路的采样在两个数值间交替（{ $one }，{ $other }）：是否两套IMU写在一个文件中？请分成各自的文件
 log_of_several = 列{ $column }中有{ $ids }：一个文件中有多套IMU的数据行；请分成各自的文件
@@ -185,6 +187,7 @@ time_unproved = 每{ $step } s一个采样、稳定段{ $usual } s：无法判�
 scale_unproved = 无法判断`output`的单位，因为不知方位：静止时的地球自转可显示其标度及`rate`的标度。请给出--programme，或在映射中写明`table`或`attitude`
 programme_rates = { $of }个测点中有{ $count }个，日志中的转速与程序矛盾；第一个在{ $start } s：是否为另一程序，或符号有误？
 turns_at_another_rate = 在{ $count }次转动中，输出随地球自转的起伏所示的转速与测试程序不同（{ $turns }）：是否有一行的转速写错？
+turns_by_one_factor = 在全部{ $count }次转动中，输出随地球自转的起伏所示的转速与测试程序相差约{ $percent }%。日志的时钟（`rate_hz`、`time`）或全部转速有此误差；|E|也有此误差，除非仅时钟有误且输出不是脉冲计数
 programme_contradicted = { $of }个测点中有{ $count }个加速度计与测试程序不符；第一处在{ $start } s，相差{ $degrees }°：轴、符号或次序有误
 cells_alike = 第{ $from }至{ $to }行有{ $count }个单元格错误相同；第一处：{ $fault }
 cells_alike_of_line = 第{ $line }行有{ $count }个单元格错误相同；第一处：{ $fault }

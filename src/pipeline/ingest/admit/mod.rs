@@ -178,7 +178,7 @@ impl Admission<'_> {
     }
 
     async fn event(&mut self, order: &EventOrder, group: &mut Group) -> Result<Accepted, Refused> {
-        let EventOrder { serial, event, by } = order;
+        let EventOrder { serial, event } = order;
         let gyro = self.known_gyro(serial, group)?;
         let stored = store::event::of_gyro(self.store, gyro).await?;
         let mut known = stored.iter().chain(group.changes.events.iter().filter(|row| row.gyro == gyro));
@@ -190,7 +190,7 @@ impl Admission<'_> {
             "id": id.to_string(), "event": event.event.name(), "at": time::format(event.at), "reason": event.reason,
             "author": event.author,
         });
-        self.audit(by, ("mark event", format!("gyros/{serial}")), &audited, group);
+        self.audit(("mark event", format!("gyros/{serial}")), &audited, group);
         group.changes.events.push(EventRow { id, gyro, told: event.clone(), received_at: self.now });
         Ok(Accepted::stored(id))
     }
@@ -209,7 +209,7 @@ impl Admission<'_> {
         let audited = |of: &GyroAttributes| json!({ "batch": of.batch, "type": of.r#type, "unit": of.unit });
         let (was, is) = (audited(&before), audited(&attributes));
         let what = ("set attributes", format!("gyros/{}", sent.serial));
-        group.changes.access.audit.push(sent.by.line(line, self.now, what, Some(&was), Some(&is)));
+        group.changes.access.audit.push(self.by.line(line, self.now, what, Some(&was), Some(&is)));
         group.changes.attributes.push(GyroAttributeRow { gyro, attributes });
         Ok(Accepted::stored(line))
     }
@@ -220,10 +220,10 @@ impl Admission<'_> {
         self.lookup(group).number(NamesOf::Gyros, serial.as_str()).ok_or_else(unknown)
     }
 
-    /// Notes in the audit trail what somebody does, and with what outcome.
-    fn audit(&mut self, by: &Actor, what: (&str, String), after: &Value, group: &mut Group) {
+    /// Notes in the audit trail what the sender does, and with what outcome.
+    fn audit(&mut self, what: (&str, String), after: &Value, group: &mut Group) {
         let line = self.ids.next(self.now);
-        group.changes.access.audit.push(by.line(line, self.now, what, None::<&()>, Some(after)));
+        group.changes.access.audit.push(self.by.line(line, self.now, what, None::<&()>, Some(after)));
     }
 
     /// What stands, this group included.

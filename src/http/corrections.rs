@@ -8,7 +8,7 @@ use crate::core::correction::CorrectionItem;
 use crate::core::fault::Fault;
 use crate::core::kind::Kind;
 use crate::http::prelude::*;
-use crate::pipeline::{Calibration, Corrected, Correction, Fitted, Submission};
+use crate::pipeline::{Calibration, Corrected, Correction, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::body::bodies;
 use crate::wire::calibration::CampaignAnswer;
@@ -202,11 +202,12 @@ pub async fn revise_campaign(app: App, Path(id): Path<String>, body: Document) -
     let problem = |faults| Document::problem(&body.0, faults);
     let CampaignRevision { author, reason, campaign } = json::parse(&body.0).map_err(problem)?;
     let pipeline = app.pipeline.clone();
-    let read = words::spawn_blocking(move || pipeline.reader.campaign(campaign.get().as_bytes(), Form::Json)).await;
+    let read =
+        words::spawn_blocking(move || pipeline.reader.campaign_document(campaign.get().as_bytes(), Form::Json)).await;
     let read = read.map_err(|_| Problem::new(500, "title_internal_error", message!("not_fitted")))?;
-    let read = read.and_then(|read| match read.fitted {
-        Fitted::Calibration(calibration) => Ok(*calibration),
-        Fitted::Bench(_) => {
+    let read = read.and_then(|read| match read.submission {
+        Submission::Calibration(calibration) => Ok(*calibration),
+        _ => {
             let message = message!("is_bench_test");
             Err(Fault { pointer: "/test".to_owned(), message }.into())
         }

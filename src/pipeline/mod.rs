@@ -57,8 +57,7 @@ pub use error::{NotSplit, OrderError, StorageError, StorageFault, WriteError};
 pub use hooks::{DeliveryPage, Hooks, Order, Outbox};
 pub use ingest::{
     Accepted, AttributesOrder, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt, EventOrder,
-    Fitted, Ingest, Judged, Origin, Preview, ReadCampaign, ReadDocument, Reader, Refused, Reply, Submission,
-    WindowMark,
+    Ingest, Judged, Origin, Preview, ReadCampaign, Reader, Refused, Reply, Submission, WindowMark,
 };
 pub use queries::{
     BEYOND, Baseline, CommonShift, Compared, Comparison, Course, DueDate, ExplainedHistory, FEW_RECORDS, FleetFilter,

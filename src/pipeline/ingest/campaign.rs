@@ -9,9 +9,7 @@ use crate::pipeline::diagnoses::models::{self, InForce};
 use crate::pipeline::ingest::fitted::CampaignFit;
 use crate::pipeline::ingest::submission::{BenchTest, anything, check_names, kept};
 use crate::pipeline::prelude::*;
-use crate::pipeline::{
-    CalibratedGyro, Calibration, Confirmation, Correction, Fitted, ReadCampaign, Reader, Submission,
-};
+use crate::pipeline::{CalibratedGyro, Calibration, Confirmation, Correction, ReadCampaign, Reader, Submission};
 use crate::store::RecordRow;
 use crate::wire::bench::BenchBody;
 use crate::wire::calibration::CampaignAnswer;
@@ -22,7 +20,7 @@ use crate::words;
 impl Reader {
     /// Reads, checks, fits and separates a campaign in JSON or CSV. A raw bench test becomes a bench result.
     /// Computing, about a millisecond: not for a thread that serves others.
-    pub fn campaign(&self, bytes: &[u8], form: Form) -> Result<ReadCampaign, Faults> {
+    pub fn campaign_document(&self, bytes: &[u8], form: Form) -> Result<ReadCampaign, Faults> {
         let (campaign, as_json) = match form {
             Form::Json => (campaign::parse_json_as_sent(bytes)?, None),
             Form::Csv => {
@@ -40,19 +38,19 @@ impl Reader {
         campaign.check_known_scales(&limits)?;
         let outcome = evaluate_with(&campaign, &options, &limits)?;
         let (body, body_sha256) = kept(as_json.as_deref().unwrap_or(bytes))?;
-        let fitted = match &outcome {
+        let submission = match &outcome {
             Outcome::Imu { .. } => {
                 let fitted = self.calibration_of(&campaign, &outcome, in_force.id, (body.clone(), body_sha256));
-                Fitted::Calibration(Box::new(fitted))
+                Submission::Calibration(Box::new(fitted))
             }
-            Outcome::Bench(bench) => Fitted::Bench(Box::new(BenchTest {
+            Outcome::Bench(bench) => Submission::Bench(Box::new(BenchTest {
                 result: bench.result(&campaign),
                 body: body.clone(),
                 body_sha256,
                 idempotency_key: None,
             })),
         };
-        Ok(ReadCampaign { fitted, fit: CampaignFit { campaign, outcome, model: in_force.id }, body })
+        Ok(ReadCampaign { submission, fit: CampaignFit { campaign, outcome, model: in_force.id }, body })
     }
 
     /// A calibration that was read before another model came into force, as the one in force states it; none where

@@ -22,7 +22,7 @@ use crate::core::alert_decision::Late;
 use crate::pipeline::prelude::*;
 
 pub(super) use campaign::Restated;
-pub use fitted::{Fitted, ReadCampaign, ReadDocument};
+pub use fitted::ReadCampaign;
 pub use outcome::{Accepted, Judged, Reply};
 pub use preview::Preview;
 pub use reader::Reader;
@@ -112,14 +112,12 @@ impl Ingest {
 
     /// The id, where an item that was already there says the same as the one sent: however it is written, in whatever
     /// order of members or gyros, unit of time or offset.
-    pub async fn settle(&self, accepted: &Accepted, sent: &Origin) -> Result<Id, Refused> {
+    pub async fn settle(&self, accepted: &Accepted, sent: Option<&Origin>) -> Result<Id, Refused> {
         let (existing, same_bytes) = match accepted {
             Accepted::Stored { id, .. } => (*id, true),
             Accepted::There { id, same_bytes, .. } => (*id, *same_bytes),
         };
-        if same_bytes {
-            return Ok(existing);
-        }
+        let Some(sent) = sent.filter(|_| !same_bytes) else { return Ok(existing) };
         let differences = same_content::differences(&self.store, existing, sent).await?;
         if differences.is_empty() { Ok(existing) } else { Err(Refused::Differs { existing, differences }) }
     }

@@ -47,6 +47,16 @@ impl Submission {
         }
     }
 
+    /// With the key under which its sender may send it again.
+    pub fn with_key(mut self, key: Option<String>) -> Self {
+        match &mut self {
+            Self::Calibration(sent) => sent.idempotency_key = key,
+            Self::Bench(sent) => sent.idempotency_key = key,
+            _ => {}
+        }
+        self
+    }
+
     /// The gyro that it is about, where it is about one alone.
     pub fn serial(&self) -> Option<&str> {
         match self {

@@ -15,7 +15,7 @@ use crate::store::{
 };
 
 /// Everything that one transaction writes. Rows may refer to names of the same group.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, PartialEq)]
 pub struct Changes {
     pub imus: Vec<NewName>,
     pub stations: Vec<NewName>,
@@ -56,7 +56,7 @@ pub struct Changes {
 }
 
 /// What changes on stored records when they are judged again.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, PartialEq)]
 pub struct Rejudged {
     pub history: Vec<HistoryRow>,
     pub sheets: Vec<(Id, RejudgedSheet)>,
@@ -80,7 +80,7 @@ impl Rejudged {
 }
 
 /// A stored campaign's row of one gyro, as another model has it.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct RestatedRow {
     pub row: HistoryRow,
     /// Verdicts that need no history.
@@ -107,26 +107,7 @@ impl Changes {
     }
 
     pub fn is_empty(&self) -> bool {
-        self.records.is_empty()
-            && self.packed.is_empty()
-            && self.corrections.is_empty()
-            && self.confirmed.is_empty()
-            && self.benches.is_empty()
-            && self.events.is_empty()
-            && self.attributes.is_empty()
-            && self.window_marks.is_empty()
-            && self.keys.is_empty()
-            && self.rejudged.history.is_empty()
-            && self.alerts.is_empty()
-            && self.alert_steps.is_empty()
-            && self.silences.is_empty()
-            && self.hooks.is_empty()
-            && self.models.is_empty()
-            && self.hypotheses.is_empty()
-            && self.diagnoses.is_empty()
-            && self.diagnosis_jobs.is_empty()
-            && self.outbox.is_empty()
-            && self.access.is_empty()
+        *self == Self::default()
     }
 
     /// Whether others want to hear of it.

@@ -115,7 +115,7 @@ pub struct DeliveryRow {
     pub attempts: Vec<AttemptRow>,
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug, Default, PartialEq)]
 pub struct OutboxChanges {
     pub queued: Vec<NewDelivery>,
     pub attempts: Vec<(AttemptRow, Progress)>,
@@ -129,14 +129,6 @@ pub struct OutboxChanges {
     pub heard: Vec<(Id, Id, Option<Severity>)>,
     /// Hooks that have heard nothing but what [`OutboxChanges::heard`] says.
     pub forgotten: Vec<Id>,
-}
-
-impl OutboxChanges {
-    pub fn is_empty(&self) -> bool {
-        let Self { queued, attempts, replayed, dropped, hastened, heard, forgotten } = self;
-        let nothing_sent = queued.is_empty() && attempts.is_empty() && replayed.is_empty();
-        nothing_sent && dropped.is_empty() && hastened.is_empty() && heard.is_empty() && forgotten.is_empty()
-    }
 }
 
 pub(crate) fn apply(changes: &OutboxChanges, batch: &mut Batch) {

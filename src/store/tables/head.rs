@@ -77,7 +77,7 @@ pub struct NewestRow {
 }
 
 /// Rows to be written, and how far all are made.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, PartialEq)]
 pub struct HeadChanges {
     /// One a gyro.
     pub rows: Vec<HeadRow>,

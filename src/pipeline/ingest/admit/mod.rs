@@ -13,7 +13,6 @@ use serde_json::{Value, json};
 use crate::core::bench::BenchItem;
 use crate::core::figures::{PublishedFigures, States};
 use crate::core::gyro_attributes::GyroAttributes;
-use crate::core::name::look_keys;
 use crate::core::note::Note;
 use crate::core::record::Name;
 use crate::core::separate::{Branch, Separation};
@@ -241,13 +240,9 @@ impl Admission<'_> {
         if let Some(number) = self.lookup(group).number(table, name) {
             return number;
         }
-        let (new, is_new) = (group.names(table).len(), |number| group.numbers.contains(&(table, number)));
-        let number = store::names::new_number(self.store, self.store.names().read().of(table), new, is_new);
-        group.numbers.insert((table, number));
-        group.names_mut(table).insert(name.to_owned(), number);
-        for key in look_keys(name) {
-            group.looks.entry((table, key)).or_insert_with(|| name.to_owned());
-        }
+        let known = self.store.names().read();
+        let number = store::names::new_number(self.store, known.of(table), group.names.of(table));
+        group.names.of_mut(table).add(number, cell, name);
         group.changes.names_mut(table).push(NewName { number, cell, name: name.to_owned() });
         number
     }

@@ -19,7 +19,6 @@ mod postgres;
 mod rows;
 mod secrets;
 mod sqlite;
-mod statements;
 mod tables;
 mod token_beside;
 mod writer;

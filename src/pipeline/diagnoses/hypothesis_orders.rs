@@ -1,7 +1,6 @@
 //! Hypotheses of one's own, added and taken out by the one writer.
 
-use super::hypotheses::Competing;
-use super::models::ModelCache;
+use super::models::{Competing, ModelCache};
 use crate::core::effects::Effect;
 use crate::pipeline::prelude::*;
 use crate::store::{HypothesisRow, Writer};

@@ -6,16 +6,44 @@ use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::campaign::{Campaign, Temperatures};
 use crate::core::fault::{Fault, Faults};
 use crate::pipeline::diagnoses::models::{self, InForce};
-use crate::pipeline::ingest::fitted::CampaignFit;
 use crate::pipeline::ingest::submission::{BenchTest, anything, check_names, kept};
 use crate::pipeline::prelude::*;
-use crate::pipeline::{CalibratedGyro, Calibration, Confirmation, Correction, ReadCampaign, Reader, Submission};
+use crate::pipeline::{CalibratedGyro, Calibration, Confirmation, Correction, Reader, Submission};
 use crate::store::RecordRow;
 use crate::wire::bench::BenchBody;
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{self, Form};
 use crate::wire::campaign_csv::parse_csv_as_sent;
 use crate::words;
+
+/// A campaign that can be stored.
+#[derive(Debug, Clone)]
+pub struct ReadCampaign {
+    /// Of an IMU a calibration, of a single gyro on a bench a bench test.
+    pub submission: Submission,
+    /// What its answer is made of.
+    pub fit: CampaignFit,
+    /// As it is kept: JSON, whichever form it came in.
+    pub body: Arc<str>,
+}
+
+/// A campaign as it is fitted when it comes, and again whenever it is read.
+#[derive(Debug, Clone)]
+pub struct CampaignFit {
+    pub(crate) campaign: Campaign,
+    pub(crate) outcome: Outcome,
+    /// The adopted model that it is fitted with.
+    pub(crate) model: Option<Id>,
+}
+
+/// A stored campaign.
+pub(crate) fn campaign_of(row: &RecordRow) -> Result<Campaign, StoreError> {
+    campaign::parse_json(row.body.as_bytes()).map_err(|faults| damaged(row.id, &faults))
+}
+
+pub(crate) fn damaged(id: Id, faults: &Faults) -> StoreError {
+    StoreError::damaged(format_args!("the body of campaign {id} cannot be read: {faults}"))
+}
 
 impl Reader {
     /// Reads, checks, fits and separates a campaign in JSON or CSV. A raw bench test becomes a bench result.

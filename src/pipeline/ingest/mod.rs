@@ -2,9 +2,7 @@
 
 pub(super) mod admit;
 pub(super) mod campaign;
-pub(super) mod fitted;
 pub(super) mod judge;
-mod outcome;
 mod preview;
 mod reader;
 mod refused;
@@ -21,12 +19,11 @@ use super::write_queue::{Job, StoreJob, WriteQueue};
 use crate::core::alert_decision::Late;
 use crate::pipeline::prelude::*;
 
+pub use campaign::ReadCampaign;
 pub(super) use campaign::Restated;
-pub use fitted::ReadCampaign;
-pub use outcome::{Accepted, Judged, Reply};
 pub use preview::Preview;
 pub use reader::Reader;
-pub use refused::Refused;
+pub use refused::{Accepted, Judged, Refused, Reply};
 pub use same_content::Origin;
 pub use submission::{
     AttributesOrder, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt, EventOrder, Submission,

@@ -7,20 +7,20 @@ use std::time::Duration;
 use tokio::time::Instant;
 
 use super::entries::fleet_histories;
-use super::found_until::found_until;
 use super::record::Records;
 use super::standing::{StoredFacts, of_rank, rank};
 use crate::core::changes::{self, FleetStations};
 use crate::core::first_of::{DueImu, FirstOf};
 use crate::core::fleet_order::FleetOrder;
 use crate::core::judge::{
-    BASELINE_RECORDS, Limits, Mark, Measured, Sample, State, Status, baseline_since, stated_level,
+    BASELINE_RECORDS, FleetNoise, Limits, Mark, Measured, Sample, Series, State, Status, baseline_since, fit_fleet,
+    stated_level,
 };
 use crate::core::kind::RecordEntry;
 use crate::core::mounting::Slot;
 use crate::pipeline::Standing;
-use crate::pipeline::ingest::judge::gyro_window::{distinct, marks_of, sample_of};
-use crate::pipeline::kept::Kept;
+use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, distinct, marks_of, sample_of};
+use crate::pipeline::kept::{Kept, found_until};
 use crate::pipeline::prelude::*;
 use crate::store::head::{CalibratedRow, Narrowed, Ranks, Sought, Standings, StationTally, Tally};
 use crate::store::{Stretch, Table};
@@ -110,6 +110,9 @@ impl KnownTotals {
 const LONGEST_SOUGHT: usize = 1_000;
 /// What takes no longer is counted again whenever it is asked for.
 const QUICK: Duration = Duration::from_millis(200);
+
+/// Gyros whose whole histories are read at once.
+const HISTORIES_AT_ONCE: usize = 64;
 
 /// What a list of the fleet is narrowed down to, and its order.
 #[derive(Debug, Clone, Copy, Default)]
@@ -549,6 +552,24 @@ impl Fleet {
         // Some of the first may repeat one another.
         let baselines = store::histories::oldest(&self.store, &of_baselines, 4 * BASELINE_RECORDS).await?;
         Ok((0..of.len()).map(|k| self.recent(of[k], marks[k], &rows[k], &baselines[k])).collect())
+    }
+
+    /// The noise constants of the whole fleet: correlation and walk, fitted to every gyro's stored history. Reads all
+    /// of it.
+    pub async fn noise(&self) -> Result<FleetNoise, StorageError> {
+        let gyros: Vec<u32> = self.store.names().read().gyros.numbers();
+        let method = self.config.judging.method;
+        let mut all: Vec<Series> = Vec::with_capacity(gyros.len());
+        for some in gyros.chunks(HISTORIES_AT_ONCE) {
+            let mut marks = marks_of(&self.store, some).await?;
+            let ever: Vec<Stretch> = some.iter().map(|gyro| (*gyro, Span::EVER)).collect();
+            for (gyro, rows) in some.iter().zip(store::histories::oldest(&self.store, &ever, i32::MAX as usize).await?)
+            {
+                let samples = rows.iter().map(|figures| sample_of(figures, method)).collect();
+                all.push(GyroWindow::of_all(samples, marks.remove(gyro).unwrap_or_default()).samples().clone());
+            }
+        }
+        Ok(fit_fleet(&all))
     }
 
     fn recent(&self, standing: &Standing, marks: &[Mark], rows: &[Figures], baseline: &[Figures]) -> RecentValues {

@@ -16,7 +16,6 @@ pub mod alerts;
 pub mod bench;
 pub mod correction;
 pub(super) mod delivery;
-pub(super) mod delivery_line;
 pub mod diagnosis;
 pub mod diagnosis_digest;
 pub mod diagnosis_job;

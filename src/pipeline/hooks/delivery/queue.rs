@@ -8,14 +8,13 @@ use futures::future::BoxFuture;
 use futures::stream::FuturesUnordered;
 use tokio::sync::watch;
 
-use super::context::{DeliveryContext, OFF_DUTY};
 use crate::alert::HookKind;
 use crate::alert::deliver::{Attempt, DeliveryOutcome};
 use crate::alert::ladder::HORIZON;
 use crate::core::delivery::DeliveryState;
 use crate::pipeline::error::StorageFault;
 use crate::pipeline::hooks::delivery::circuit::Circuit;
-use crate::pipeline::hooks::delivery::message::{self, Addressee};
+use crate::pipeline::hooks::delivery::message::{self, Addressee, DeliveryContext, OFF_DUTY};
 use crate::pipeline::hooks::{Attempted, Found};
 use crate::pipeline::prelude::*;
 use crate::store::{DueDelivery, Duty, Progress};

@@ -1,9 +1,8 @@
 //! A calibration held against what is known of its IMU and gyros: what is to be noted, and whether its time is in
 //! doubt.
 
-use super::context::Admission;
 use super::group::Group;
-use super::lookup::Lookup;
+use super::lookup::{Admission, Lookup};
 use super::memory::{Around, Remembered};
 use crate::core::history_note::{
     EARLIER_IN_DOUBT, FAR_DAYS, HistoryNote, NameKind, NamedRecord, SERVICE, Seat, TimeDoubt, doubt, slipped_year,

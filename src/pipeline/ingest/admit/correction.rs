@@ -3,8 +3,8 @@
 
 use serde_json::json;
 
-use super::context::Admission;
 use super::group::Group;
+use super::lookup::Admission;
 use super::rows_as_stated;
 use crate::core::correction::CorrectionItem;
 use crate::core::history_note::HistoryNote;

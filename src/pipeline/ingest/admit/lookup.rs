@@ -3,6 +3,7 @@
 use super::ahead::Ahead;
 use super::group::Group;
 use super::memory::Memory;
+use crate::config::Judging;
 use crate::core::correction::CorrectionItem;
 use crate::core::mounting::Slot;
 use crate::core::name::distance;
@@ -10,10 +11,24 @@ use crate::core::suspect_window::{Mark, SuspectWindow, in_force};
 use crate::pipeline::ingest::same_content::says_the_same;
 use crate::pipeline::prelude::*;
 use crate::pipeline::{Calibration, Refused};
-use crate::store::{NamesOf, Table};
+use crate::store::{IdSource, NamesOf, Table};
 
 /// A serial is near to another that differs by so many slips of the pen.
 const SLIPS: usize = 2;
+
+/// What admission may ask.
+pub(crate) struct Admission<'a> {
+    pub store: &'a Store,
+    pub ids: &'a mut IdSource,
+    pub memory: &'a mut Memory,
+    pub ahead: &'a Ahead,
+    pub judging: &'a Judging,
+    /// Where clocks that were never set begin.
+    pub epochs: &'a [UtcMicros],
+    pub now: UtcMicros,
+    /// Whose item is at hand.
+    pub by: &'a Actor,
+}
 
 pub(super) struct Lookup<'a> {
     pub store: &'a Store,

@@ -2,7 +2,6 @@
 
 mod ahead;
 mod checking;
-mod context;
 mod correction;
 mod group;
 mod lookup;
@@ -27,8 +26,8 @@ use crate::wire::document::DocumentKind;
 use crate::wire::{history_note, time};
 pub(crate) use ahead::Ahead;
 use checking::{Check, Checked};
-pub(crate) use context::Admission;
 pub(crate) use group::Group;
+pub(crate) use lookup::Admission;
 use lookup::Lookup;
 pub(crate) use memory::Memory;
 use memory::Remembered;

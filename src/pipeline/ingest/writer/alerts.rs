@@ -1,8 +1,7 @@
 //! The writer's part in alerts: they follow what a group's judging finds, and what people say.
 
 use super::heads::{Heads, touched};
-use super::shared_look::SharedLook;
-use super::shared_shifts::SharedShifts;
+use super::shared_shifts::{SharedLook, SharedShifts};
 use super::state::WriterState;
 use crate::core::alert_decision::Late;
 use crate::pipeline::alerts::{AlertCache, AlertContext, Causes, Naming, SharedVerdict, follow_clock, follow_group};

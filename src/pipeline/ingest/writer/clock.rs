@@ -1,7 +1,7 @@
 //! Alerts follow the clock: what becomes overdue, is to be repeated or told of as one, and what gyros share.
 
 use super::alerts::gyros_of;
-use super::shared_look::{NothingShared, shared_and_explicable};
+use super::shared_shifts::{NothingShared, shared_and_explicable};
 use super::state::WriterState;
 use crate::core::alert_decision::Late;
 use crate::pipeline::alerts::SharedVerdict;

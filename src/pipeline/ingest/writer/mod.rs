@@ -9,7 +9,6 @@ mod heads;
 mod homes;
 pub(crate) mod overlapped;
 mod restate;
-mod shared_look;
 mod shared_shifts;
 mod state;
 pub(crate) mod turn;

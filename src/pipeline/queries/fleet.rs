@@ -650,7 +650,7 @@ mod tests {
     use crate::core::id::Id;
     use crate::core::judge::{Coefficient, Outlook, Severity};
     use crate::pipeline::Pipeline;
-    use crate::store::{AlertRow, Changes, HeadChanges, HeadRow, NewName, NewestRow, Options, Remark};
+    use crate::store::{AlertRow, Changes, HeadChanges, HeadRow, NewName, NewestRow, Remark};
 
     #[test]
     fn the_order_of_the_fleet_holds_every_gyro_once() {
@@ -696,14 +696,24 @@ mod tests {
         rng.random_bool(0.9).then(|| Measured::exact(f64::from(rng.random_range(-3..4_i8))))
     }
 
+    /// The gyros of all pages, of which there are as many as `expected` gyros fill.
+    async fn of_all_pages(fleet: &Fleet, filter: &FleetFilter<'_>, expected: usize) -> Vec<u32> {
+        let mut found = Vec::new();
+        for number in 0..=expected.saturating_sub(1) / 17 {
+            let page = fleet.page(filter, number, 17).await.unwrap();
+            assert_eq!((page.number, page.found, page.total), (number, expected, 250), "{filter:?}");
+            found.extend(page.gyros.iter().map(|standing| standing.number));
+        }
+        found
+    }
+
     /// Against the order of the whole fleet, sorted at once.
     #[tokio::test]
     async fn pages_are_cut_out_of_the_fleet_as_if_it_had_been_sorted_whole() {
         let (dir, now) = (tempfile::tempdir().unwrap(), UtcMicros(1_000_000_000_000));
         let mut config = Config::defaults();
         config.database.url = format!("sqlite://{}", dir.path().join("fleet.db").display());
-        let options: Options = config.database.options();
-        let (store, mut writer) = store::open(&options).await.unwrap();
+        let (store, mut writer) = store::open(&config.database.options()).await.unwrap();
         let mut rng = ChaCha8Rng::seed_from_u64(7);
         let rows: Vec<HeadRow> = (1..=250).map(|gyro| drawn(gyro, &mut rng, now)).collect();
         let gyros =
@@ -718,6 +728,10 @@ mod tests {
             row.changed_at.is_some_and(|at| at >= since) || is_overdue(row) && row.overdue_at >= Some(since)
         };
         let status = |row: &HeadRow| row.status.max(is_overdue(row).then_some(Status::Overdue));
+        let is = |row: &HeadRow, of: Status| status(row) == Some(of) || of == Status::Overdue && is_overdue(row);
+        let is_any = |row: &HeadRow, statuses: Option<&[Status]>| {
+            statuses.is_none_or(|statuses| statuses.iter().any(|of| is(row, *of)))
+        };
         let urgency = |row: &HeadRow| (row.rank >= 10, status(row), is_overdue(row));
         let mut sorted: Vec<&HeadRow> = rows.iter().collect();
         sorted.sort_by(|a, b| a.serial.cmp(&b.serial));
@@ -728,20 +742,11 @@ mod tests {
         for statuses in all {
             for text in ["", " S-1", "IMU-12\n", "nobody", "s_1", "%"] {
                 let wanted = text.trim().to_lowercase();
-                let fits = |row: &&&HeadRow| {
-                    let is = |of: &Status| status(row) == Some(*of) || *of == Status::Overdue && is_overdue(row);
-                    row.sought.contains(&wanted) && statuses.is_none_or(|statuses| statuses.iter().any(is))
-                };
+                let fits = |row: &&&HeadRow| row.sought.contains(&wanted) && is_any(row, statuses);
                 let expected: Vec<u32> = sorted.iter().filter(fits).map(|row| row.gyro).collect();
                 let filter = FleetFilter { text, statuses, ..FleetFilter::default() };
-                let mut found = Vec::new();
-                for number in 0..=expected.len().saturating_sub(1) / 17 {
-                    let page = fleet.page(&filter, number, 17).await.unwrap();
-                    assert_eq!((page.number, page.found, page.total), (number, expected.len(), 250), "{filter:?}");
-                    found.extend(page.gyros.iter().map(|standing| standing.number));
-                    cut += 1;
-                }
-                assert_eq!(found, expected, "{filter:?}");
+                cut += expected.len().saturating_sub(1) / 17 + 1;
+                assert_eq!(of_all_pages(fleet, &filter, expected.len()).await, expected, "{filter:?}");
             }
         }
         assert!(cut > 40, "{cut}");
@@ -752,9 +757,7 @@ mod tests {
         for statuses in all {
             for changed_since in [None, Some(UtcMicros(now.0 - 2))] {
                 let fits = |row: &&&HeadRow| {
-                    let is = |of: &Status| status(row) == Some(*of) || *of == Status::Overdue && is_overdue(row);
-                    statuses.is_none_or(|statuses| statuses.iter().any(is))
-                        && changed_since.is_none_or(|since| changed_since_then(row, since))
+                    is_any(row, statuses) && changed_since.is_none_or(|since| changed_since_then(row, since))
                 };
                 let mut expected: Vec<&HeadRow> = sorted.iter().filter(fits).copied().collect();
                 for order in [FleetOrder::Load, FleetOrder::Serial] {
@@ -763,26 +766,19 @@ mod tests {
                         _ => expected.sort_by(|a, b| a.serial.cmp(&b.serial)),
                     }
                     let filter = FleetFilter { statuses, changed_since, order: Some(order), ..FleetFilter::default() };
-                    let mut found = Vec::new();
-                    for number in 0..=expected.len().saturating_sub(1) / 17 {
-                        let page = fleet.page(&filter, number, 17).await.unwrap();
-                        assert_eq!((page.number, page.found), (number, expected.len()), "{filter:?}");
-                        found.extend(page.gyros.iter().map(|standing| standing.number));
-                    }
+                    let found = of_all_pages(fleet, &filter, expected.len()).await;
                     assert!(found.iter().eq(expected.iter().map(|row| &row.gyro)), "{filter:?}");
                 }
             }
         }
         let counts = fleet.page(&FleetFilter::default(), 0, 1).await.unwrap().of_status;
         for (of, count) in Status::ALL.into_iter().zip(counts) {
-            let is = |row: &&HeadRow| status(row) == Some(of) || of == Status::Overdue && is_overdue(row);
-            assert_eq!(count, rows.iter().filter(is).count(), "{of:?}");
+            assert_eq!(count, rows.iter().filter(|row| is(row, of)).count(), "{of:?}");
         }
         for of in Status::ALL {
             let filter = StandingFilter { status: Some(of), state: None };
             let (found, more) = fleet.listed(0, 1000, filter, &FleetFilter::default()).await.unwrap();
-            let is = |row: &&&HeadRow| status(row) == Some(of) || of == Status::Overdue && is_overdue(row);
-            let mut expected: Vec<&HeadRow> = sorted.iter().filter(is).copied().collect();
+            let mut expected: Vec<&HeadRow> = sorted.iter().filter(|row| is(row, of)).copied().collect();
             expected.sort_by(|a, b| a.serial.cmp(&b.serial));
             let expected: Vec<u32> = expected.iter().map(|row| row.gyro).collect();
             assert!(!more && found.iter().map(|standing| standing.number).eq(expected), "{of:?}");

@@ -103,18 +103,16 @@ impl Bench {
 
     /// Queues deliveries 40 to 45 of the steps at instant 100.
     async fn queue(&mut self) {
-        let queued = (30..36)
-            .map(|i| NewDelivery {
-                id: Id(10 + i),
-                hook: HOOK,
-                subject: DeliverySubject::Step { step: Id(i), alert: Id(1 + i % 2) },
-                queued_at: UtcMicros(100),
-                action: None,
-                parts: Vec::new(),
-                digest: None,
-            })
-            .collect();
+        self.queue_all((30..36).map(|i| one(10 + i, i, 1 + i % 2)).collect()).await;
+    }
+
+    async fn queue_all(&mut self, queued: Vec<NewDelivery>) {
         self.change(OutboxChanges { queued, ..OutboxChanges::default() }).await;
+    }
+
+    async fn replay(&mut self, deliveries: &[i64]) {
+        let replayed = deliveries.iter().map(|id| (Id(*id), UtcMicros(700))).collect();
+        self.change(OutboxChanges { replayed, ..OutboxChanges::default() }).await;
     }
 
     async fn attempt(&mut self, delivery: i64, at: i64, progress: Progress) {
@@ -196,6 +194,12 @@ async fn alerts_steps_and_hooks_are_read_back_as_they_were_written() {
     assert_eq!(store::silence::list(&bench.store, None, 9).await.unwrap(), [ended]);
 }
 
+/// A delivery of a step.
+fn one(id: i64, step: i64, alert: i64) -> NewDelivery {
+    let subject = DeliverySubject::Step { step: Id(step), alert: Id(alert) };
+    NewDelivery { subject, action: None, ..many(id, &[]) }
+}
+
 fn many(id: i64, alerts: &[i64]) -> NewDelivery {
     let part = |(alert, body): (&i64, bool)| Part {
         alert: Id(*alert),
@@ -220,15 +224,9 @@ fn many(id: i64, alerts: &[i64]) -> NewDelivery {
 async fn a_message_of_many_alerts_keeps_the_order_of_each() {
     use DeliveryState::{Behind, Waiting};
     let mut bench = Bench::new().await;
-    let one = |id, step, alert| NewDelivery {
-        subject: DeliverySubject::Step { step: Id(step), alert: Id(alert) },
-        action: None,
-        parts: Vec::new(),
-        ..many(id, &[])
-    };
     let queued =
         vec![one(40, 30, 1), one(41, 31, 2), many(42, &[1, 2]), one(43, 32, 1), many(44, &[2]), one(45, 33, 2)];
-    bench.change(OutboxChanges { queued, ..OutboxChanges::default() }).await;
+    bench.queue_all(queued).await;
     assert_eq!(bench.states().await, [Waiting, Waiting, Behind, Behind, Behind, Behind]);
     bench.attempt(40, 150, DONE).await;
     assert_eq!(bench.due(150).await, [41], "42 tells of alert 2 as well");
@@ -244,7 +242,7 @@ async fn a_message_of_many_alerts_keeps_the_order_of_each() {
 async fn a_message_of_many_alerts_says_of_each_what_its_step_says_or_what_it_was() {
     let mut bench = Bench::new().await;
     let digest = NewDelivery { digest: Some("{\"total\":2}".into()), ..many(40, &[2, 1]) };
-    bench.change(OutboxChanges { queued: vec![digest], ..OutboxChanges::default() }).await;
+    bench.queue_all(vec![digest]).await;
     let due = store::outbox::due_of_hook(&bench.store, HOOK, UtcMicros(100), HORIZON, 1).await.unwrap().remove(0);
     assert_eq!((due.subject, due.at, due.digest.as_deref()), (DeliverySubject::Many, None, Some("{\"total\":2}")));
     let fire = |body: String| ("fire".to_owned(), body);
@@ -274,13 +272,8 @@ async fn what_a_hook_has_heard_is_kept_and_forgotten_and_known_from_what_it_took
     assert_eq!(all(&bench).await, [row(HOOK, 1, "critical"), row(Id(21), 1, "warning")], "what is new holds");
 
     assert_eq!(store::hook::delivered_firing(&bench.store, HOOK).await.unwrap(), []);
-    let ends = NewDelivery {
-        action: Some("resolve"),
-        subject: DeliverySubject::Step { step: Id(32), alert: Id(1) },
-        parts: Vec::new(),
-        ..many(41, &[])
-    };
-    bench.change(OutboxChanges { queued: vec![many(40, &[1, 2]), ends], ..OutboxChanges::default() }).await;
+    let ends = NewDelivery { action: Some("resolve"), ..one(41, 32, 1) };
+    bench.queue_all(vec![many(40, &[1, 2]), ends]).await;
     bench.attempt(40, 150, DONE).await;
     assert_eq!(store::hook::delivered_firing(&bench.store, HOOK).await.unwrap(), [Id(1), Id(2)]);
     bench.attempt(41, 151, DONE).await;
@@ -316,13 +309,8 @@ async fn a_line_that_grows_later_stays_in_order() {
     bench.attempt(42, 150, DONE).await;
     bench.attempt(44, 150, DONE).await;
     assert_eq!(bench.due(150).await, [41]);
-    let new = |id| NewDelivery {
-        id: Id(id),
-        subject: DeliverySubject::Step { step: Id(30), alert: Id(1) },
-        queued_at: UtcMicros(200),
-        ..many(0, &[])
-    };
-    bench.change(OutboxChanges { queued: vec![new(50), new(51)], ..OutboxChanges::default() }).await;
+    let new = |id| NewDelivery { queued_at: UtcMicros(200), action: Some("fire"), ..one(id, 30, 1) };
+    bench.queue_all(vec![new(50), new(51)]).await;
     assert_eq!(bench.due(200).await, [41, 50]);
 }
 
@@ -351,7 +339,7 @@ async fn a_test_comes_before_whatever_waits() {
     let mut bench = Bench::new().await;
     bench.queue().await;
     let test = NewDelivery { subject: DeliverySubject::Test, action: None, ..many(60, &[]) };
-    bench.change(OutboxChanges { queued: vec![test], ..OutboxChanges::default() }).await;
+    bench.queue_all(vec![test]).await;
     assert_eq!(bench.due(100).await, [60, 40, 41]);
     let row = store::outbox::get(&bench.store, Id(60)).await.unwrap().unwrap();
     assert_eq!((row.subject, row.action), (DeliverySubject::Test, None));
@@ -364,8 +352,7 @@ async fn replayed_deliveries_start_anew_and_a_deleted_hooks_queue_is_dropped() {
     bench.queue().await;
     bench.attempt(40, 150, Progress::Done(Dead)).await;
     assert_eq!(bench.states().await, [Dead, Waiting, Waiting, Behind, Behind, Behind]);
-    let replayed = vec![(Id(40), UtcMicros(700)), (Id(43), UtcMicros(700))];
-    bench.change(OutboxChanges { replayed, ..OutboxChanges::default() }).await;
+    bench.replay(&[40, 43]).await;
     let states = [Waiting, Waiting, Behind, Behind, Behind, Behind];
     assert_eq!(bench.states().await, states, "42 has its turn after 40; 43 is not done yet");
     assert_eq!(store::outbox::queue_state(&bench.store, HOOK).await.unwrap().open, 6);
@@ -386,12 +373,11 @@ async fn dead_letters_that_are_sent_again_come_one_after_another() {
     use DeliveryState::{Behind, Dead, Delivered, Waiting};
     let mut bench = Bench::new().await;
     bench.queue().await;
-    bench.change(OutboxChanges { queued: vec![many(60, &[1, 2])], ..OutboxChanges::default() }).await;
+    bench.queue_all(vec![many(60, &[1, 2])]).await;
     for delivery in [40, 41, 42, 43, 44, 45, 60] {
         bench.attempt(delivery, 100 + delivery, Progress::Done(Dead)).await;
     }
-    let replayed = [40, 42, 43, 60].map(|id| (Id(id), UtcMicros(700))).to_vec();
-    bench.change(OutboxChanges { replayed, ..OutboxChanges::default() }).await;
+    bench.replay(&[40, 42, 43, 60]).await;
     assert_eq!(bench.states().await, [Waiting, Dead, Behind, Waiting, Dead, Dead, Behind]);
     bench.attempt(40, 701, DONE).await;
     assert_eq!(bench.due(702).await, [43, 42]);

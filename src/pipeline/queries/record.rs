@@ -180,13 +180,7 @@ impl Records {
         }
         let unreadable =
             |faults: Faults| StoreError::damaged(format_args!("the body of record {id} cannot be read: {faults}"));
-        let (calibration, fitted) = match row.kind {
-            Kind::Record => (self.reader.record_again(&row).await?.map_err(unreadable)?, None),
-            Kind::Campaign => {
-                let fitted = self.reader.fitted_again(&row).await?.map_err(unreadable)?;
-                (self.reader.calibration_again(&row, &fitted), Some(fitted))
-            }
-        };
+        let (calibration, fitted) = self.reader.again(&row).await?.map_err(unreadable)?;
         Ok(Some(Reread { row, calibration, fitted }))
     }
 

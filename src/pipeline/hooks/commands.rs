@@ -313,7 +313,7 @@ impl HookHandler<'_> {
     }
 
     async fn redeliver(&mut self, id: Id, outbox: &mut OutboxChanges) -> Result<Id, OrderError> {
-        let delivery = store::outbox::get(self.store, id).await?.ok_or(OrderError::NoSuchDelivery(id))?;
+        let delivery = store::delivery::get(self.store, id).await?.ok_or(OrderError::NoSuchDelivery(id))?;
         self.enabled_hook(delivery.hook).await?;
         match delivery.state {
             DeliveryState::Behind => Err(OrderError::StillBehind(id)),
@@ -360,7 +360,7 @@ impl HookHandler<'_> {
     }
 
     async fn is_written(&self, attempted: &Attempted) -> Result<bool, StoreError> {
-        let delivery = store::outbox::get(self.store, attempted.delivery).await?;
+        let delivery = store::delivery::get(self.store, attempted.delivery).await?;
         Ok(delivery.is_some_and(|delivery| delivery.attempts.iter().any(|attempt| attempt.at == attempted.at)))
     }
 

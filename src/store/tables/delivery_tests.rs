@@ -129,12 +129,12 @@ impl Bench {
     }
 
     async fn due(&self, now: i64) -> Vec<i64> {
-        let due = store::outbox::due_of_hook(&self.store, HOOK, UtcMicros(now), HORIZON, 100).await.unwrap();
+        let due = store::delivery::due_of_hook(&self.store, HOOK, UtcMicros(now), HORIZON, 100).await.unwrap();
         due.iter().map(|delivery| delivery.id.0).collect()
     }
 
     async fn states(&self) -> Vec<DeliveryState> {
-        let mut rows = store::outbox::of_hook(&self.store, HOOK, None, None, 100).await.unwrap();
+        let mut rows = store::delivery::of_hook(&self.store, HOOK, None, None, 100).await.unwrap();
         rows.reverse();
         rows.into_iter().map(|row| row.state).collect()
     }
@@ -243,11 +243,11 @@ async fn a_message_of_many_alerts_says_of_each_what_its_step_says_or_what_it_was
     let mut bench = Bench::new().await;
     let digest = NewDelivery { digest: Some("{\"total\":2}".into()), ..many(40, &[2, 1]) };
     bench.queue_all(vec![digest]).await;
-    let due = store::outbox::due_of_hook(&bench.store, HOOK, UtcMicros(100), HORIZON, 1).await.unwrap().remove(0);
+    let due = store::delivery::due_of_hook(&bench.store, HOOK, UtcMicros(100), HORIZON, 1).await.unwrap().remove(0);
     assert_eq!((due.subject, due.at, due.digest.as_deref()), (DeliverySubject::Many, None, Some("{\"total\":2}")));
     let fire = |body: String| ("fire".to_owned(), body);
     assert_eq!(due.content, [fire(step(Id(31), Id(2)).body), fire("{\"as\": \"it 是\"}".into())]);
-    let row = store::outbox::get(&bench.store, Id(40)).await.unwrap().unwrap();
+    let row = store::delivery::get(&bench.store, Id(40)).await.unwrap().unwrap();
     assert_eq!((row.subject, row.action.as_deref(), row.alert), (DeliverySubject::Many, Some("fire"), Some(Id(2))));
 }
 
@@ -293,10 +293,10 @@ async fn only_the_first_of_each_alerts_line_is_due_and_its_end_moves_the_next_up
     assert_eq!(bench.due(500).await, [41, 42]);
     bench.attempt(42, 500, Progress::Done(DeliveryState::Dead)).await;
     assert_eq!(bench.due(500).await, [41, 44], "a dead letter holds nobody up");
-    let row = store::outbox::get(&bench.store, Id(42)).await.unwrap().unwrap();
+    let row = store::delivery::get(&bench.store, Id(42)).await.unwrap().unwrap();
     assert_eq!((row.state, row.finished_at, row.attempts.len()), (DeliveryState::Dead, Some(UtcMicros(500)), 2));
     assert_eq!((row.attempts[0].at, row.attempts[0].status), (UtcMicros(160), Some(500)));
-    let due = store::outbox::due_of_hook(&bench.store, HOOK, UtcMicros(500), HORIZON, 1).await.unwrap().remove(0);
+    let due = store::delivery::due_of_hook(&bench.store, HOOK, UtcMicros(500), HORIZON, 1).await.unwrap().remove(0);
     assert_eq!((due.at, due.content), (Some(UtcMicros(10)), vec![("fire".into(), step(Id(31), Id(2)).body)]));
     assert_eq!(row.attempts[0].answer.as_deref(), Some("no \"such\" 频道"));
 }
@@ -318,7 +318,7 @@ async fn a_line_that_grows_later_stays_in_order() {
 async fn the_next_that_is_due_later_is_known() {
     let mut bench = Bench::new().await;
     bench.queue().await;
-    let next = async |bench: &Bench, now| store::outbox::next_due(&bench.store, HOOK, UtcMicros(now)).await.unwrap();
+    let next = async |bench: &Bench, now| store::delivery::next_due(&bench.store, HOOK, UtcMicros(now)).await.unwrap();
     assert_eq!(next(&bench, 99).await, Some(UtcMicros(100)));
     assert_eq!(next(&bench, 100).await, None);
     bench.attempt(41, 200, Progress::RetryAt(UtcMicros(400))).await;
@@ -341,7 +341,7 @@ async fn a_test_comes_before_whatever_waits() {
     let test = NewDelivery { subject: DeliverySubject::Test, action: None, ..many(60, &[]) };
     bench.queue_all(vec![test]).await;
     assert_eq!(bench.due(100).await, [60, 40, 41]);
-    let row = store::outbox::get(&bench.store, Id(60)).await.unwrap().unwrap();
+    let row = store::delivery::get(&bench.store, Id(60)).await.unwrap().unwrap();
     assert_eq!((row.subject, row.action), (DeliverySubject::Test, None));
 }
 
@@ -355,17 +355,17 @@ async fn replayed_deliveries_start_anew_and_a_deleted_hooks_queue_is_dropped() {
     bench.replay(&[40, 43]).await;
     let states = [Waiting, Waiting, Behind, Behind, Behind, Behind];
     assert_eq!(bench.states().await, states, "42 has its turn after 40; 43 is not done yet");
-    assert_eq!(store::outbox::queue_state(&bench.store, HOOK).await.unwrap().open, 6);
-    let totals = store::outbox::outbox_totals(&bench.store).await.unwrap();
+    assert_eq!(store::delivery::queue_state(&bench.store, HOOK).await.unwrap().open, 6);
+    let totals = store::delivery::totals(&bench.store).await.unwrap();
     assert_eq!((totals.open, totals.dead, totals.oldest_open), (6, 0, Some(UtcMicros(100))));
     let disabled = HookRow { enabled: false, ..hook(HOOK) };
     bench.writer.commit(&Changes { hooks: vec![disabled], ..Changes::default() }).await.unwrap();
-    assert_eq!(store::outbox::outbox_totals(&bench.store).await.unwrap().oldest_open, None);
+    assert_eq!(store::delivery::totals(&bench.store).await.unwrap().oldest_open, None);
     bench.attempt(40, 701, DONE).await;
     bench.change(OutboxChanges { dropped: vec![(HOOK, UtcMicros(800))], ..OutboxChanges::default() }).await;
     bench.attempt(41, 801, DONE).await;
     assert_eq!(bench.states().await, [Delivered, Dropped, Dropped, Dropped, Dropped, Dropped]);
-    assert_eq!(store::outbox::queue_state(&bench.store, HOOK).await.unwrap(), QueueState::default());
+    assert_eq!(store::delivery::queue_state(&bench.store, HOOK).await.unwrap(), QueueState::default());
 }
 
 #[tokio::test]
@@ -395,8 +395,8 @@ async fn a_target_that_is_back_is_told_at_once_what_waits() {
     bench.attempt(41, 150, Progress::RetryAt(UtcMicros(90_000))).await;
     bench.change(OutboxChanges { hastened: vec![(HOOK, UtcMicros(200))], ..OutboxChanges::default() }).await;
     assert_eq!(bench.due(200).await, [40, 41]);
-    let dead = store::outbox::of_hook(&bench.store, HOOK, Some(DeliveryState::Dead), None, 9).await.unwrap();
-    let old = store::outbox::of_hook(&bench.store, HOOK, None, Some(Id(42)), 1).await.unwrap();
+    let dead = store::delivery::of_hook(&bench.store, HOOK, Some(DeliveryState::Dead), None, 9).await.unwrap();
+    let old = store::delivery::of_hook(&bench.store, HOOK, None, Some(Id(42)), 1).await.unwrap();
     assert_eq!((dead.len(), old[0].id), (0, Id(41)));
 }
 
@@ -407,7 +407,7 @@ async fn a_restart_finds_everything_that_was_queued() {
     bench.store.close().await;
     bench.writer.close().await.unwrap();
     let (store, mut writer) = opened(&bench.dir).await;
-    let due = store::outbox::due_of_hook(&store, HOOK, UtcMicros(100), HORIZON, 100).await.unwrap();
+    let due = store::delivery::due_of_hook(&store, HOOK, UtcMicros(100), HORIZON, 100).await.unwrap();
     assert_eq!(due.len(), 2);
     assert!(writer.next_id(UtcMicros(0)) > Id(45), "identifiers go on where they were");
 }

@@ -54,7 +54,7 @@ pub use diagnoses::{
     AdoptedModel, Adoption, Conclusion, Diagnoses, DiagnosisAnswer, DiagnosisOrder, HypothesisOrder, StoredHypothesis,
 };
 pub use error::{NotSplit, OrderError, StorageError, StorageFault, WriteError};
-pub use hooks::{DeliveryPage, Hooks, Order, Outbox};
+pub use hooks::{Hooks, Order, Outbox};
 pub use ingest::{
     Accepted, AttributesOrder, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt, EventOrder,
     Ingest, Judged, Origin, Preview, ReadCampaign, Reader, Refused, Reply, Submission, WindowMark,

@@ -85,8 +85,8 @@ fn shown(key: &LessSafeKey, place: String, hidden: &str) -> Option<String> {
 mod tests {
     use super::*;
     use crate::core::id::Id;
-    use crate::store::tables::hook::HookRow;
     use crate::store::tables::delivery_tests;
+    use crate::store::tables::hook::HookRow;
 
     fn hook() -> HookRow {
         let (url, authorization) = ("https://example.org/token".into(), Some("Bearer abc".into()));

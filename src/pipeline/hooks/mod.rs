@@ -26,14 +26,6 @@ use crate::pipeline::prelude::*;
 use crate::wire::hook::{DeliveryBody, HookBody, HookPatchBody, NewHookBody};
 use delivery::pulse::Pulse;
 
-/// A page of deliveries: their state, if it matters, and where the page before ended.
-#[derive(Debug, Clone, Copy)]
-pub struct DeliveryPage {
-    pub state: Option<DeliveryState>,
-    pub before: Option<Id>,
-    pub limit: u32,
-}
-
 /// What is told to whom. Cheap to clone.
 #[derive(Debug, Clone)]
 pub struct Hooks {
@@ -94,9 +86,15 @@ impl Hooks {
         Ok(Some(HookBody { secret: drawn.map(Secret::reveal), ..body }))
     }
 
-    /// Deliveries of a hook, newest first, with all their attempts.
-    pub async fn deliveries(&self, hook: Id, page: DeliveryPage) -> Result<Vec<DeliveryBody>, StorageError> {
-        let rows = store::delivery::of_hook(&self.store, hook, page.state, page.before, page.limit).await?;
+    /// Deliveries of a hook older than `before`, newest first, with all their attempts.
+    pub async fn deliveries(
+        &self,
+        hook: Id,
+        state: Option<DeliveryState>,
+        before: Option<Id>,
+        limit: usize,
+    ) -> Result<Vec<DeliveryBody>, StorageError> {
+        let rows = store::delivery::of_hook(&self.store, hook, state, before, limit as u32).await?;
         Ok(rows.into_iter().map(show::delivery).collect())
     }
 

@@ -192,14 +192,12 @@ impl Fleet {
     pub async fn page(&self, filter: &FleetFilter<'_>, number: usize, rows: usize) -> Result<FleetPage, StorageError> {
         let now = self.clock.now();
         let counted = self.counted(now).await?;
-        let narrowed = self.narrowed(filter).await?;
-        let of_filter = match &narrowed {
-            None => Vec::new(),
-            Some(narrowed) if *narrowed == Narrowed::default() => counted.0.clone(),
-            Some(narrowed) => store::head::tallies(&self.store, narrowed, now).await?,
+        let Some(narrowed) = self.narrowed(filter, now).await? else { return Ok(self.counts(&[], &counted)) };
+        let of_filter = match narrowed.is_whole() {
+            true => counted.0.clone(),
+            false => store::head::tallies(&self.store, &narrowed).await?,
         };
         let mut page = self.counts(&of_filter, &counted);
-        let narrowed = narrowed.unwrap_or_default();
         let size = |ranks: &Ranks| -> usize {
             of_filter.iter().filter(|tally| is_of(tally, ranks)).map(|tally| tally.gyros).sum()
         };
@@ -211,12 +209,12 @@ impl Fleet {
         let (mut skip, mut gyros) = (page.number * rows, Vec::with_capacity(rows));
         if let Some(order) = filter.order.filter(|_| page.found > 0) {
             let ranks = ranks_of(filter.statuses);
-            gyros = store::head::in_order(&self.store, order, ranks.as_deref(), &narrowed, now, [skip, rows]).await?;
+            gyros = store::head::in_order(&self.store, order, ranks.as_deref(), &narrowed, [skip, rows]).await?;
         } else {
             for (ranks, size) in sizes {
                 if skip < size && gyros.len() < rows {
                     let part = [skip, rows - gyros.len()];
-                    gyros.extend(store::head::of_ranks(&self.store, ranks, &narrowed, now, part).await?);
+                    gyros.extend(store::head::of_ranks(&self.store, ranks, &narrowed, part).await?);
                 }
                 skip = skip.saturating_sub(size);
             }
@@ -227,15 +225,15 @@ impl Fleet {
 
     /// IMUs with the gyros in them, the worst first.
     pub async fn wall(&self, filter: &FleetFilter<'_>, number: usize, imus: usize) -> Result<WallPage, StorageError> {
-        let Some(narrowed) = self.narrowed(filter).await? else { return Ok(WallPage::default()) };
-        let (ranks, now) = (ranks_of(filter.statuses), self.clock.now());
+        let Some(narrowed) = self.narrowed(filter, self.clock.now()).await? else { return Ok(WallPage::default()) };
+        let ranks = ranks_of(filter.statuses);
         let part = async |number: usize| {
             let overdue = rank(true, Some(Status::Overdue));
             let part = [number.saturating_mul(imus), imus];
-            store::head::imus(&self.store, ranks.as_deref(), &narrowed, (now, overdue), part).await
+            store::head::imus(&self.store, ranks.as_deref(), &narrowed, overdue, part).await
         };
-        let count = store::head::imus_found(&self.store, ranks.as_deref(), &narrowed, now);
-        let found = match ranks.is_none() && narrowed == Narrowed::default() {
+        let count = store::head::imus_found(&self.store, ranks.as_deref(), &narrowed);
+        let found = match ranks.is_none() && narrowed.is_whole() {
             true => {
                 let count = async { Ok::<_, StoreError>((count.await?, Span::EVER.to)) };
                 *self.known.imus.at(store::head::version(&self.store), Span::EVER.from, count).await?
@@ -264,10 +262,10 @@ impl Fleet {
 
     /// The gyros of some ranks, the worst first, as many as `most`.
     pub async fn worst_of(&self, statuses: &[Status], most: usize) -> Result<Vec<Standing>, StorageError> {
-        let (everything, now, mut gyros) = (Narrowed::default(), self.clock.now(), Vec::new());
+        let (whole, mut gyros) = (Narrowed { now: self.clock.now(), ..Narrowed::default() }, Vec::new());
         for ranks in in_order().into_iter().filter(|ranks| is_wanted(ranks, Some(statuses))) {
             let part = [0, most - gyros.len()];
-            gyros.extend(store::head::of_ranks(&self.store, ranks, &everything, now, part).await?);
+            gyros.extend(store::head::of_ranks(&self.store, ranks, &whole, part).await?);
             if gyros.len() >= most {
                 break;
             }
@@ -276,17 +274,17 @@ impl Fleet {
     }
 
     /// None where nothing can be found, for a name is unknown.
-    async fn narrowed(&self, filter: &FleetFilter<'_>) -> Result<Option<Narrowed>, StorageError> {
-        let Some(mut narrowed) = self.named(filter) else { return Ok(None) };
+    async fn narrowed(&self, filter: &FleetFilter<'_>, now: UtcMicros) -> Result<Option<Narrowed>, StorageError> {
+        let Some(mut narrowed) = self.named(filter, now) else { return Ok(None) };
         if narrowed.sought.is_some()
-            && let Some(found) = store::head::sought(&self.store, &narrowed, self.clock.now()).await?
+            && let Some(found) = store::head::sought(&self.store, &narrowed).await?
         {
             narrowed.sought = Some(found);
         }
         Ok(Some(narrowed))
     }
 
-    fn named(&self, filter: &FleetFilter<'_>) -> Option<Narrowed> {
+    fn named(&self, filter: &FleetFilter<'_>, now: UtcMicros) -> Option<Narrowed> {
         let tables = self.store.names().read();
         let number = |name: &str, of: &Table| match name {
             "" => Some(None),
@@ -298,6 +296,7 @@ impl Fleet {
             return None;
         }
         Some(Narrowed {
+            now,
             sought: (!text.is_empty()).then(|| Sought::text(&text)),
             station: number(filter.station, &tables.stations)?,
             ever: number(filter.ever, &tables.stations)?,
@@ -353,16 +352,15 @@ impl Fleet {
         filter: StandingFilter,
         of_fleet: &FleetFilter<'_>,
     ) -> Result<(Vec<Standing>, bool), StorageError> {
-        let Some(narrowed) = self.narrowed(of_fleet).await? else { return Ok((Vec::new(), false)) };
+        let Some(narrowed) = self.narrowed(of_fleet, self.clock.now()).await? else { return Ok((Vec::new(), false)) };
         let standings = Standings {
             rank: filter.status.filter(|status| *status != Status::Overdue).map(|status| rank(false, Some(status))),
             // Time makes worse only what is better than overdue.
             is_overdue: filter.status.filter(|status| *status <= Status::Overdue).map(|of| of == Status::Overdue),
             state: filter.state,
         };
-        let (now, limit, order) =
-            (self.clock.now(), most.saturating_add(1), of_fleet.order.unwrap_or(FleetOrder::Serial));
-        let mut gyros = store::head::listed(&self.store, after, order, standings, &narrowed, now, limit).await?;
+        let (limit, order) = (most.saturating_add(1), of_fleet.order.unwrap_or(FleetOrder::Serial));
+        let mut gyros = store::head::listed(&self.store, after, order, standings, &narrowed, limit).await?;
         let more = gyros.len() > most as usize;
         gyros.truncate(most as usize);
         Ok((self.standings_of(&gyros).await?, more))

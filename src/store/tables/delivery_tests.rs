@@ -101,9 +101,11 @@ impl Bench {
         self.writer.commit(&Changes { outbox, ..Changes::default() }).await.unwrap();
     }
 
-    /// Queues deliveries 40 to 45 of the steps at instant 100.
-    async fn queue(&mut self) {
-        self.queue_all((30..36).map(|i| one(10 + i, i, 1 + i % 2)).collect()).await;
+    /// With deliveries 40 to 45 of the steps, queued at instant 100.
+    async fn queued() -> Self {
+        let mut bench = Self::new().await;
+        bench.queue_all((30..36).map(|i| one(10 + i, i, 1 + i % 2)).collect()).await;
+        bench
     }
 
     async fn queue_all(&mut self, queued: Vec<NewDelivery>) {
@@ -282,8 +284,7 @@ async fn what_a_hook_has_heard_is_kept_and_forgotten_and_known_from_what_it_took
 
 #[tokio::test]
 async fn only_the_first_of_each_alerts_line_is_due_and_its_end_moves_the_next_up() {
-    let mut bench = Bench::new().await;
-    bench.queue().await;
+    let mut bench = Bench::queued().await;
     assert_eq!(bench.due(99).await, [] as [i64; 0]);
     assert_eq!(bench.due(100).await, [40, 41]);
     bench.attempt(40, 150, DONE).await;
@@ -303,8 +304,7 @@ async fn only_the_first_of_each_alerts_line_is_due_and_its_end_moves_the_next_up
 
 #[tokio::test]
 async fn a_line_that_grows_later_stays_in_order() {
-    let mut bench = Bench::new().await;
-    bench.queue().await;
+    let mut bench = Bench::queued().await;
     bench.attempt(40, 150, DONE).await;
     bench.attempt(42, 150, DONE).await;
     bench.attempt(44, 150, DONE).await;
@@ -316,8 +316,7 @@ async fn a_line_that_grows_later_stays_in_order() {
 
 #[tokio::test]
 async fn the_next_that_is_due_later_is_known() {
-    let mut bench = Bench::new().await;
-    bench.queue().await;
+    let mut bench = Bench::queued().await;
     let next = async |bench: &Bench, now| store::delivery::next_due(&bench.store, HOOK, UtcMicros(now)).await.unwrap();
     assert_eq!(next(&bench, 99).await, Some(UtcMicros(100)));
     assert_eq!(next(&bench, 100).await, None);
@@ -327,8 +326,7 @@ async fn the_next_that_is_due_later_is_known() {
 
 #[tokio::test]
 async fn times_that_a_mad_clock_wrote_hold_nothing_up() {
-    let mut bench = Bench::new().await;
-    bench.queue().await;
+    let mut bench = Bench::queued().await;
     let years_ahead = UtcMicros(HORIZON.0 + 1);
     bench.attempt(40, 150, Progress::RetryAt(years_ahead)).await;
     assert_eq!(bench.due(200).await, [41, 40]);
@@ -336,8 +334,7 @@ async fn times_that_a_mad_clock_wrote_hold_nothing_up() {
 
 #[tokio::test]
 async fn a_test_comes_before_whatever_waits() {
-    let mut bench = Bench::new().await;
-    bench.queue().await;
+    let mut bench = Bench::queued().await;
     let test = NewDelivery { subject: DeliverySubject::Test, action: None, ..many(60, &[]) };
     bench.queue_all(vec![test]).await;
     assert_eq!(bench.due(100).await, [60, 40, 41]);
@@ -348,8 +345,7 @@ async fn a_test_comes_before_whatever_waits() {
 #[tokio::test]
 async fn replayed_deliveries_start_anew_and_a_deleted_hooks_queue_is_dropped() {
     use DeliveryState::{Behind, Dead, Delivered, Dropped, Waiting};
-    let mut bench = Bench::new().await;
-    bench.queue().await;
+    let mut bench = Bench::queued().await;
     bench.attempt(40, 150, Progress::Done(Dead)).await;
     assert_eq!(bench.states().await, [Dead, Waiting, Waiting, Behind, Behind, Behind]);
     bench.replay(&[40, 43]).await;
@@ -371,8 +367,7 @@ async fn replayed_deliveries_start_anew_and_a_deleted_hooks_queue_is_dropped() {
 #[tokio::test]
 async fn dead_letters_that_are_sent_again_come_one_after_another() {
     use DeliveryState::{Behind, Dead, Delivered, Waiting};
-    let mut bench = Bench::new().await;
-    bench.queue().await;
+    let mut bench = Bench::queued().await;
     bench.queue_all(vec![many(60, &[1, 2])]).await;
     for delivery in [40, 41, 42, 43, 44, 45, 60] {
         bench.attempt(delivery, 100 + delivery, Progress::Done(Dead)).await;
@@ -390,8 +385,7 @@ async fn dead_letters_that_are_sent_again_come_one_after_another() {
 
 #[tokio::test]
 async fn a_target_that_is_back_is_told_at_once_what_waits() {
-    let mut bench = Bench::new().await;
-    bench.queue().await;
+    let mut bench = Bench::queued().await;
     bench.attempt(41, 150, Progress::RetryAt(UtcMicros(90_000))).await;
     bench.change(OutboxChanges { hastened: vec![(HOOK, UtcMicros(200))], ..OutboxChanges::default() }).await;
     assert_eq!(bench.due(200).await, [40, 41]);
@@ -402,8 +396,7 @@ async fn a_target_that_is_back_is_told_at_once_what_waits() {
 
 #[tokio::test]
 async fn a_restart_finds_everything_that_was_queued() {
-    let mut bench = Bench::new().await;
-    bench.queue().await;
+    let bench = Bench::queued().await;
     bench.store.close().await;
     bench.writer.close().await.unwrap();
     let (store, mut writer) = opened(&bench.dir).await;

@@ -4,7 +4,7 @@
 //! A campaign is due from the transaction that stores it, its IMU's from the one that adopts a model: what was due when
 //! the service stopped is made after its start. Whoever asks for one that is due comes first, and waits or asks again.
 //!
-//! [`jobs`] takes orders to diagnose many campaigns, [`queue`] works them off behind what is due, [`summary`] says
+//! [`orders`] takes those to diagnose many campaigns, [`queue`] works them off behind what is due, [`summary`] says
 //! what many diagnoses say together, from the [`digest`] that is kept of each, [`forecasts`] what was foretold of
 //! campaigns before they came in.
 
@@ -13,10 +13,9 @@ mod diagnoser;
 pub(super) mod digest;
 mod forecaster;
 mod forecasts;
-mod hypothesis_orders;
-mod jobs;
 mod made;
 pub(super) mod models;
+mod orders;
 mod queue;
 mod summary;
 
@@ -52,12 +51,10 @@ pub(super) use diagnoser::Diagnoser;
 pub use diagnoser::DiagnosisAnswer;
 pub use digest::Conclusion;
 pub(super) use forecasts::newest_verdict;
-pub use hypothesis_orders::HypothesisOrder;
-pub(super) use hypothesis_orders::order_hypothesis;
-pub(super) use jobs::order_diagnoses;
-pub use jobs::{DiagnosisOrder, WantedDiagnoses};
 pub(super) use made::Made;
 pub use models::{Adoption, StoredHypothesis};
+pub use orders::{DiagnosisOrder, HypothesisOrder, WantedDiagnoses};
+pub(super) use orders::{order_diagnoses, order_hypothesis};
 pub use summary::SummaryFilter;
 pub(super) use summary::outside_forecasts;
 

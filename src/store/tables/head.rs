@@ -57,11 +57,8 @@ impl HeadRow {
     }
 }
 
-fn both_or_neither<T>(a: Option<T>, b: Option<T>, same: impl Fn(T, T) -> bool) -> bool {
-    match (a, b) {
-        (Some(a), Some(b)) => same(a, b),
-        (a, b) => a.is_none() && b.is_none(),
-    }
+fn both_or_neither<T: Copy>(a: Option<T>, b: Option<T>, same: impl Fn(T, T) -> bool) -> bool {
+    a.zip(b).map_or(a.is_none() && b.is_none(), |(a, b)| same(a, b))
 }
 
 /// A gyro's newest calibration.

@@ -3,9 +3,11 @@
 use super::heads::{Heads, touched};
 use super::shared_shifts::{SharedLook, SharedShifts};
 use super::state::WriterState;
-use crate::core::alert_decision::Late;
-use crate::pipeline::alerts::{AlertCache, AlertContext, Causes, Naming, SharedVerdict, follow_clock, follow_group};
-use crate::pipeline::hooks::{CurrentAlert, OutboxContext};
+use crate::core::alert_decision::{Action, Alert, Late};
+use crate::pipeline::alerts::{
+    AlertCache, AlertContext, Causes, Naming, News, SharedVerdict, follow_clock, follow_group,
+};
+use crate::pipeline::hooks::OutboxContext;
 use crate::pipeline::ingest::judge::Judged;
 use crate::pipeline::prelude::*;
 use crate::pipeline::queries::agreement::{Agreement, agreement_after};
@@ -120,13 +122,16 @@ impl WriterState {
         SharedShifts { store, config, alerts, now }
     }
 
-    /// Every alert as it stands.
-    pub(super) async fn standings(&self, now: UtcMicros) -> Result<Vec<CurrentAlert>, StoreError> {
+    /// Every alert as it stands, for a hook that begins to listen: it hears what others were spared because it was found
+    /// late.
+    pub(super) async fn standings(&self, now: UtcMicros) -> Result<Vec<News>, StoreError> {
         let rows = store::alerts::all(&self.store).await?;
         let naming = Naming { tables: &self.store.names().read(), new: None };
         // One that cannot be read is told to nobody; the next look at it names the damage.
-        let standing =
-            |row: &AlertRow| Some(CurrentAlert { id: row.id, alert: row.alert, body: naming.alert(row, now).ok()? });
+        let standing = |row: &AlertRow| {
+            let (alert, body) = (Alert { hushed: None, ..row.alert }, Some(naming.alert(row, now).ok()?));
+            Some(News { id: row.id, alert, action: Action::Silent, step: None, body, cause: None })
+        };
         Ok(rows.iter().filter_map(standing).collect())
     }
 

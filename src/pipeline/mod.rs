@@ -140,9 +140,8 @@ impl Pipeline {
         let guard = Guard::start(store.clone(), config.access.clone(), config.server.is_behind_proxy()).await?;
         let activity = IdleDetector::new();
         let weak = queue.downgrade();
-        let diagnoser =
-            Diagnoser::new(store.clone(), models.clone(), (clock.clone(), config.clone()), weak, activity.clone());
         let reader = Reader { store: store.clone(), config: config.clone(), clock: clock.clone(), models };
+        let diagnoser = Diagnoser::new(reader.clone(), weak, activity.clone());
         Ok(Self {
             access: Access { store: store.clone(), clock: clock.clone(), guard, queue: queue.clone() },
             alerts: Alerts { store: store.clone(), clock: clock.clone(), queue: queue.clone(), counts: Arc::default() },

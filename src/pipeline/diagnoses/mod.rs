@@ -98,7 +98,7 @@ impl Diagnoses {
             Kind::Record => parse_record(body, &anything()).map(Reference::Record),
         };
         let reference = reference.map_err(|faults| damaged(held_against.id, &faults))?;
-        let options = self.diagnoser.models.of(Some(row.imu)).model.options_as_asked(&campaign);
+        let options = self.reader.models.of(Some(row.imu)).model.options_as_asked(&campaign);
         let split = split(&campaign, &options, &residuals(&diagnosis.residuals), &reference)?;
         Ok(SplitBody::from(&split))
     }
@@ -152,7 +152,7 @@ impl Diagnoses {
 
     /// The hypotheses that compete, in the order in which they were added.
     pub fn hypotheses(&self) -> Vec<StoredHypothesis> {
-        self.diagnoser.models.competing().hypotheses.clone()
+        self.reader.models.competing().hypotheses.clone()
     }
 
     pub fn read_wanted(&self, bytes: &[u8]) -> Result<WantedDiagnoses, Faults> {
@@ -242,7 +242,7 @@ impl Diagnoses {
     pub fn summary_filter(&self, asked: &WhichBody, effect: Option<&str>) -> Result<SummaryFilter, Faults> {
         let mut faults = Faults::default();
         let campaigns = self.campaign_filter(asked, &mut faults);
-        let competing = self.diagnoser.models.competing();
+        let competing = self.reader.models.competing();
         let own = |id: &str| competing.effects().find(|own| own.id() == id);
         let known = effect.and_then(|id| Effect::from_id(id).or_else(|| own(id)));
         if let (Some(id), None) = (effect, known) {
@@ -256,7 +256,7 @@ impl Diagnoses {
 
     /// What the diagnoses of stored campaigns say together. Campaigns that count no more are left out.
     pub async fn summary(&self, filter: &SummaryFilter) -> Result<SummaryBody, StorageError> {
-        Ok(filter.summary(&self.store, &self.diagnoser.models.competing().program).await?)
+        Ok(filter.summary(&self.store, &self.reader.models.competing().program).await?)
     }
 
     /// What was concluded of each campaign of an IMU that is diagnosed and counts.

@@ -278,20 +278,10 @@ fn in_words(serial: &str, stored: &StoredVerdict, again: &[Verdict]) -> (Verdict
     let seen = again.iter().find(|verdict| StoredVerdict::from(*verdict) == *stored).copied();
     let body = match &seen {
         Some(verdict) => VerdictBody::of(serial, verdict),
-        None => VerdictBody {
-            serial: serial.to_owned(),
-            coefficient: stored.coefficient.name().into(),
-            rule: stored.rule.name().into(),
-            state: stored.state.name().into(),
-            status: stored.status().name().into(),
-            value: stored.value,
-            limit: stored.limit,
-            limit_from: None,
-            sd: stored.sd,
-            probability: stored.probability,
-            confirmed: stored.confirmed,
-            reason: Reason(vec![message!("decided_before")]),
-        },
+        None => {
+            let reason = Reason(vec![message!("decided_before")]);
+            VerdictBody { limit_from: None, reason, ..VerdictBody::of(serial, &stored.without_words()) }
+        }
     };
     (body, seen)
 }

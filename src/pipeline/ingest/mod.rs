@@ -147,8 +147,7 @@ impl Ingest {
             ids: &mut ids,
             memory: &mut memory,
             ahead: &ahead,
-            judging: &self.config.judging,
-            epochs: &self.config.plausibility.clock_epochs,
+            config: &self.config,
             now: self.clock.now(),
             by: &nobody,
         };

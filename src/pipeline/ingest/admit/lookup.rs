@@ -3,7 +3,6 @@
 use super::ahead::Ahead;
 use super::group::Group;
 use super::memory::Memory;
-use crate::config::Judging;
 use crate::core::correction::CorrectionItem;
 use crate::core::mounting::Slot;
 use crate::core::name::distance;
@@ -22,9 +21,7 @@ pub(crate) struct Admission<'a> {
     pub ids: &'a mut IdSource,
     pub memory: &'a mut Memory,
     pub ahead: &'a Ahead,
-    pub judging: &'a Judging,
-    /// Where clocks that were never set begin.
-    pub epochs: &'a [UtcMicros],
+    pub config: &'a Config,
     pub now: UtcMicros,
     /// Whose item is at hand.
     pub by: &'a Actor,

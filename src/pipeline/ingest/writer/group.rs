@@ -27,8 +27,7 @@ pub(super) async fn prepare(state: &mut WriterState, items: &[Item<'_>]) -> Resu
         ids: state.writer.ids(),
         memory: &mut state.memory,
         ahead: &ahead,
-        judging: &state.config.judging,
-        epochs: &state.config.plausibility.clock_epochs,
+        config: &state.config,
         now,
         by: &service,
     };

@@ -1,6 +1,6 @@
 //! The writer's part in alerts: they follow what a group's judging finds, and what people say.
 
-use super::heads::{Heads, touched};
+use super::heads::{self, touched};
 use super::shared_shifts::{SharedLook, SharedShifts};
 use super::state::WriterState;
 use crate::core::alert_decision::{Action, Alert, Late};
@@ -94,7 +94,7 @@ impl WriterState {
             return Ok(());
         }
         self.alerts.recall(&self.store, gyros.iter().copied(), self.clock.now()).await?;
-        changes.heads.rows = self.heads().rows(&gyros, changes).await?;
+        changes.heads.rows = heads::rows(self, &gyros, changes).await?;
         self.enter_stations(changes);
         Ok(())
     }
@@ -106,11 +106,6 @@ impl WriterState {
         }
         let pairs: BTreeSet<[u32; 2]> = changes.history.iter().map(|row| [row.figures.station, row.gyro]).collect();
         changes.heads.seen = pairs.into_iter().filter(|pair| self.seen_at.insert(*pair)).collect();
-    }
-
-    pub(super) fn heads(&self) -> Heads<'_> {
-        let Self { store, config, judge, alerts, .. } = self;
-        Heads { store, judging: &config.judging, judge, alerts }
     }
 
     pub(super) fn shared_look(&self, now: UtcMicros) -> SharedLook {
@@ -145,7 +140,7 @@ impl WriterState {
 
     /// Lets the alerts of these gyros, which are in memory, follow the clock.
     pub(super) async fn follow_overdue(&mut self, gyros: &[u32], late: Late, now: UtcMicros) -> Result<(), StoreError> {
-        let out_of_use = self.heads().out_of_use(gyros).await?;
+        let out_of_use = heads::out_of_use(self, gyros).await?;
         let newest = store::histories::last(&self.store, gyros).await?;
         let naming = Naming { tables: &self.store.names().read(), new: None };
         let mut context = AlertContext { now, writer: &mut self.writer, naming, cause: None, late };

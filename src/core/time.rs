@@ -1,7 +1,7 @@
 //! An instant as the core sees it: a number. Reading and writing calendars is the edge's work.
 
 /// Microseconds since 1970-01-01T00:00:00Z, without leap seconds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct UtcMicros(pub i64);
 
 impl UtcMicros {

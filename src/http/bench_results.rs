@@ -34,10 +34,11 @@ pub async fn post_bench_result(app: App, post: DocumentPost, Document(bytes): Do
     let mut bench = read.map_err(|faults| Document::refused_as(DocumentKind::Bench, &bytes, faults))?;
     bench.idempotency_key = post.key()?;
     let serial = bench.result.serial.to_string();
-    let origin = Origin { kind: DocumentKind::Bench, body: bench.body.clone() };
-    let accepted = post.submit(&app, Submission::Bench(Box::new(bench))).await?;
+    let item = Submission::Bench(Box::new(bench));
+    let origin = Origin::of(&item);
+    let accepted = post.submit(&app, item).await?;
     let (status, _) = outcome(&accepted);
-    let id = app.pipeline.ingest.settle(&accepted, &origin).await?;
+    let id = app.pipeline.ingest.settle(&accepted, origin.as_ref()).await?;
     let location = [(LOCATION, format!("/v1/bench-results/{id}"))];
     Ok((status, location, Json(BenchAnswer { id: id.to_string(), serial })).into_response())
 }

@@ -13,7 +13,7 @@ use super::document_post::{DocumentPost, IdempotencyKey, PostOutcome};
 use super::notify_query::NotifyQuery;
 use super::prefer_header::{MinimalAnswer, Prefer};
 use crate::http::prelude::*;
-use crate::pipeline::{DiagnosisAnswer, NotSplit, Origin, ReadCampaign, StoredCampaign, Submission};
+use crate::pipeline::{DiagnosisAnswer, NotSplit, ReadCampaign, StoredCampaign, Submission};
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::diagnosis::DiagnosisBody;
@@ -64,15 +64,14 @@ pub async fn post_campaign(app: App, post: DocumentPost, body: Dwells) -> Answer
     let Dwells(bytes, form) = body;
     let key = post.key()?;
     let (pipeline, text) = (app.pipeline.clone(), bytes.clone());
-    let read = words::spawn_blocking(move || pipeline.reader.campaign(&text, form)).await;
+    let read = words::spawn_blocking(move || pipeline.reader.campaign_document(&text, form)).await;
     let read = read.map_err(|_| Problem::new(500, "title_internal_error", message!("not_fitted")))?;
-    let ReadCampaign { fitted, fit, body } = read.map_err(|faults| match form {
+    let ReadCampaign { submission, fit, body } = read.map_err(|faults| match form {
         Form::Csv => Problem::of_faults(422, "title_cannot_be_stored", faults),
         Form::Json => Document::refused_as(DocumentKind::Campaign, &bytes, faults),
     })?;
     let post = post.noting(if form == Form::Csv { open_end(&bytes) } else { None });
-    let origin = Origin { kind: fitted.kind(), body: body.clone() };
-    let is_bench = origin.kind == DocumentKind::Bench;
+    let is_bench = matches!(submission, Submission::Bench(_));
     let collection = if is_bench { "bench-results" } else { "campaigns" };
     let whole = |id: Id, notes: Vec<NoteBody>, verdicts| {
         let stored = app.pipeline.reader.answer_as_stored(&fit, &body);
@@ -80,8 +79,7 @@ pub async fn post_campaign(app: App, post: DocumentPost, body: Dwells) -> Answer
         answer.notes.extend(notes);
         answer
     };
-    let item = Submission::from(fitted.with_key(key));
-    match post.store(&app, (item, origin), collection, &whole).await? {
+    match post.store(&app, submission.with_key(key), collection, &whole).await? {
         PostOutcome::New(answer) => Ok(answer),
         // Of a bench test nothing is judged: the answer is the fit, now as then.
         PostOutcome::There(id) if is_bench => {

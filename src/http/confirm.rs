@@ -3,7 +3,7 @@
 use super::corrections::{StandingBody, standing};
 use super::signed::Signed;
 use crate::http::prelude::*;
-use crate::pipeline::{Accepted, Actor, Confirmation, Submission};
+use crate::pipeline::{Accepted, Confirmation, Submission};
 
 /// A record whose time was confirmed.
 #[derive(Serialize, ToSchema)]
@@ -23,7 +23,7 @@ pub struct ConfirmedBody {
 pub async fn confirm_record(app: App, Path(id): Path<String>, body: Document) -> Answer<Json<ConfirmedBody>> {
     let id = query::id(&id, Problem::no_such_record)?;
     let Signed { by: author, reason } = Signed::read(&body)?;
-    let sent = Confirmation { id, of_window: false, author, reason, by: Actor::by_caller(), restated: None };
+    let sent = Confirmation { id, of_window: false, author, reason, restated: None };
     let (Accepted::Stored { id, .. } | Accepted::There { id, .. }) =
         app.pipeline.ingest.submit(Submission::Confirmation(sent)).await?;
     Ok(Json(ConfirmedBody { id: id.to_string(), standing: standing(&app, id).await? }))

@@ -8,7 +8,7 @@ use crate::core::correction::CorrectionItem;
 use crate::core::fault::Fault;
 use crate::core::kind::Kind;
 use crate::http::prelude::*;
-use crate::pipeline::{Actor, Calibration, Corrected, Correction, Fitted, Submission};
+use crate::pipeline::{Calibration, Corrected, Correction, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::body::bodies;
 use crate::wire::calibration::CampaignAnswer;
@@ -140,7 +140,7 @@ async fn void(app: &App, item: Corrected, body: &Document) -> Answer<Json<Correc
         let signed = text::signed("/author", author, reason, &mut faults);
         faults.or(signed)
     })?;
-    submit(app, Correction { item, author, reason, replacement: None, by: Actor::by_caller() }).await?;
+    submit(app, Correction { item, author, reason, replacement: None }).await?;
     let id = item.id();
     Ok(Json(CorrectedBody { id: id.to_string(), standing: standing(app, id).await? }))
 }
@@ -202,11 +202,12 @@ pub async fn revise_campaign(app: App, Path(id): Path<String>, body: Document) -
     let problem = |faults| Document::problem(&body.0, faults);
     let CampaignRevision { author, reason, campaign } = json::parse(&body.0).map_err(problem)?;
     let pipeline = app.pipeline.clone();
-    let read = words::spawn_blocking(move || pipeline.reader.campaign(campaign.get().as_bytes(), Form::Json)).await;
+    let read =
+        words::spawn_blocking(move || pipeline.reader.campaign_document(campaign.get().as_bytes(), Form::Json)).await;
     let read = read.map_err(|_| Problem::new(500, "title_internal_error", message!("not_fitted")))?;
-    let read = read.and_then(|read| match read.fitted {
-        Fitted::Calibration(calibration) => Ok(*calibration),
-        Fitted::Bench(_) => {
+    let read = read.and_then(|read| match read.submission {
+        Submission::Calibration(calibration) => Ok(*calibration),
+        _ => {
             let message = message!("is_bench_test");
             Err(Fault { pointer: "/test".to_owned(), message }.into())
         }
@@ -228,7 +229,7 @@ fn revision(
     let mut faults = Faults::default();
     let (author, reason) = text::signed("/author", author, reason, &mut faults);
     let Ok(new) = read.map_err(|of_new| faults.absorb(place, of_new)) else { return Err(faults) };
-    faults.or(Correction { item, author, reason, replacement: Some(new), by: Actor::by_caller() })
+    faults.or(Correction { item, author, reason, replacement: Some(new) })
 }
 
 async fn submit(app: &App, correction: Correction) -> Answer<(StatusCode, Id)> {

@@ -70,13 +70,14 @@ impl DocumentPost {
     pub async fn store<T: Serialize>(
         &self,
         app: &App,
-        (item, origin): (Submission, Origin),
+        item: Submission,
         collection: &str,
         whole: impl Fn(Id, Vec<NoteBody>, Vec<VerdictBody>) -> T,
     ) -> Answer<PostOutcome> {
+        let origin = Origin::of(&item);
         let accepted = self.submit(app, item).await?;
         let Accepted::Stored { id, judged, notes } = &accepted else {
-            return Ok(PostOutcome::There(app.pipeline.ingest.settle(&accepted, &origin).await?));
+            return Ok(PostOutcome::There(app.pipeline.ingest.settle(&accepted, origin.as_ref()).await?));
         };
         let notes = self.noted.iter().chain(notes.iter()).map(NoteBody::of).collect();
         let answer = match self.wanted {

@@ -14,7 +14,7 @@ use crate::core::record::Name;
 use crate::core::time::Span;
 use crate::http::prelude::*;
 use crate::pipeline::{
-    Accepted, Actor, AttributesOrder, FleetFilter, Names, Queries, Standing, StandingFilter, Submission, sample_of,
+    Accepted, AttributesOrder, FleetFilter, Names, Queries, Standing, StandingFilter, Submission, sample_of,
 };
 use crate::wire::answer::{FigureBody, VerdictBody};
 use crate::wire::body::{ToBody, bodies};
@@ -302,7 +302,7 @@ pub async fn patch_gyro(app: App, Path(serial): Path<String>, body: Document) ->
     let patch = body.read(|bytes| json::parse::<AttributesPatchBody>(bytes)?.to_core())?;
     query::gyro(&app, &serial)?;
     let name = Name::parse(&serial).map_err(|_| Problem::unknown_gyro(&serial))?;
-    let order = AttributesOrder { serial: name, patch, by: Actor::by_caller() };
+    let order = AttributesOrder { serial: name, patch };
     app.pipeline.ingest.submit(Submission::Attributes(order)).await?;
     get_gyro(app, Path(serial)).await
 }
@@ -333,10 +333,9 @@ pub async fn patch_gyros(app: App, headers: HeaderMap, body: Bytes) -> Answer<Js
         }
     }
     faults.or(()).map_err(of_faults)?;
-    let by = Actor::by_caller();
     let order = |row: &GyroRow| {
         let (serial, patch) = (row.serial.clone(), row.patch.clone());
-        Submission::Attributes(AttributesOrder { serial, patch, by: by.clone() })
+        Submission::Attributes(AttributesOrder { serial, patch })
     };
     let replies = app.pipeline.ingest.enqueue(rows.iter().map(order).collect(), Late::Quiet).await.await;
     let mut changed = Vec::new();

@@ -3,7 +3,7 @@
 use axum::http::header::LOCATION;
 
 use crate::http::prelude::*;
-use crate::pipeline::{DeliveryPage, Order};
+use crate::pipeline::Order;
 use crate::wire::cursor::List;
 use crate::wire::hook::{DeliveryBody, HookBody, HookPatchBody, NewHookBody};
 use crate::wire::json;
@@ -116,8 +116,7 @@ pub async fn get_deliveries(
     if app.pipeline.hooks.get(hook, None).await?.is_none() {
         return Err(Problem::no_such_hook(&id));
     }
-    let page = DeliveryPage { state, before, limit: limit as u32 + 1 };
-    let deliveries = app.pipeline.hooks.deliveries(hook, page).await?;
+    let deliveries = app.pipeline.hooks.deliveries(hook, state, before, limit + 1).await?;
     let (deliveries, next) = query::page(List::Deliveries, deliveries, limit, |last| last.id.parse().ok());
     Ok((query::link(&uri, next.as_deref()), Json(Deliveries { deliveries, next })).into_response())
 }

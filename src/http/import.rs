@@ -28,7 +28,7 @@ use super::notify_query::NotifyQuery;
 use crate::core::alert_decision::Late;
 use crate::core::note::Note;
 use crate::http::prelude::*;
-use crate::pipeline::{Accepted, Caller, Origin, Pipeline, ReadDocument, Reply, Submission};
+use crate::pipeline::{Accepted, Caller, Origin, Pipeline, Reply, Submission};
 use crate::wire::json::on_a_line;
 use crate::wire::note::NoteBody;
 use crate::wire::problem::ProblemBody;
@@ -201,11 +201,12 @@ impl Chunk {
                 .and_then(|bytes| {
                     pipeline.reader.document(&bytes).map_err(|faults| Document::problem(&bytes, on_a_line(faults)))
                 })
-                .and_then(|read| Ok(read.submission.may_be_sent_by(caller).map(|()| read)?));
+                .and_then(|read| Ok(read.may_be_sent_by(caller).map(|()| read)?));
             let (problem, origin) = match read {
-                Ok(ReadDocument { submission, origin }) => {
+                Ok(submission) => {
+                    let origin = Origin::of(&submission);
                     items.push(submission);
-                    (None, Some(origin))
+                    (None, origin)
                 }
                 Err(problem) => (Some(problem), None),
             };
@@ -249,7 +250,7 @@ async fn settled(reply: Reply, origin: &Origin, pipeline: &Pipeline) -> Answer<(
     if let Accepted::Stored { id, notes, .. } = &accepted {
         return Ok((201, id.to_string(), notes.iter().map(NoteBody::of).collect()));
     }
-    let id = pipeline.ingest.settle(&accepted, origin).await?;
+    let id = pipeline.ingest.settle(&accepted, Some(origin)).await?;
     let withdrawn = matches!(accepted, Accepted::There { counts: false, .. }).then(|| NoteBody::of(&Note::Withdrawn));
     Ok((200, id.to_string(), withdrawn.into_iter().collect()))
 }

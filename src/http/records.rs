@@ -9,7 +9,7 @@ use super::notify_query::NotifyQuery;
 use super::prefer_header::{MinimalAnswer, Prefer};
 use crate::core::kind::Kind;
 use crate::http::prelude::*;
-use crate::pipeline::{Origin, StoredRecord, Submission};
+use crate::pipeline::{StoredRecord, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::closure::ClosureBody;
 use crate::wire::document::DocumentKind;
@@ -42,7 +42,6 @@ pub async fn post_record(app: App, post: DocumentPost, Document(bytes): Document
     let read = app.pipeline.reader.record(&bytes);
     let mut calibration = read.map_err(|faults| Document::refused_as(DocumentKind::Record, &bytes, faults))?;
     calibration.idempotency_key = post.key()?;
-    let origin = Origin { kind: DocumentKind::Record, body: calibration.body.clone() };
     let separations = (post.wanted == Prefer::Whole).then(|| app.pipeline.reader.separations(&calibration.gyros));
     let of_model = app.pipeline.reader.notes_of_model(&calibration);
     let whole = |id: Id, notes: Vec<NoteBody>, verdicts| {
@@ -50,7 +49,7 @@ pub async fn post_record(app: App, post: DocumentPost, Document(bytes): Document
         let notes = of_model.iter().cloned().chain(notes).collect();
         RecordAnswer { id: Some(id.to_string()), separations, notes, verdicts }
     };
-    let item = (Submission::Calibration(Box::new(calibration)), origin);
+    let item = Submission::Calibration(Box::new(calibration));
     match post.store(&app, item, COLLECTION, whole).await? {
         PostOutcome::New(answer) => Ok(answer),
         PostOutcome::There(id) => {

@@ -5,7 +5,7 @@ use crate::core::message::Message;
 use crate::core::record::Name;
 use crate::core::time::UtcMicros;
 use crate::http::prelude::*;
-use crate::pipeline::{Accepted, Actor, EventOrder, Submission};
+use crate::pipeline::{Accepted, EventOrder, Submission};
 use crate::wire::text;
 
 /// Why, when and who, as they were sent.
@@ -44,7 +44,7 @@ pub async fn post(
 ) -> Answer<(StatusCode, Id, GyroEvent)> {
     let serial = Name::parse(serial).map_err(|_| Problem::unknown_gyro(serial))?;
     let event = body.read(|bytes| read(app, bytes))?;
-    let order = EventOrder { serial, event: event.clone(), by: Actor::by_caller() };
+    let order = EventOrder { serial, event: event.clone() };
     match app.pipeline.ingest.submit(Submission::Event(order)).await? {
         Accepted::Stored { id, .. } => Ok((StatusCode::CREATED, id, event)),
         Accepted::There { id, same_bytes: true, .. } => Ok((StatusCode::OK, id, event)),

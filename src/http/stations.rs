@@ -2,7 +2,7 @@
 
 use crate::core::suspect_window::{Mark, SuspectWindow};
 use crate::http::prelude::*;
-use crate::pipeline::{Actor, Refused, WindowMark, WindowOutcome};
+use crate::pipeline::{Refused, WindowMark, WindowOutcome};
 use crate::wire::stations::{StationBody, StationsBody, SuspectWindowBody};
 use crate::wire::{json, text};
 
@@ -86,7 +86,7 @@ async fn marked(app: &App, station: String, body: &Document, trusted: bool) -> A
         faults.or(SuspectWindow { span, author, reason })
     })?;
     let mark = Mark { window, trusted };
-    let mark = WindowMark { station: station.clone(), mark, by: Actor::by_caller() };
+    let mark = WindowMark { station: station.clone(), mark };
     Ok(Json(WindowBody::of(station, app.pipeline.mark_window(mark).await?)))
 }
 

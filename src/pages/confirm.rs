@@ -5,7 +5,7 @@ use super::form::{ActionForm, ItemAction, Word, see_other};
 use super::layout::noted;
 use super::prelude::*;
 use crate::core::message::text;
-use crate::pipeline::{Actor, Confirmation, Submission};
+use crate::pipeline::{Confirmation, Submission};
 use crate::wire::note;
 
 /// Of a record that is set aside.
@@ -44,14 +44,7 @@ impl ItemAction for ConfirmTime {
     }
 
     async fn run(pages: &Pages, id: Id, form: ActionForm, word: Word) -> Result<Response, Problem> {
-        let confirmation = Confirmation {
-            id,
-            of_window: false,
-            author: word.by,
-            reason: word.reason,
-            by: Actor::by_caller(),
-            restated: None,
-        };
+        let confirmation = Confirmation { id, of_window: false, author: word.by, reason: word.reason, restated: None };
         pages.pipeline.ingest.submit(Submission::Confirmation(confirmation)).await?;
         Ok(see_other(&form.back))
     }

@@ -6,11 +6,11 @@ use super::prelude::*;
 use crate::core::correction::{CorrectedResult, CorrectionItem};
 use crate::core::kind::Kind;
 use crate::core::message::text;
-use crate::pipeline::{Actor, Corrected, Correction, Submission};
+use crate::pipeline::{Corrected, Correction, Submission};
 
 async fn void(pages: &Pages, item: Corrected, form: ActionForm, word: Word) -> Result<Response, Problem> {
     let Word { by: author, reason, .. } = word;
-    let correction = Correction { item, author, reason, replacement: None, by: Actor::by_caller() };
+    let correction = Correction { item, author, reason, replacement: None };
     pages.pipeline.ingest.submit(Submission::Correction(Box::new(correction))).await?;
     Ok(see_other(&form.back))
 }

@@ -11,7 +11,7 @@ use super::view::View;
 use crate::core::gyro_event::GyroEvent;
 use crate::core::judge::Event;
 use crate::core::record::Name;
-use crate::pipeline::{Accepted, Actor, EventOrder, Submission};
+use crate::pipeline::{Accepted, EventOrder, Submission};
 use crate::wire::event::read_test;
 use crate::wire::text;
 
@@ -123,7 +123,7 @@ pub(super) async fn act(
     };
     let Word { by, reason, .. } = said.word.clone();
     let event = GyroEvent { at, event, until, test, fixed: [None; 2], reason, author: Some(by) };
-    let order = EventOrder { serial: name, event, by: Actor::by_caller() };
+    let order = EventOrder { serial: name, event };
     match pages.pipeline.ingest.submit(Submission::Event(order)).await? {
         Accepted::Stored { .. } | Accepted::There { same_bytes: true, .. } => {
             Ok(see_other(&format!("/gyros/{}#happenings", encoded(serial))))

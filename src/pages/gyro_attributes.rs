@@ -5,7 +5,7 @@ use super::layout::joined;
 use super::prelude::*;
 use crate::core::gyro_attributes::{GyroAttributes, GyroAttributesPatch};
 use crate::core::record::Name;
-use crate::pipeline::{Actor, AttributesOrder, Submission};
+use crate::pipeline::{AttributesOrder, Submission};
 use crate::wire::text;
 
 #[derive(Debug, Default, Deserialize)]
@@ -71,7 +71,7 @@ pub(super) async fn act(
         return Ok(form(viewer.text(), serial, said).again(viewer, &said.word, &faults));
     }
     let patch = GyroAttributesPatch { batch, r#type, unit };
-    let order = AttributesOrder { serial: name, patch, by: Actor::by_caller() };
+    let order = AttributesOrder { serial: name, patch };
     pages.pipeline.ingest.submit(Submission::Attributes(order)).await?;
     Ok(see_other(&format!("/gyros/{}", encoded(serial))))
 }

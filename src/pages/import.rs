@@ -29,8 +29,8 @@ use crate::core::note::Note;
 use crate::logs::campaign::Made;
 use crate::logs::report;
 use crate::pipeline::{
-    Accepted, Calibration, Caller, Forecast, Foreseen, Origin, Pipeline, Preview, ReadDocument, Refused, Reply,
-    StorageError, Submission,
+    Accepted, Calibration, Caller, Forecast, Foreseen, Origin, Pipeline, Preview, Refused, Reply, StorageError,
+    Submission,
 };
 use crate::wire::campaign::Form;
 use crate::wire::document::is_csv;
@@ -124,7 +124,7 @@ fn unread(t: &Text, mut sent: Sent, looked: &Looked) -> Page {
 }
 
 /// Where the faults are of the first that have some.
-fn places(text: &str, read: &[(usize, Result<ReadDocument, Faults>)]) -> Vec<Place> {
+fn places(text: &str, read: &[(usize, Result<Submission, Faults>)]) -> Vec<Place> {
     let pieces = if is_table(text, &TableMap::default()) {
         // Its faults name lines of the whole.
         vec![Piece { line: 1, text, form: Form::Csv }; read.len()]
@@ -152,15 +152,15 @@ enum Prospect {
 /// the first [`MOST_SHOWN`] that are sound.
 async fn previews(
     pipeline: &Pipeline,
-    read: Vec<(usize, Result<ReadDocument, Faults>)>,
+    read: Vec<(usize, Result<Submission, Faults>)>,
 ) -> Result<Vec<(usize, Prospect)>, StorageError> {
-    let sound: Vec<(usize, &ReadDocument)> =
+    let sound: Vec<(usize, &Submission)> =
         read.iter().filter_map(|(line, read)| Some((*line, read.as_ref().ok()?))).collect();
-    let documents: Vec<&ReadDocument> = sound.iter().map(|(_, document)| *document).take(MOST_SHOWN).collect();
+    let documents: Vec<&Submission> = sound.iter().map(|(_, document)| *document).take(MOST_SHOWN).collect();
     let outcomes = pipeline.ingest.preview(&documents).await;
     let mut forecasts = Vec::with_capacity(documents.len());
     for document in &documents {
-        forecasts.push(match document.submission.calibration() {
+        forecasts.push(match document.calibration() {
             Some(calibration) => Some(pipeline.queries.foresee(calibration).await?),
             None => None,
         });
@@ -169,7 +169,7 @@ async fn previews(
     let mut outcomes = outcomes.into_iter().zip(forecasts);
     let mut prospect = |read| match read {
         Err(faults) => Prospect::Faulty(faults),
-        Ok(ReadDocument { submission, .. }) => match outcomes.next() {
+        Ok(submission) => match outcomes.next() {
             Some((Preview::Refused(why), _)) => Prospect::Refused(why),
             Some((Preview::Contradicts(earlier), _)) => Prospect::Contradicts(lines[earlier]),
             Some((Preview::Taken { notes }, forecast)) => Prospect::Sound(Box::new(submission), notes, forecast),
@@ -187,16 +187,18 @@ pub(super) async fn store(Visit(pages, viewer): Visit, Extension(caller): Extens
 }
 
 /// What a piece says, if this caller may send it.
-fn read(pipeline: &Pipeline, caller: &Caller, piece: &Piece) -> Result<ReadDocument, Faults> {
+fn read(pipeline: &Pipeline, caller: &Caller, piece: &Piece) -> Result<Submission, Faults> {
     let document = match piece.form {
         Form::Json => {
             let read = pipeline.reader.document(piece.text.as_bytes());
             read.map_err(|faults| from_line(piece.line, piece.text, faults))
         }
-        Form::Csv => pipeline.reader.campaign_document(piece.text.as_bytes(), Form::Csv),
+        Form::Csv => {
+            pipeline.reader.campaign_document(piece.text.as_bytes(), Form::Csv).map(|campaign| campaign.submission)
+        }
     }?;
     let refused = |refused: Refused| Fault { pointer: "/station".into(), message: refused.message() };
-    document.submission.may_be_sent_by(caller).map_err(refused)?;
+    document.may_be_sent_by(caller).map_err(refused)?;
     Ok(document)
 }
 
@@ -264,7 +266,7 @@ enum Outcome {
 }
 
 /// Every document of the text, with the line on which it begins.
-fn read_all(pipeline: &Pipeline, caller: &Caller, text: &str) -> Vec<(usize, Result<ReadDocument, Faults>)> {
+fn read_all(pipeline: &Pipeline, caller: &Caller, text: &str) -> Vec<(usize, Result<Submission, Faults>)> {
     let Some(table) = documents(text, &TableMap::default()) else {
         return pieces(text).iter().map(|piece| (piece.line, read(pipeline, caller, piece))).collect();
     };
@@ -283,13 +285,13 @@ fn read_all(pipeline: &Pipeline, caller: &Caller, text: &str) -> Vec<(usize, Res
 }
 
 /// Submits all together, so that they share their flushes of the disk.
-async fn submit(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Faults>)>) -> Vec<(usize, Outcome)> {
+async fn submit(pipeline: &Pipeline, read: Vec<(usize, Result<Submission, Faults>)>) -> Vec<(usize, Outcome)> {
     let (mut outcomes, mut sound, mut submissions) = (Vec::new(), Vec::new(), Vec::new());
     for (line, document) in read {
         match document {
-            Ok(ReadDocument { submission, origin }) => {
+            Ok(submission) => {
                 let bench = matches!(submission, Submission::Bench(_));
-                sound.push((line, origin, if bench { "v1/bench-results" } else { "records" }));
+                sound.push((line, Origin::of(&submission), if bench { "v1/bench-results" } else { "records" }));
                 submissions.push(submission);
             }
             Err(faults) => outcomes.push((line, Outcome::Faulty(faults))),
@@ -300,7 +302,7 @@ async fn submit(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Faul
         tracing::warn!(%error, "the digest of an import could not be queued; it is when nothing has come for a while");
     }
     for ((line, origin, place), reply) in sound.into_iter().zip(replies) {
-        let outcome = match settle(pipeline, reply, &origin).await {
+        let outcome = match settle(pipeline, reply, origin.as_ref()).await {
             Ok((id, is_new)) => Outcome::Stored { id, is_new, place },
             Err(refused) => Outcome::Refused(refused),
         };
@@ -310,7 +312,7 @@ async fn submit(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Faul
     outcomes
 }
 
-async fn settle(pipeline: &Pipeline, reply: Reply, origin: &Origin) -> Result<(Id, bool), Refused> {
+async fn settle(pipeline: &Pipeline, reply: Reply, origin: Option<&Origin>) -> Result<(Id, bool), Refused> {
     let accepted = reply?;
     let id = pipeline.ingest.settle(&accepted, origin).await?;
     Ok((id, matches!(accepted, Accepted::Stored { .. })))

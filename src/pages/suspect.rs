@@ -4,7 +4,7 @@
 use super::form::{ActionForm, Word, see_other, typed_time};
 use super::prelude::*;
 use crate::core::suspect_window::{Mark, SuspectWindow};
-use crate::pipeline::{Actor, WindowMark};
+use crate::pipeline::WindowMark;
 use crate::wire::text;
 
 #[derive(Debug, Default, Deserialize)]
@@ -45,7 +45,7 @@ pub(super) async fn act<const TRUSTED: bool>(
     }
     let Word { by: author, reason, .. } = said.word.clone();
     let mark = Mark { window: SuspectWindow { span, author, reason }, trusted: TRUSTED };
-    let mark = WindowMark { station: name.to_owned(), mark, by: Actor::by_caller() };
+    let mark = WindowMark { station: name.to_owned(), mark };
     match pages.pipeline.mark_window(mark).await?.refused.into_iter().next() {
         Some((_, why)) => Err(why.into()),
         None => Ok(see_other(&format!("/stations/{}", encoded(name)))),

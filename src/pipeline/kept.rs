@@ -1,7 +1,7 @@
-//! What was found by a look at many rows, kept for who asks next.
+//! What was found by a look at many rows, kept for who asks next; answers that may take long, for who does not wait.
 
 use tokio::sync::Mutex;
-use tokio::time::Instant;
+use tokio::time::{Instant, timeout_at};
 
 use crate::pipeline::prelude::*;
 
@@ -59,6 +59,14 @@ impl<T> Kept<T> {
     pub fn is_sought(&self) -> bool {
         self.0.try_lock().is_err()
     }
+}
+
+/// What is found until an instant; later it is found to the end all the same, for who asks next.
+pub(in crate::pipeline) async fn found_until<T: Send + 'static>(
+    until: Instant,
+    found: impl Future<Output = T> + Send + 'static,
+) -> Option<T> {
+    timeout_at(until, tokio::spawn(found)).await.ok()?.ok()
 }
 
 #[cfg(test)]

@@ -54,11 +54,10 @@ pub use diagnoses::{
     AdoptedModel, Adoption, Conclusion, Diagnoses, DiagnosisAnswer, DiagnosisOrder, HypothesisOrder, StoredHypothesis,
 };
 pub use error::{NotSplit, OrderError, StorageError, StorageFault, WriteError};
-pub use hooks::{DeliveryPage, Hooks, Order, Outbox};
+pub use hooks::{Hooks, Order, Outbox};
 pub use ingest::{
     Accepted, AttributesOrder, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt, EventOrder,
-    Fitted, Ingest, Judged, Origin, Preview, ReadCampaign, ReadDocument, Reader, Refused, Reply, Submission,
-    WindowMark,
+    Ingest, Judged, Origin, Preview, ReadCampaign, Reader, Refused, Reply, Submission, WindowMark,
 };
 pub use queries::{
     BEYOND, Baseline, CommonShift, Compared, Comparison, Course, DueDate, ExplainedHistory, FEW_RECORDS, FleetFilter,
@@ -141,9 +140,8 @@ impl Pipeline {
         let guard = Guard::start(store.clone(), config.access.clone(), config.server.is_behind_proxy()).await?;
         let activity = IdleDetector::new();
         let weak = queue.downgrade();
-        let diagnoser =
-            Diagnoser::new(store.clone(), models.clone(), (clock.clone(), config.clone()), weak, activity.clone());
         let reader = Reader { store: store.clone(), config: config.clone(), clock: clock.clone(), models };
+        let diagnoser = Diagnoser::new(reader.clone(), weak, activity.clone());
         Ok(Self {
             access: Access { store: store.clone(), clock: clock.clone(), guard, queue: queue.clone() },
             alerts: Alerts { store: store.clone(), clock: clock.clone(), queue: queue.clone(), counts: Arc::default() },

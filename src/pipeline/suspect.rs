@@ -27,9 +27,9 @@ impl Pipeline {
     pub async fn mark_window(&self, mark: WindowMark) -> Result<WindowOutcome, Refused> {
         // First: what comes while the stored ones are gone through is held against it.
         self.ingest.submit(Submission::Window(mark.clone())).await?;
-        let WindowMark { station, mark: Mark { window, trusted }, by } = mark;
+        let WindowMark { station, mark: Mark { window, trusted } } = mark;
         let SuspectWindow { span, author, reason } = window;
-        let (author, reason, by) = (|| author.clone(), || reason.clone(), || by.clone());
+        let (author, reason) = (|| author.clone(), || reason.clone());
         let outcome = if trusted {
             let confirm = |id| {
                 Submission::Confirmation(Confirmation {
@@ -37,13 +37,12 @@ impl Pipeline {
                     of_window: true,
                     author: author(),
                     reason: reason(),
-                    by: by(),
                     restated: None,
                 })
             };
             self.submit_window(self.suspect_in(&station, span).await?, confirm).await?
         } else {
-            let doubt = |id| Submission::Doubt(Doubt { id, author: author(), reason: reason(), by: by() });
+            let doubt = |id| Submission::Doubt(Doubt { id, author: author(), reason: reason() });
             self.submit_window(self.of_window(&station, span, true).await?, doubt).await?
         };
         self.ingest.look_at_shared().await?;

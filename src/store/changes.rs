@@ -6,8 +6,14 @@ use crate::core::bench::BenchItem;
 use crate::core::correction::CorrectionItem;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
+use crate::store::batch::{Batch, OnConflict};
+use crate::store::rows::Rows;
 use crate::store::tables::correction::Withdrawn;
 use crate::store::tables::set_aside::SetAside;
+use crate::store::tables::{
+    access, alerts, correction, delivery, diagnosis, diagnosis_digest, diagnosis_job, gyro_attribute, head, model,
+    record, set_aside,
+};
 use crate::store::{
     AccessChanges, AlertRow, ConfirmationRow, EventRow, GyroAttributeRow, HeadChanges, HistoryRow, HookRow,
     HypothesisRow, JobChanges, KeyRow, ModelRow, NamesOf, NewDiagnosis, NewName, News, OutboxChanges, PackedText,
@@ -15,7 +21,7 @@ use crate::store::{
 };
 
 /// Everything that one transaction writes. Rows may refer to names of the same group.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, PartialEq)]
 pub struct Changes {
     pub imus: Vec<NewName>,
     pub stations: Vec<NewName>,
@@ -56,7 +62,7 @@ pub struct Changes {
 }
 
 /// What changes on stored records when they are judged again.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, PartialEq)]
 pub struct Rejudged {
     pub history: Vec<HistoryRow>,
     pub sheets: Vec<(Id, RejudgedSheet)>,
@@ -80,7 +86,7 @@ impl Rejudged {
 }
 
 /// A stored campaign's row of one gyro, as another model has it.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct RestatedRow {
     pub row: HistoryRow,
     /// Verdicts that need no history.
@@ -107,26 +113,7 @@ impl Changes {
     }
 
     pub fn is_empty(&self) -> bool {
-        self.records.is_empty()
-            && self.packed.is_empty()
-            && self.corrections.is_empty()
-            && self.confirmed.is_empty()
-            && self.benches.is_empty()
-            && self.events.is_empty()
-            && self.attributes.is_empty()
-            && self.window_marks.is_empty()
-            && self.keys.is_empty()
-            && self.rejudged.history.is_empty()
-            && self.alerts.is_empty()
-            && self.alert_steps.is_empty()
-            && self.silences.is_empty()
-            && self.hooks.is_empty()
-            && self.models.is_empty()
-            && self.hypotheses.is_empty()
-            && self.diagnoses.is_empty()
-            && self.diagnosis_jobs.is_empty()
-            && self.outbox.is_empty()
-            && self.access.is_empty()
+        *self == Self::default()
     }
 
     /// Whether others want to hear of it.
@@ -150,4 +137,48 @@ impl Changes {
             News::Access => [access.tokens.len(), access.sessions.len(), access.ended.len()] != [0; 3],
         }
     }
+}
+
+/// The statements of one transaction, in the order in which rows may refer to one another.
+pub(super) fn batch_of(changes: &Changes) -> Batch {
+    let mut batch = Batch::default();
+    for (table, column, names) in
+        [("imu", "name", &changes.imus), ("station", "name", &changes.stations), ("gyro", "serial", &changes.gyros)]
+    {
+        let rows = Rows::each(names, |NewName { number, cell, name }, row| {
+            row.put(number).integer(i64::from(*cell)).text(name);
+        });
+        // A file knows of no cells.
+        let sqlite = format!("INSERT INTO {table} (id, {column}) VALUES ($C0, $C2)");
+        let postgres = format!("INSERT INTO {table} (id, cell, {column}) SELECT $C0, $C1, $C2 FROM $ROWS");
+        batch.add(&sqlite, &postgres, rows);
+    }
+    correction::withdraw(&changes.withdrawn, &mut batch);
+    batch.enter(&changes.records, OnConflict::Fail);
+    record::pack(&changes.packed, &mut batch);
+    set_aside::insert(&changes.set_aside, &mut batch);
+    set_aside::confirm(&changes.confirmed, changes.history.iter(), &mut batch);
+    set_aside::note(&changes.rejudged.notes, &mut batch);
+    batch.enter(&changes.corrections, OnConflict::Fail);
+    record::update_verdicts(&changes.rejudged.sheets, &mut batch);
+    batch.enter(&changes.benches, OnConflict::Fail);
+    batch.enter(&changes.events, OnConflict::Fail);
+    gyro_attribute::upsert(&changes.attributes, &mut batch);
+    batch.enter(&changes.window_marks, OnConflict::Fail);
+    batch.enter(&changes.keys, OnConflict::Fail);
+    batch.enter(&changes.silences, OnConflict::Set("id", &["ended_at", "ended_by", "ended_reason"]));
+    alerts::upsert(&changes.alerts, &mut batch);
+    batch.enter(&changes.alert_steps, OnConflict::Fail);
+    batch.enter(&changes.hooks, OnConflict::SetAllBut("id", &["created_at"]));
+    batch.enter(&changes.models, OnConflict::Fail);
+    batch.enter(&changes.hypotheses, OnConflict::Set("id", &["ended_at"]));
+    model::insert_uses(&changes.models_used, &mut batch);
+    diagnosis::expect(&changes.records, &mut batch);
+    diagnosis::update(&changes.diagnoses, &mut batch);
+    diagnosis_digest::upsert(&changes.diagnoses, &mut batch);
+    diagnosis_job::apply(&changes.diagnosis_jobs, &mut batch);
+    delivery::apply(&changes.outbox, &mut batch);
+    access::apply(&changes.access, &mut batch);
+    head::upsert(&changes.heads, &mut batch);
+    batch
 }

@@ -19,7 +19,6 @@ mod postgres;
 mod rows;
 mod secrets;
 mod sqlite;
-mod statements;
 mod tables;
 mod token_beside;
 mod writer;
@@ -68,8 +67,8 @@ pub use token_beside::Beside;
 pub use writer::{Committer, Writer, Written};
 
 pub use tables::{
-    access, alerts, bench, correction, diagnosis, diagnosis_digest, diagnosis_job, event, gyro_attribute, head,
-    histories, history, hook, hypothesis, keys, model, names, outbox, record, set_aside, silence, suspect_window,
+    access, alerts, bench, correction, delivery, diagnosis, diagnosis_digest, diagnosis_job, event, gyro_attribute,
+    head, histories, history, hook, hypothesis, keys, model, names, record, set_aside, silence, suspect_window,
 };
 
 #[cfg(test)]

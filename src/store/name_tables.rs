@@ -184,7 +184,7 @@ impl Table {
     }
 
     /// Adds a name with its number; false where either is another's already, or there is no room for it.
-    pub(crate) fn add(&mut self, number: u32, cell: u8, name: &str) -> bool {
+    pub fn add(&mut self, number: u32, cell: u8, name: &str) -> bool {
         if let Some(known) = self.name(number) {
             return known == name;
         }
@@ -255,7 +255,7 @@ impl Tables {
         }
     }
 
-    fn of_mut(&mut self, kind: NamesOf) -> &mut Table {
+    pub fn of_mut(&mut self, kind: NamesOf) -> &mut Table {
         match kind {
             NamesOf::Imus => &mut self.imus,
             NamesOf::Stations => &mut self.stations,

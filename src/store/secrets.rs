@@ -85,12 +85,12 @@ fn shown(key: &LessSafeKey, place: String, hidden: &str) -> Option<String> {
 mod tests {
     use super::*;
     use crate::core::id::Id;
+    use crate::store::tables::delivery_tests;
     use crate::store::tables::hook::HookRow;
-    use crate::store::tables::outbox_tests;
 
     fn hook() -> HookRow {
         let (url, authorization) = ("https://example.org/token".into(), Some("Bearer abc".into()));
-        HookRow { url, authorization, ..outbox_tests::hook(Id(7)) }
+        HookRow { url, authorization, ..delivery_tests::hook(Id(7)) }
     }
 
     #[test]

@@ -3,12 +3,12 @@
 use sqlx::{ConnectOptions, SqliteConnection};
 
 use super::cells::ACCESS_CELL;
+use super::changes::batch_of;
 use super::open::{connect_options, last_id, migrate, open_to_write};
 use super::postgres;
 use super::sqlite::checksum::{Summing, settle};
 use super::sqlite::writer::waiting_for_disk;
 use super::sqlite::{lock, private};
-use super::statements::batch_of;
 use super::tables::access;
 use crate::core::access::Token;
 use crate::core::id::Id;

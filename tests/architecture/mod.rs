@@ -63,7 +63,7 @@ fn keep(dir: &str, rule: impl Fn(&str, &str) -> Vec<String>) {
     assert!(complaints.is_empty(), "\n{}", complaints.join("\n"));
 }
 
-/// A file of unit tests beside what it tests, as `judge/tests.rs` or `store/tables/outbox_tests.rs`.
+/// A file of unit tests beside what it tests, as `judge/tests.rs` or `store/tables/delivery_tests.rs`.
 fn is_test(path: &Path) -> bool {
     path.file_stem().is_some_and(|stem| stem.to_string_lossy().ends_with("tests"))
 }

@@ -10,11 +10,11 @@ use crate::core::judge::Severity;
 use crate::core::message::text;
 use crate::pages::form::{ActionForm, ItemAction, Word, choice, said, see_other};
 use crate::pages::prelude::*;
-use crate::pipeline::{DeliveryPage, HookKind, Order};
+use crate::pipeline::{HookKind, Order};
 use crate::wire::hook::{ExpectBody, FilterBody, HookPatchBody, NewHookBody};
 
 /// Dead letters that are sent again together.
-const MOST_AT_ONCE: u32 = 1000;
+const MOST_AT_ONCE: usize = 1000;
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
@@ -206,8 +206,8 @@ pub(crate) async fn redeliver(
 /// Sends the dead letters again, in the order in which they came.
 pub(crate) async fn redeliver_dead(Held(pages): Held<Pages>, Path(id): Path<String>) -> Result<Response, Problem> {
     let (number, _) = known(&pages, &id).await?;
-    let dead = DeliveryPage { state: Some(DeliveryState::Dead), before: None, limit: MOST_AT_ONCE };
-    for delivery in pages.pipeline.hooks.deliveries(number, dead).await?.iter().rev() {
+    let dead = pages.pipeline.hooks.deliveries(number, Some(DeliveryState::Dead), None, MOST_AT_ONCE).await?;
+    for delivery in dead.iter().rev() {
         if let Ok(delivery) = delivery.id.parse() {
             pages.pipeline.hooks.order(Order::Redeliver(delivery)).await?;
         }

@@ -7,7 +7,6 @@ use crate::core::delivery::DeliveryState;
 use crate::pages::prelude::*;
 use crate::pages::verdicts::violated;
 use crate::pages::{fleet, status};
-use crate::pipeline::DeliveryPage;
 use crate::wire::hook::DeliveryBody;
 
 /// Deliveries on one page.
@@ -30,12 +29,8 @@ pub(in crate::pages) async fn page(
 ) -> Result<Response, Problem> {
     let t = viewer.text();
     let (number, hook) = known(pages, id).await?;
-    let asked = DeliveryPage {
-        state: fleet::named("state", &filters.state)?,
-        before: filters.before.parse::<Id>().ok(),
-        limit: ROWS as u32 + 1,
-    };
-    let mut deliveries = pages.pipeline.hooks.deliveries(number, asked).await?;
+    let asked = fleet::named("state", &filters.state)?;
+    let mut deliveries = pages.pipeline.hooks.deliveries(number, asked, filters.before.parse().ok(), ROWS + 1).await?;
     let more = deliveries.len() > ROWS;
     deliveries.truncate(ROWS);
     let is_pending = hook.enabled

@@ -7,7 +7,7 @@ use super::{framed, off_the_loop, read_all};
 use crate::core::kind::Kind;
 use crate::pages::form::{Word, fault_list, see_other};
 use crate::pages::prelude::*;
-use crate::pipeline::{Accepted, Actor, Caller, Corrected, Correction, ReadDocument, Submission};
+use crate::pipeline::{Accepted, Caller, Corrected, Correction, Submission};
 
 /// The right document, and which one it replaces.
 #[derive(Deserialize)]
@@ -30,7 +30,7 @@ pub(in crate::pages) async fn act(
     let read = off_the_loop(move || read_all(&pipeline, &caller, &text)).await;
     let mut read = read.into_iter().map(|(_, read)| read);
     let new = match (read.next(), read.next()) {
-        (Some(Ok(ReadDocument { submission: Submission::Calibration(new), .. })), None) => Some(*new),
+        (Some(Ok(Submission::Calibration(new))), None) => Some(*new),
         (Some(Err(of_text)), None) => {
             faults.absorb("", of_text);
             None
@@ -48,7 +48,7 @@ pub(in crate::pages) async fn act(
     let place = if new.kind == Kind::Campaign { "campaigns" } else { "records" };
     let item = Corrected::Calibration { id, kind: None };
     let Word { by: author, reason, .. } = order.word;
-    let correction = Correction { item, author, reason, replacement: Some(new), by: Actor::by_caller() };
+    let correction = Correction { item, author, reason, replacement: Some(new) };
     match pages.pipeline.ingest.submit(Submission::Correction(Box::new(correction))).await? {
         Accepted::Stored { id, .. } | Accepted::There { id, .. } => Ok(see_other(&format!("/{place}/{id}"))),
     }

@@ -17,7 +17,7 @@ use crate::logs::programme;
 use crate::logs::sheet::readable;
 use crate::logs::source::Source;
 use crate::logs::text::{decoded, of_utf16};
-use crate::pipeline::ReadDocument;
+use crate::pipeline::Submission;
 use crate::wire::campaign_csv::to_csv;
 use crate::wire::document::is_csv;
 use crate::wire::file_kind::{FileKind, HEAD, file_kind};
@@ -126,7 +126,7 @@ pub(super) fn look(sent: &Sent) -> Looked {
 }
 
 /// Whether a text that cannot be read is no campaign with a fault but a table of something else, such as a log.
-pub(super) fn is_foreign(text: &str, read: &[(usize, Result<ReadDocument, Faults>)]) -> bool {
+pub(super) fn is_foreign(text: &str, read: &[(usize, Result<Submission, Faults>)]) -> bool {
     let [(_, Err(faults))] = read else { return false };
     let of_records = || faults.0.iter().any(|fault| says(&fault.message, "table_of_records"));
     is_csv(text.as_bytes()) && !is_campaigns(text) && !of_records()

@@ -8,7 +8,7 @@ use crate::core::judge::Severity;
 use crate::pipeline::ingest::judge::Undone;
 use crate::pipeline::prelude::*;
 use crate::store::{AlertOf, AlertRow, Remark, StepRow, Writer};
-use crate::wire::alert::AlertFindingBody;
+use crate::wire::alert::{AlertBody, AlertFindingBody};
 use crate::wire::reason::Reason;
 
 /// Gyros from which on everything is forgotten.
@@ -49,7 +49,7 @@ pub(crate) struct AlertContext<'a> {
     pub late: Late,
 }
 
-/// Something has become of an alert that hooks may have to be told.
+/// Something has become of an alert that hooks may have to be told, or how it stands.
 #[derive(Debug, Clone)]
 pub(crate) struct News {
     pub id: Id,
@@ -58,8 +58,8 @@ pub(crate) struct News {
     pub action: Action,
     /// The step that says so, if there is one.
     pub step: Option<Id>,
-    /// The alert as clients read it, JSON.
-    pub body: String,
+    /// The alert as clients read it; none where what is stored of it is damaged.
+    pub body: Option<AlertBody>,
     /// What one record has caused is one message.
     pub cause: Option<Id>,
 }
@@ -338,7 +338,7 @@ impl AlertCache {
     /// Tells those who have not heard how an alert stands.
     fn tell_as_it_stands(&mut self, at: (AlertOf, usize), context: &AlertContext<'_>) {
         let row = self.alerts[&at.0][at.1].clone();
-        let body = context.naming.alert(&row, context.now).map(|body| body.kept()).unwrap_or_default();
+        let body = context.naming.alert(&row, context.now).ok();
         self.tell(&row, Action::Silent, None, body, context);
     }
 
@@ -418,7 +418,14 @@ impl AlertCache {
         }
     }
 
-    fn tell(&mut self, row: &AlertRow, action: Action, step: Option<Id>, body: String, context: &AlertContext<'_>) {
+    fn tell(
+        &mut self,
+        row: &AlertRow,
+        action: Action,
+        step: Option<Id>,
+        body: Option<AlertBody>,
+        context: &AlertContext<'_>,
+    ) {
         self.news.push(News { id: row.id, alert: row.alert, action, step, body, cause: context.cause });
     }
 
@@ -429,10 +436,10 @@ impl AlertCache {
         told: bool,
         (author, reason): StepRemark,
         context: &mut AlertContext<'_>,
-    ) -> (Id, String) {
+    ) -> (Id, Option<AlertBody>) {
         // The finding was written by this program, in this run or an earlier one; the next look at the alert names
         // the damage.
-        let body = context.naming.alert(row, context.now).map(|body| body.kept()).unwrap_or_default();
+        let body = context.naming.alert(row, context.now).ok();
         let id = context.writer.next_id(context.now);
         self.steps.push(StepRow {
             id,
@@ -442,7 +449,7 @@ impl AlertCache {
             told,
             author,
             reason,
-            body: body.clone(),
+            body: body.as_ref().map(AlertBody::kept).unwrap_or_default(),
         });
         (id, body)
     }

@@ -4,11 +4,11 @@ use super::body::Origin;
 use super::cache::{AlertCache, AlertContext};
 use crate::core::alert_decision::Late;
 use crate::core::judge::overdue;
-use crate::pipeline::ingest::judge::{Judge, Judged, Newest};
+use crate::pipeline::ingest::judge::{Judge, Judged};
 use crate::pipeline::ingest::submission::Calibration;
 use crate::pipeline::prelude::*;
 use crate::pipeline::queries::agreement::Agreement;
-use crate::store::AlertRow;
+use crate::store::{AlertRow, HistoryRow};
 
 /// Which item of a group has changed what is known of a gyro, and how that is told if it comes late.
 #[derive(Debug, Default)]
@@ -70,13 +70,13 @@ pub(crate) fn follow_group(
             }),
         };
         let is_followed =
-            |newest: &Newest| newest.gyro == *gyro && judged.verdicts.contains_key(&(newest.figures.record, *gyro));
+            |newest: &HistoryRow| newest.gyro == *gyro && judged.verdicts.contains_key(&(newest.figures.record, *gyro));
         if judged.newest.iter().any(is_followed) {
             alerts.resume(*gyro, undone);
         }
         alerts.undo(*gyro, still, undone, context);
         // The newest that counts may be older than before.
-        if let Some(Newest { figures, .. }) = judged.newest.iter().rfind(|newest| newest.gyro == *gyro) {
+        if let Some(HistoryRow { figures, .. }) = judged.newest.iter().rfind(|newest| newest.gyro == *gyro) {
             follow_clock(alerts, judge, *gyro, figures.at, figures.imu, context);
         }
     }
@@ -98,11 +98,11 @@ fn follow_newest(
     alerts: &mut AlertCache,
     judge: &Judge,
     judged: &Judged,
-    newest: &Newest,
+    newest: &HistoryRow,
     sent: &HashMap<Id, &Calibration>,
     context: &mut AlertContext<'_>,
 ) {
-    let Newest { gyro, figures } = newest;
+    let HistoryRow { gyro, figures } = newest;
     let by_history = judged.verdicts.get(&(figures.record, *gyro)).map(Vec::as_slice);
     let calibrated = sent.get(&figures.record).and_then(|sent| sent.gyros.iter().find(|g| g.slot == figures.slot));
     let verdicts = || {

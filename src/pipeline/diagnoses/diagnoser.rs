@@ -10,13 +10,13 @@ use crate::core::campaign::Campaign;
 use crate::core::diagnose::diagnose;
 use crate::core::effects::Effect;
 use crate::core::imu_model::changed_since;
+use crate::pipeline::Reader;
 use crate::pipeline::diagnoses::background::{Awaited, IdleDetector, beside_others};
 use crate::pipeline::diagnoses::digest::seats;
 use crate::pipeline::diagnoses::forecaster::Forecaster;
-use crate::pipeline::diagnoses::hypotheses::Competing;
 use crate::pipeline::diagnoses::made::{Diagnosed, DiagnosisOutcome, Made};
-use crate::pipeline::diagnoses::models::{InForce, ModelCache};
-use crate::pipeline::ingest::fitted::campaign_of;
+use crate::pipeline::diagnoses::models::{Competing, InForce};
+use crate::pipeline::ingest::campaign::campaign_of;
 use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::{Job, WeakWriteQueue};
 use crate::store::{DiagnosisRow, RecordRow};
@@ -43,10 +43,7 @@ type UnderWay = HashMap<(Id, Option<Id>, String), watch::Receiver<Option<Diagnos
 /// Who makes diagnoses and has them kept. Cheap to clone.
 #[derive(Debug, Clone)]
 pub(in crate::pipeline) struct Diagnoser {
-    pub(super) store: Store,
-    pub(super) models: ModelCache,
-    pub(super) clock: Clock,
-    config: Arc<Config>,
+    pub(super) reader: Reader,
     /// Weak: the writer ends when nobody but this could send to it.
     queue: WeakWriteQueue,
     pub(super) idle: IdleDetector,
@@ -66,16 +63,10 @@ fn against(in_force: &InForce, competing: &Competing, campaign: &Campaign) -> Op
 }
 
 impl Diagnoser {
-    pub fn new(
-        store: Store,
-        models: ModelCache,
-        (clock, config): (Clock, Arc<Config>),
-        queue: WeakWriteQueue,
-        idle: IdleDetector,
-    ) -> Self {
+    pub fn new(reader: Reader, queue: WeakWriteQueue, idle: IdleDetector) -> Self {
         let at_once = std::thread::available_parallelism().map_or(AT_ONCE, |n| n.get().max(AT_ONCE));
         let turns = Arc::new(Semaphore::new(at_once));
-        Self { store, models, clock, config, queue, idle, at_once, turns, under_way: Arc::default() }
+        Self { reader, queue, idle, at_once, turns, under_way: Arc::default() }
     }
 
     /// The diagnosis of a stored campaign against the model in force: as it was kept, or made now.
@@ -86,7 +77,7 @@ impl Diagnoser {
         patience: Duration,
     ) -> Result<DiagnosisAnswer, StoreError> {
         let Some(row) = self.campaign(id).await? else { return Ok(DiagnosisAnswer::NoSuchCampaign) };
-        let in_force = self.models.of(Some(row.imu));
+        let in_force = self.reader.models.of(Some(row.imu));
         if let Some(diagnosed) = self.kept(&row, &in_force).await? {
             return Ok(DiagnosisAnswer::Answered(diagnosed));
         }
@@ -99,14 +90,14 @@ impl Diagnoser {
     }
 
     pub(super) async fn campaign(&self, id: Id) -> Result<Option<RecordRow>, StoreError> {
-        Ok(store::record::get(&self.store, id).await?.filter(|row| row.kind == Kind::Campaign))
+        Ok(store::record::get(&self.reader.store, id).await?.filter(|row| row.kind == Kind::Campaign))
     }
 
     /// As it was kept by this program against the model in force.
     async fn kept(&self, row: &RecordRow, in_force: &InForce) -> Result<Option<Diagnosed>, StoreError> {
-        let kept = store::diagnosis::get(&self.store, row.id).await?;
+        let kept = store::diagnosis::get(&self.reader.store, row.id).await?;
         let is_of_now =
-            |kept: &DiagnosisRow| kept.program == self.models.competing().program && kept.model == in_force.id;
+            |kept: &DiagnosisRow| kept.program == self.reader.models.competing().program && kept.model == in_force.id;
         let Some(kept) = kept.filter(is_of_now) else { return Ok(None) };
         let damaged =
             |error| StoreError::damaged(format_args!("the diagnosis of campaign {} cannot be read: {error}", row.id));
@@ -121,7 +112,7 @@ impl Diagnoser {
         in_force: InForce,
         awaited: Awaited,
     ) -> Result<watch::Receiver<Option<Diagnosed>>, StoreError> {
-        let competing = self.models.competing();
+        let competing = self.reader.models.competing();
         let key = (row.id, in_force.id, competing.program.clone());
         let mut under_way = self.under_way.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(end) = under_way.get(&key) {
@@ -133,8 +124,8 @@ impl Diagnoser {
         let (diagnoser, imu) = (self.clone(), row.imu);
         tokio::spawn(async move {
             let gyros = seats(&campaign);
-            let judging = &diagnoser.config.judging;
-            let forecaster = Forecaster::of(&diagnoser.store, judging, (key.0, imu), &campaign).await;
+            let judging = &diagnoser.reader.config.judging;
+            let forecaster = Forecaster::of(&diagnoser.reader.store, judging, (key.0, imu), &campaign).await;
             let forecaster = forecaster.inspect_err(|error| {
                 tracing::warn!(%error, campaign = %key.0, "what foretells a campaign cannot be read");
             });
@@ -149,7 +140,7 @@ impl Diagnoser {
                 }
                 None => DiagnosisOutcome::Failed(to_stored(&message!("computation_broke_off"))),
             };
-            let ended_at = diagnoser.clock.now();
+            let ended_at = diagnoser.reader.clock.now();
             if is_whole {
                 diagnoser.have_kept(Made { campaign, begun_at, ended_at, outcome }).await;
             }
@@ -170,7 +161,7 @@ impl Diagnoser {
     ) -> (UtcMicros, Option<Diagnosed>) {
         // Nobody closes it: a turn always comes.
         let _turn = self.turns.acquire().await;
-        let (begun_at, begun) = (self.clock.now(), Instant::now());
+        let (begun_at, begun) = (self.reader.clock.now(), Instant::now());
         let options = against(in_force, competing, &campaign);
         let model = Arc::clone(&in_force.model);
         let work = move || match diagnose(&campaign, &options) {
@@ -202,8 +193,8 @@ impl Diagnoser {
     pub(super) async fn proposed(&self, id: Id) -> Result<Option<(u32, AugmentedModel)>, StoreError> {
         let Some(row) = self.campaign(id).await? else { return Ok(None) };
         let campaign = campaign_of(&row)?;
-        let in_force = self.models.of(Some(row.imu));
-        let options = against(&in_force, &self.models.competing(), &campaign);
+        let in_force = self.reader.models.of(Some(row.imu));
+        let options = against(&in_force, &self.reader.models.competing(), &campaign);
         let work = move || Some(in_force.model.adopting(&campaign, &diagnose(&campaign, &options).ok()?));
         let model = beside_others("diagnosis", Awaited::BySomebody, work).await.flatten();
         Ok(model.map(|model| (row.imu, model)))

@@ -4,7 +4,7 @@
 //! A campaign is due from the transaction that stores it, its IMU's from the one that adopts a model: what was due when
 //! the service stopped is made after its start. Whoever asks for one that is due comes first, and waits or asks again.
 //!
-//! [`jobs`] takes orders to diagnose many campaigns, [`queue`] works them off behind what is due, [`summary`] says
+//! [`orders`] takes those to diagnose many campaigns, [`queue`] works them off behind what is due, [`summary`] says
 //! what many diagnoses say together, from the [`digest`] that is kept of each, [`forecasts`] what was foretold of
 //! campaigns before they came in.
 
@@ -13,11 +13,9 @@ mod diagnoser;
 pub(super) mod digest;
 mod forecaster;
 mod forecasts;
-pub(super) mod hypotheses;
-mod hypothesis_orders;
-mod jobs;
 mod made;
 pub(super) mod models;
+mod orders;
 mod queue;
 mod summary;
 
@@ -35,7 +33,7 @@ use crate::pipeline::diagnoses::background::Awaited;
 use crate::pipeline::diagnoses::digest::Digest;
 use crate::pipeline::diagnoses::forecaster::stored;
 use crate::pipeline::diagnoses::models::read;
-use crate::pipeline::ingest::fitted::{campaign_of, damaged};
+use crate::pipeline::ingest::campaign::{campaign_of, damaged};
 use crate::pipeline::ingest::submission::anything;
 use crate::pipeline::prelude::*;
 use crate::pipeline::{NotSplit, Reader};
@@ -53,13 +51,10 @@ pub(super) use diagnoser::Diagnoser;
 pub use diagnoser::DiagnosisAnswer;
 pub use digest::Conclusion;
 pub(super) use forecasts::newest_verdict;
-pub use hypotheses::StoredHypothesis;
-pub use hypothesis_orders::HypothesisOrder;
-pub(super) use hypothesis_orders::order_hypothesis;
-pub(super) use jobs::order_diagnoses;
-pub use jobs::{DiagnosisOrder, WantedDiagnoses};
 pub(super) use made::Made;
-pub use models::Adoption;
+pub use models::{Adoption, StoredHypothesis};
+pub use orders::{DiagnosisOrder, HypothesisOrder, WantedDiagnoses};
+pub(super) use orders::{order_diagnoses, order_hypothesis};
 pub use summary::SummaryFilter;
 pub(super) use summary::outside_forecasts;
 
@@ -103,7 +98,7 @@ impl Diagnoses {
             Kind::Record => parse_record(body, &anything()).map(Reference::Record),
         };
         let reference = reference.map_err(|faults| damaged(held_against.id, &faults))?;
-        let options = self.diagnoser.models.of(Some(row.imu)).model.options_as_asked(&campaign);
+        let options = self.reader.models.of(Some(row.imu)).model.options_as_asked(&campaign);
         let split = split(&campaign, &options, &residuals(&diagnosis.residuals), &reference)?;
         Ok(SplitBody::from(&split))
     }
@@ -157,7 +152,7 @@ impl Diagnoses {
 
     /// The hypotheses that compete, in the order in which they were added.
     pub fn hypotheses(&self) -> Vec<StoredHypothesis> {
-        self.diagnoser.models.competing().hypotheses.clone()
+        self.reader.models.competing().hypotheses.clone()
     }
 
     pub fn read_wanted(&self, bytes: &[u8]) -> Result<WantedDiagnoses, Faults> {
@@ -247,7 +242,7 @@ impl Diagnoses {
     pub fn summary_filter(&self, asked: &WhichBody, effect: Option<&str>) -> Result<SummaryFilter, Faults> {
         let mut faults = Faults::default();
         let campaigns = self.campaign_filter(asked, &mut faults);
-        let competing = self.diagnoser.models.competing();
+        let competing = self.reader.models.competing();
         let own = |id: &str| competing.effects().find(|own| own.id() == id);
         let known = effect.and_then(|id| Effect::from_id(id).or_else(|| own(id)));
         if let (Some(id), None) = (effect, known) {
@@ -261,7 +256,7 @@ impl Diagnoses {
 
     /// What the diagnoses of stored campaigns say together. Campaigns that count no more are left out.
     pub async fn summary(&self, filter: &SummaryFilter) -> Result<SummaryBody, StorageError> {
-        Ok(filter.summary(&self.store, &self.diagnoser.models.competing().program).await?)
+        Ok(filter.summary(&self.store, &self.reader.models.competing().program).await?)
     }
 
     /// What was concluded of each campaign of an IMU that is diagnosed and counts.

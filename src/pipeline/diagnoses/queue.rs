@@ -63,13 +63,13 @@ impl Diagnoser {
     ) -> Result<Left, StoreError> {
         let (mut before, mut left) = (Id(i64::MAX), Left::Nothing);
         loop {
-            let mut page = store::diagnosis::due(&self.store, before, PAGE).await?;
+            let mut page = store::diagnosis::due(&self.reader.store, before, PAGE).await?;
             let Some(last) = page.last() else { return Ok(left) };
             before = *last;
             page.retain(|id| !hopeless.contains(id));
             left = left.max(postponed.take_from(&mut page, Instant::now()));
             while !page.is_empty() {
-                let claimed = store::claim::claim(&self.store, &page, self.claimed_at_once()).await?;
+                let claimed = store::claim::claim(&self.reader.store, &page, self.claimed_at_once()).await?;
                 if claimed.is_empty() {
                     left = Left::Something;
                     break;
@@ -83,9 +83,9 @@ impl Diagnoser {
                     })
                     .buffer_unordered(self.at_once)
                     .collect();
-                let made: Vec<_> = store::claim::while_claimed(&self.store, &claimed, made).await;
+                let made: Vec<_> = store::claim::while_claimed(&self.reader.store, &claimed, made).await;
                 for (id, made) in made {
-                    let is_kept = store::diagnosis::get(&self.store, id).await?.is_some();
+                    let is_kept = store::diagnosis::get(&self.reader.store, id).await?.is_some();
                     match made {
                         Ok(_) if is_kept => postponed.settled(id),
                         Ok(_) => {
@@ -114,7 +114,7 @@ impl Diagnoser {
     async fn work_off(&self, due: &watch::Receiver<u64>, postponed: &mut Postponed) -> Result<Left, StoreError> {
         let mut tried = HashSet::new();
         loop {
-            let mut page = store::diagnosis_job::tasks_waiting(&self.store, TASKS).await?;
+            let mut page = store::diagnosis_job::tasks_waiting(&self.reader.store, TASKS).await?;
             if page.is_empty() || due.has_changed().unwrap_or(true) {
                 return Ok(Left::Nothing);
             }
@@ -123,7 +123,7 @@ impl Diagnoser {
                 if page.contains(&id) { postponed.postpone(id, Instant::now()) } else { postponed.settled(id) }
             }
             let left = postponed.take_from(&mut page, Instant::now());
-            let claimed = store::claim::claim(&self.store, &page, self.claimed_at_once()).await?;
+            let claimed = store::claim::claim(&self.reader.store, &page, self.claimed_at_once()).await?;
             // Others are at the rest.
             if claimed.is_empty() {
                 return Ok(if page.is_empty() { left } else { Left::Something });
@@ -133,7 +133,7 @@ impl Diagnoser {
                 .map(|id| self.settle(id))
                 .buffer_unordered(self.at_once)
                 .for_each(ready);
-            store::claim::while_claimed(&self.store, &claimed, settled).await;
+            store::claim::while_claimed(&self.reader.store, &claimed, settled).await;
             tried.extend(claimed);
         }
     }
@@ -146,11 +146,11 @@ impl Diagnoser {
     /// goes on waiting; what can never be read has failed.
     async fn settle(&self, id: Id) {
         self.idle.give_way().await;
-        let begun_at = self.clock.now();
+        let begun_at = self.reader.clock.now();
         match self.make(id).await {
             Ok(()) => {}
             Err(StoreError::Damaged(why)) => {
-                let ended_at = self.clock.now();
+                let ended_at = self.reader.clock.now();
                 let outcome = DiagnosisOutcome::Failed(to_stored(&why));
                 self.have_kept(Made { campaign: id, begun_at, ended_at, outcome }).await;
             }
@@ -162,7 +162,7 @@ impl Diagnoser {
     async fn make(&self, id: Id) -> Result<(), StoreError> {
         let missing = || StoreError::damaged(format_args!("campaign {id} is missing"));
         let row = self.campaign(id).await?.ok_or_else(missing)?;
-        let in_force = self.models.of(Some(row.imu));
+        let in_force = self.reader.models.of(Some(row.imu));
         let mut end = self.begin(&row, in_force, Awaited::ByNobody)?;
         // An end without an answer has been written down as well.
         let _broken_off = end.wait_for(Option::is_some).await;

@@ -8,7 +8,8 @@ use crate::core::access::AuditEntry;
 use crate::core::alert_decision::Status;
 use crate::core::delivery::DeliveryState;
 use crate::core::judge::Severity;
-use crate::pipeline::hooks::registry::{CurrentAlert, OutboxContext, Subscription, introduce};
+use crate::pipeline::alerts::News;
+use crate::pipeline::hooks::registry::{OutboxContext, Subscription, introduce};
 use crate::pipeline::prelude::*;
 use crate::store::{AttemptRow, DeliverySubject, HookRow, NewDelivery, OutboxChanges, Progress, Writer};
 use crate::wire::json;
@@ -111,7 +112,7 @@ pub(crate) struct HookHandler<'a> {
     /// How long a secret that is replaced signs as well.
     pub old_secret_until: UtcMicros,
     /// Every alert, where an order may let a hook hear of it.
-    pub alerts: Vec<CurrentAlert>,
+    pub alerts: Vec<News>,
     /// What the hook of the order has heard of them.
     pub heard: HashMap<Id, Severity>,
 }
@@ -214,8 +215,7 @@ impl HookHandler<'_> {
         outbox: &mut OutboxChanges,
     ) -> Result<(), StoreError> {
         let mut context = OutboxContext { now: self.now, ids: self.writer.ids(), outbox };
-        introduce(&Subscription::of(row)?, heard, self.alerts.iter(), &mut context);
-        Ok(())
+        introduce(&Subscription::of(row)?, heard, self.alerts.iter(), &mut context)
     }
 
     /// A hook that was disabled has missed what was not told it. What still waited is old by now: it hears how things
@@ -249,8 +249,7 @@ impl HookHandler<'_> {
         let queued: HashSet<Id> = queued.map(|part| part.alert).chain(waiting).collect();
         let told = self.alerts.iter().filter(|one| is_told(one.id) && !queued.contains(&one.id));
         let mut context = OutboxContext { now: self.now, ids: self.writer.ids(), outbox };
-        introduce(&Subscription::of(row)?, &HashMap::new(), told, &mut context);
-        Ok(())
+        introduce(&Subscription::of(row)?, &HashMap::new(), told, &mut context)
     }
 
     async fn change(&mut self, id: Id, patch: &HookPatch, changes: &mut Changes) -> Result<Id, OrderError> {
@@ -313,7 +312,7 @@ impl HookHandler<'_> {
     }
 
     async fn redeliver(&mut self, id: Id, outbox: &mut OutboxChanges) -> Result<Id, OrderError> {
-        let delivery = store::outbox::get(self.store, id).await?.ok_or(OrderError::NoSuchDelivery(id))?;
+        let delivery = store::delivery::get(self.store, id).await?.ok_or(OrderError::NoSuchDelivery(id))?;
         self.enabled_hook(delivery.hook).await?;
         match delivery.state {
             DeliveryState::Behind => Err(OrderError::StillBehind(id)),
@@ -360,7 +359,7 @@ impl HookHandler<'_> {
     }
 
     async fn is_written(&self, attempted: &Attempted) -> Result<bool, StoreError> {
-        let delivery = store::outbox::get(self.store, attempted.delivery).await?;
+        let delivery = store::delivery::get(self.store, attempted.delivery).await?;
         Ok(delivery.is_some_and(|delivery| delivery.attempts.iter().any(|attempt| attempt.at == attempted.at)))
     }
 

@@ -11,7 +11,7 @@ mod show;
 
 pub use crate::pipeline::hooks::commands::Order;
 pub(super) use crate::pipeline::hooks::commands::{Attempted, Found, HookHandler};
-pub(super) use crate::pipeline::hooks::registry::{CurrentAlert, HookCache, OutboxContext, heard_by};
+pub(super) use crate::pipeline::hooks::registry::{HookCache, OutboxContext, heard_by};
 pub use delivery::Outbox;
 pub use read::{HookPatch, NewHook};
 pub(super) use show::webhook_id;
@@ -25,14 +25,6 @@ use crate::core::fault::Faults;
 use crate::pipeline::prelude::*;
 use crate::wire::hook::{DeliveryBody, HookBody, HookPatchBody, NewHookBody};
 use delivery::pulse::Pulse;
-
-/// A page of deliveries: their state, if it matters, and where the page before ended.
-#[derive(Debug, Clone, Copy)]
-pub struct DeliveryPage {
-    pub state: Option<DeliveryState>,
-    pub before: Option<Id>,
-    pub limit: u32,
-}
 
 /// What is told to whom. Cheap to clone.
 #[derive(Debug, Clone)]
@@ -80,7 +72,7 @@ impl Hooks {
     pub async fn all(&self) -> Result<Vec<HookBody>, StorageError> {
         let mut bodies = Vec::new();
         for row in store::hook::all(&self.store).await? {
-            let queue = store::outbox::queue_state(&self.store, row.id).await?;
+            let queue = store::delivery::queue_state(&self.store, row.id).await?;
             bodies.push(show::hook(row, queue, self.clock.now())?);
         }
         Ok(bodies)
@@ -89,19 +81,25 @@ impl Hooks {
     /// One hook. `drawn`: the secret that has just been drawn for it, which is shown this once.
     pub async fn get(&self, id: Id, drawn: Option<&Secret>) -> Result<Option<HookBody>, StorageError> {
         let Some(row) = store::hook::get(&self.store, id).await? else { return Ok(None) };
-        let queue = store::outbox::queue_state(&self.store, id).await?;
+        let queue = store::delivery::queue_state(&self.store, id).await?;
         let body = show::hook(row, queue, self.clock.now())?;
         Ok(Some(HookBody { secret: drawn.map(Secret::reveal), ..body }))
     }
 
-    /// Deliveries of a hook, newest first, with all their attempts.
-    pub async fn deliveries(&self, hook: Id, page: DeliveryPage) -> Result<Vec<DeliveryBody>, StorageError> {
-        let rows = store::outbox::of_hook(&self.store, hook, page.state, page.before, page.limit).await?;
+    /// Deliveries of a hook older than `before`, newest first, with all their attempts.
+    pub async fn deliveries(
+        &self,
+        hook: Id,
+        state: Option<DeliveryState>,
+        before: Option<Id>,
+        limit: usize,
+    ) -> Result<Vec<DeliveryBody>, StorageError> {
+        let rows = store::delivery::of_hook(&self.store, hook, state, before, limit as u32).await?;
         Ok(rows.into_iter().map(show::delivery).collect())
     }
 
     pub async fn delivery(&self, id: Id) -> Result<Option<DeliveryBody>, StorageError> {
-        Ok(store::outbox::get(&self.store, id).await?.map(show::delivery))
+        Ok(store::delivery::get(&self.store, id).await?.map(show::delivery))
     }
 
     /// Whether the delivery worker is at work.
@@ -111,6 +109,6 @@ impl Hooks {
 
     /// How the queues of all hooks stand together.
     pub async fn outbox_totals(&self) -> Result<QueueState, StorageError> {
-        Ok(store::outbox::outbox_totals(&self.store).await?)
+        Ok(store::delivery::totals(&self.store).await?)
     }
 }

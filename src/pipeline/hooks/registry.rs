@@ -3,7 +3,7 @@
 use std::cmp::Reverse;
 
 use super::show::{self, DIGEST};
-use crate::core::alert_decision::{self, Action, Alert};
+use crate::core::alert_decision::{self, Action};
 use crate::core::judge::Severity;
 use crate::pipeline::alerts::News;
 use crate::pipeline::prelude::*;
@@ -41,19 +41,25 @@ impl Subscription {
     }
 }
 
-/// An alert as it stands.
-#[derive(Debug, Clone)]
-pub(crate) struct CurrentAlert {
-    pub id: Id,
-    pub alert: Alert,
-    pub body: AlertBody,
-}
-
 /// Where what hooks are told is written.
 pub(crate) struct OutboxContext<'a> {
     pub now: UtcMicros,
     pub ids: &'a mut IdSource,
     pub outbox: &'a mut OutboxChanges,
+}
+
+impl OutboxContext<'_> {
+    fn enter(
+        &mut self,
+        hook: Id,
+        subject: DeliverySubject,
+        action: Option<&'static str>,
+        parts: Vec<Part>,
+        digest: Option<String>,
+    ) {
+        let (id, queued_at) = (self.ids.next(self.now), self.now);
+        self.outbox.queued.push(NewDelivery { id, hook, subject, queued_at, action, parts, digest });
+    }
 }
 
 impl HookCache {
@@ -99,12 +105,11 @@ impl HookCache {
 
     /// Queues what each hook is to be told of what has become of alerts.
     pub fn tell(&mut self, news: &[News], context: &mut OutboxContext<'_>) -> Result<(), StoreError> {
-        let news = self.read(news)?;
         for subscription in self.subscriptions().to_vec() {
             // All that one record has caused; without batches each change by itself.
-            let mut messages: Vec<(Option<Id>, Vec<Notification>)> = Vec::new();
-            for (one, body) in &news {
-                let Some(told) = self.hear(&subscription, one, body, context) else { continue };
+            let mut messages: Vec<(Option<Id>, Vec<Notification<'_>>)> = Vec::new();
+            for one in news {
+                let Some(told) = self.hear(&subscription, one, context)? else { continue };
                 match messages.iter_mut().find(|(cause, _)| subscription.batch && *cause == one.cause) {
                     Some((_, all)) => add(all, told),
                     None => messages.push((one.cause, vec![told])),
@@ -117,65 +122,56 @@ impl HookCache {
 
     /// Queues the digest of an import: for each hook one message about all that it lets through.
     pub fn tell_digest(&mut self, news: &[News], context: &mut OutboxContext<'_>) -> Result<(), StoreError> {
-        let news = self.read(news)?;
         for subscription in self.subscriptions().to_vec() {
-            let heard =
-                news.iter().filter_map(|(one, body)| Some((body, self.hear(&subscription, one, body, context)?)));
-            let mut told: Vec<(&AlertBody, Notification)> = heard.collect();
+            let heard = news.iter().filter_map(|one| self.hear(&subscription, one, context).transpose());
+            let mut told: Vec<Notification<'_>> = heard.collect::<Result<_, _>>()?;
             if told.is_empty() {
                 continue;
             }
-            told.sort_by_key(|(_, told)| told.rank());
-            let (told, parts): (Vec<&AlertBody>, Vec<Part>) =
-                told.into_iter().map(|(body, told)| (body, told.part)).unzip();
-            let digest = json::written(&DigestBody::of(&told));
-            context.outbox.queued.push(NewDelivery {
-                id: context.ids.next(context.now),
-                hook: subscription.hook,
-                subject: DeliverySubject::Many,
-                queued_at: context.now,
-                action: Some(DIGEST),
-                parts,
-                digest: Some(digest),
-            });
+            told.sort_by_key(Notification::rank);
+            let digest = json::written(&DigestBody::of(&told.iter().map(|one| one.body).collect::<Vec<_>>()));
+            let parts = told.into_iter().map(|one| one.part).collect();
+            context.enter(subscription.hook, DeliverySubject::Many, Some(DIGEST), parts, Some(digest));
         }
         Ok(())
     }
 
-    /// What there is to tell, where anybody listens.
-    fn read<'n>(&self, news: &'n [News]) -> Result<Vec<(&'n News, AlertBody)>, StoreError> {
-        let damaged = |id, error| StoreError::damaged(format_args!("what has become of alert {id}: {error}"));
-        let read = |one: &'n News| {
-            let body = serde_json::from_str(&one.body).map_err(|error: serde_json::Error| damaged(one.id, error))?;
-            Ok((one, body))
-        };
-        news.iter().filter(|_| !self.subscriptions().is_empty()).map(read).collect()
-    }
-
     /// What a hook is told of one piece of news; it has heard that then.
-    fn hear(
+    fn hear<'n>(
         &mut self,
         subscription: &Subscription,
-        news: &News,
-        body: &AlertBody,
+        news: &'n News,
         context: &mut OutboxContext<'_>,
-    ) -> Option<Notification> {
+    ) -> Result<Option<Notification<'n>>, StoreError> {
         let heard = self.heard.entry(news.id).or_default();
-        let action =
-            alert_decision::for_hook(&news.alert, heard.get(&subscription.hook).copied(), news.action, context.now)?;
-        if !is_owed(action) && !subscription.filter.wants(body) {
-            return None;
+        let told = notification(subscription, heard.get(&subscription.hook).copied(), news, context)?;
+        match &told {
+            Some(told) if told.action == Action::Resolve => drop(heard.remove(&subscription.hook)),
+            Some(told) => drop(heard.insert(subscription.hook, told.severity)),
+            None => {}
         }
-        let hears = (action != Action::Resolve).then_some(news.alert.severity);
-        match hears {
-            Some(severity) => drop(heard.insert(subscription.hook, severity)),
-            None => drop(heard.remove(&subscription.hook)),
-        }
-        context.outbox.heard.push((subscription.hook, news.id, hears));
-        let body = news.step.is_none().then(|| news.body.clone());
-        let part = Part { alert: news.id, action: action.name(), step: news.step, body };
-        Some(Notification { severity: news.alert.severity, action, part })
+        Ok(told)
     }
+}
+
+/// What a hook that has `heard` so of an alert is told of one piece of news.
+fn notification<'n>(
+    subscription: &Subscription,
+    heard: Option<Severity>,
+    news: &'n News,
+    context: &mut OutboxContext<'_>,
+) -> Result<Option<Notification<'n>>, StoreError> {
+    let News { id, alert, step, .. } = *news;
+    let damaged = || StoreError::damaged(format_args!("what has become of alert {id} cannot be read"));
+    let body = news.body.as_ref().ok_or_else(damaged)?;
+    let action = alert_decision::for_hook(&alert, heard, news.action, context.now);
+    let Some(action) = action.filter(|action| is_owed(*action) || subscription.filter.wants(body)) else {
+        return Ok(None);
+    };
+    let hears = (action != Action::Resolve).then_some(alert.severity);
+    context.outbox.heard.push((subscription.hook, id, hears));
+    let part = Part { alert: id, action: action.name(), step, body: step.is_none().then(|| body.kept()) };
+    Ok(Some(Notification { severity: alert.severity, action, part, body }))
 }
 
 /// What a hook has heard last of the alerts that fire, to its knowledge.
@@ -194,29 +190,18 @@ fn severity_of(hook: Id, name: &str) -> Result<Severity, StoreError> {
 pub(crate) fn introduce<'a>(
     subscription: &Subscription,
     heard: &HashMap<Id, Severity>,
-    alerts: impl Iterator<Item = &'a CurrentAlert>,
+    alerts: impl Iterator<Item = &'a News>,
     context: &mut OutboxContext<'_>,
-) {
-    let mut told = Vec::new();
-    for CurrentAlert { id, alert, body } in alerts {
-        // It hears what others were spared because it was found late.
-        let alert = Alert { hushed: None, ..*alert };
-        let Some(action) = alert_decision::for_hook(&alert, heard.get(id).copied(), Action::Silent, context.now) else {
-            continue;
-        };
-        let ends = action == Action::Resolve;
-        if is_owed(action) || subscription.filter.wants(body) {
-            let body = body.kept();
-            let part = Part { alert: *id, action: action.name(), step: None, body: Some(body) };
-            told.push(Notification { severity: alert.severity, action, part });
-            context.outbox.heard.push((subscription.hook, *id, (!ends).then_some(alert.severity)));
-        }
-    }
+) -> Result<(), StoreError> {
+    let told =
+        alerts.filter_map(|one| notification(subscription, heard.get(&one.id).copied(), one, context).transpose());
+    let told: Vec<Notification<'_>> = told.collect::<Result<_, _>>()?;
     if subscription.batch {
         queue(subscription.hook, told, context);
     } else {
         told.into_iter().for_each(|one| queue(subscription.hook, vec![one], context));
     }
+    Ok(())
 }
 
 /// A hook that was told that an alert fires is told that it is less grave, or ends, whatever the filter lets through.
@@ -225,13 +210,15 @@ fn is_owed(action: Action) -> bool {
 }
 
 /// An alert of a message under construction.
-struct Notification {
+struct Notification<'n> {
     severity: Severity,
     action: Action,
     part: Part,
+    /// The alert as clients read it.
+    body: &'n AlertBody,
 }
 
-impl Notification {
+impl Notification<'_> {
     /// The gravest comes first.
     fn rank(&self) -> (bool, Reverse<Severity>, u8) {
         let urgency = match self.action {
@@ -245,7 +232,7 @@ impl Notification {
 }
 
 /// One message tells of an alert once: what it comes to.
-fn add(all: &mut Vec<Notification>, new: Notification) {
+fn add<'n>(all: &mut Vec<Notification<'n>>, new: Notification<'n>) {
     let Some(place) = all.iter().position(|told| told.part.alert == new.part.alert) else {
         return all.push(new);
     };
@@ -261,24 +248,14 @@ fn add(all: &mut Vec<Notification>, new: Notification) {
 }
 
 /// Queues one message, the gravest alert first; several where there are very many.
-fn queue(hook: Id, mut told: Vec<Notification>, context: &mut OutboxContext<'_>) {
+fn queue(hook: Id, mut told: Vec<Notification<'_>>, context: &mut OutboxContext<'_>) {
     told.sort_by_key(Notification::rank);
     let parts: Vec<Part> = told.into_iter().map(|one| one.part).collect();
     for parts in parts.chunks(MOST_OF_A_MESSAGE) {
-        let (subject, parts) = match parts {
-            [part @ Part { alert, step: Some(step), .. }] => {
-                (DeliverySubject::Step { step: *step, alert: *alert }, std::slice::from_ref(part))
-            }
-            many => (DeliverySubject::Many, many),
+        let (subject, of_many) = match *parts {
+            [Part { alert, step: Some(step), .. }] => (DeliverySubject::Step { step, alert }, Vec::new()),
+            _ => (DeliverySubject::Many, parts.to_vec()),
         };
-        context.outbox.queued.push(NewDelivery {
-            id: context.ids.next(context.now),
-            hook,
-            subject,
-            queued_at: context.now,
-            action: parts.first().map(|part| part.action),
-            parts: if subject == DeliverySubject::Many { parts.to_vec() } else { Vec::new() },
-            digest: None,
-        });
+        context.enter(hook, subject, parts.first().map(|part| part.action), of_many, None);
     }
 }

@@ -6,12 +6,9 @@ use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::campaign::{Campaign, Temperatures};
 use crate::core::fault::{Fault, Faults};
 use crate::pipeline::diagnoses::models::{self, InForce};
-use crate::pipeline::ingest::fitted::CampaignFit;
 use crate::pipeline::ingest::submission::{BenchTest, anything, check_names, kept};
 use crate::pipeline::prelude::*;
-use crate::pipeline::{
-    CalibratedGyro, Calibration, Confirmation, Correction, Fitted, ReadCampaign, Reader, Submission,
-};
+use crate::pipeline::{CalibratedGyro, Calibration, Confirmation, Correction, Reader, Submission};
 use crate::store::RecordRow;
 use crate::wire::bench::BenchBody;
 use crate::wire::calibration::CampaignAnswer;
@@ -19,10 +16,39 @@ use crate::wire::campaign::{self, Form};
 use crate::wire::campaign_csv::parse_csv_as_sent;
 use crate::words;
 
+/// A campaign that can be stored.
+#[derive(Debug, Clone)]
+pub struct ReadCampaign {
+    /// Of an IMU a calibration, of a single gyro on a bench a bench test.
+    pub submission: Submission,
+    /// What its answer is made of.
+    pub fit: CampaignFit,
+    /// As it is kept: JSON, whichever form it came in.
+    pub body: Arc<str>,
+}
+
+/// A campaign as it is fitted when it comes, and again whenever it is read.
+#[derive(Debug, Clone)]
+pub struct CampaignFit {
+    pub(crate) campaign: Campaign,
+    pub(crate) outcome: Outcome,
+    /// The adopted model that it is fitted with.
+    pub(crate) model: Option<Id>,
+}
+
+/// A stored campaign.
+pub(crate) fn campaign_of(row: &RecordRow) -> Result<Campaign, StoreError> {
+    campaign::parse_json(row.body.as_bytes()).map_err(|faults| damaged(row.id, &faults))
+}
+
+pub(crate) fn damaged(id: Id, faults: &Faults) -> StoreError {
+    StoreError::damaged(format_args!("the body of campaign {id} cannot be read: {faults}"))
+}
+
 impl Reader {
     /// Reads, checks, fits and separates a campaign in JSON or CSV. A raw bench test becomes a bench result.
     /// Computing, about a millisecond: not for a thread that serves others.
-    pub fn campaign(&self, bytes: &[u8], form: Form) -> Result<ReadCampaign, Faults> {
+    pub fn campaign_document(&self, bytes: &[u8], form: Form) -> Result<ReadCampaign, Faults> {
         let (campaign, as_json) = match form {
             Form::Json => (campaign::parse_json_as_sent(bytes)?, None),
             Form::Csv => {
@@ -39,20 +65,20 @@ impl Reader {
         let limits = self.config.plausibility.limits();
         campaign.check_known_scales(&limits)?;
         let outcome = evaluate_with(&campaign, &options, &limits)?;
+        let fit = CampaignFit { campaign, outcome, model: in_force.id };
         let (body, body_sha256) = kept(as_json.as_deref().unwrap_or(bytes))?;
-        let fitted = match &outcome {
+        let submission = match &fit.outcome {
             Outcome::Imu { .. } => {
-                let fitted = self.calibration_of(&campaign, &outcome, in_force.id, (body.clone(), body_sha256));
-                Fitted::Calibration(Box::new(fitted))
+                Submission::Calibration(Box::new(self.calibration_of(&fit, (body.clone(), body_sha256))))
             }
-            Outcome::Bench(bench) => Fitted::Bench(Box::new(BenchTest {
-                result: bench.result(&campaign),
+            Outcome::Bench(bench) => Submission::Bench(Box::new(BenchTest {
+                result: bench.result(&fit.campaign),
                 body: body.clone(),
                 body_sha256,
                 idempotency_key: None,
             })),
         };
-        Ok(ReadCampaign { fitted, fit: CampaignFit { campaign, outcome, model: in_force.id }, body })
+        Ok(ReadCampaign { submission, fit, body })
     }
 
     /// A calibration that was read before another model came into force, as the one in force states it; none where
@@ -65,8 +91,7 @@ impl Reader {
             Kind::Record => self.reread_record(&sent.body, &self.in_force(sent.imu.as_str())).ok()?,
             Kind::Campaign => {
                 let anew = self.fitted_with_model_in_force(sent.imu.as_str(), &sent.body)?;
-                let kept = (Arc::clone(&sent.body), sent.body_sha256);
-                self.calibration_of(&anew.campaign, &anew.outcome, anew.model, kept)
+                self.calibration_of(&anew, (Arc::clone(&sent.body), sent.body_sha256))
             }
         };
         Some(Calibration { idempotency_key: sent.idempotency_key.clone(), ..calibration })
@@ -92,11 +117,7 @@ impl Reader {
     /// earlier version of this program stated it by the same model.
     async fn stored_anew(&self, id: Id) -> Result<Option<(Calibration, Id)>, StoreError> {
         let Some(row) = store::record::get(&self.store, id).await? else { return Ok(None) };
-        let stated = match row.kind {
-            Kind::Record => self.record_again(&row).await?,
-            Kind::Campaign => self.fitted_again(&row).await?.map(|fitted| self.calibration_again(&row, &fitted)),
-        };
-        let Ok(stated) = stated else { return Ok(None) };
+        let Ok((stated, _)) = self.again(&row).await? else { return Ok(None) };
         let gyros = stated.gyros.iter().map(|gyro| gyro.serial.as_str()).collect();
         store::names::look_up(&self.store, [vec![stated.imu.as_str()], Vec::new(), gyros]).await?;
         Ok(match self.restated_anew(&stated) {
@@ -115,9 +136,7 @@ impl Reader {
     }
 
     fn fitted_with_model_in_force(&self, imu: &str, body: &str) -> Option<CampaignFit> {
-        let in_force = self.in_force(imu);
-        let (campaign, outcome) = evaluated(&self.config.stations, body, &in_force).ok()?;
-        Some(CampaignFit { campaign, outcome, model: in_force.id })
+        evaluated(&self.config.stations, body, &self.in_force(imu)).ok()
     }
 
     /// What is answered to a campaign that was just stored: another model may have come into force since it was read.
@@ -135,33 +154,27 @@ impl Reader {
         answer
     }
 
-    /// A stored campaign, fitted again with the model that it was fitted with. Computes on a thread for that.
-    pub(crate) async fn fitted_again(&self, row: &RecordRow) -> Result<Result<CampaignFit, Faults>, StoreError> {
-        let (model, body) = (self.fitted_with(row.id).await?, Arc::clone(&row.body));
-        let config = Arc::clone(&self.config);
-        let work = words::spawn_blocking(move || {
-            let (campaign, outcome) = evaluated(&config.stations, &body, &model)?;
-            Ok(CampaignFit { campaign, outcome, model: model.id })
-        });
-        work.await
-            .map_err(|error| StoreError::damaged(format_args!("campaign {} could not be fitted: {error}", row.id)))
-    }
-
-    /// A stored record, as the model states it that it was stored by.
-    pub(crate) async fn record_again(&self, row: &RecordRow) -> Result<Result<Calibration, Faults>, StoreError> {
-        Ok(self.reread_record(&row.body, &self.fitted_with(row.id).await?))
-    }
-
-    pub(crate) fn calibration_again(&self, row: &RecordRow, fitted: &CampaignFit) -> Calibration {
-        let kept = (Arc::clone(&row.body), row.body_sha256);
-        self.calibration_of(&fitted.campaign, &fitted.outcome, fitted.model, kept)
+    /// A stored calibration as the model states it that it was stored by; a campaign, fitted again on a thread for that,
+    /// with its fit.
+    pub(crate) async fn again(
+        &self,
+        row: &RecordRow,
+    ) -> Result<Result<(Calibration, Option<CampaignFit>), Faults>, StoreError> {
+        let model = self.fitted_with(row.id).await?;
+        if row.kind == Kind::Record {
+            return Ok(self.reread_record(&row.body, &model).map(|calibration| (calibration, None)));
+        }
+        let (config, body) = (Arc::clone(&self.config), Arc::clone(&row.body));
+        let fitted = words::spawn_blocking(move || evaluated(&config.stations, &body, &model)).await;
+        let fitted = fitted
+            .map_err(|error| StoreError::damaged(format_args!("campaign {} could not be fitted: {error}", row.id)))?;
+        let kept = || (Arc::clone(&row.body), row.body_sha256);
+        Ok(fitted.map(|fit| (self.calibration_of(&fit, kept()), Some(fit))))
     }
 
     fn calibration_of(
         &self,
-        campaign: &Campaign,
-        outcome: &Outcome,
-        model: Option<Id>,
+        CampaignFit { campaign, outcome, model }: &CampaignFit,
         (body, body_sha256): (Arc<str>, [u8; 32]),
     ) -> Calibration {
         let gyros = match outcome {
@@ -191,7 +204,7 @@ impl Reader {
             imu: campaign.imu.clone(),
             station: campaign.station.clone(),
             calibrated_at: campaign.measured_at,
-            model,
+            model: *model,
             gyros,
             temperature_c: campaign.temperature_c.or_else(of_dwells),
             body,
@@ -236,14 +249,14 @@ impl Reader {
         match row.kind {
             Kind::Record => self.reread_record(&row.body, model),
             Kind::Campaign => {
-                let (campaign, outcome) = evaluated(&self.config.stations, &row.body, model)?;
-                Ok(self.calibration_of(&campaign, &outcome, model.id, ("".into(), row.body_sha256)))
+                let fit = evaluated(&self.config.stations, &row.body, model)?;
+                Ok(self.calibration_of(&fit, ("".into(), row.body_sha256)))
             }
         }
     }
 
     pub fn fitted_bench(&self, body: &str) -> Result<BenchBody, Faults> {
-        let (campaign, outcome) = evaluated(&self.config.stations, body, &InForce::default())?;
+        let CampaignFit { campaign, outcome, .. } = evaluated(&self.config.stations, body, &InForce::default())?;
         match outcome {
             Outcome::Bench(bench) => Ok(BenchBody::from(&bench.result(&campaign))),
             Outcome::Imu { .. } => {
@@ -264,8 +277,8 @@ pub(crate) type Restated = HashMap<Id, Option<Calibration>>;
 
 /// Fitted as it was when it came: it was plausible once, whatever today's limits are. What the station left unsaid of
 /// itself is what the configuration says today.
-fn evaluated(stations: &Stations, body: &str, fitted_with: &InForce) -> Result<(Campaign, Outcome), Faults> {
+fn evaluated(stations: &Stations, body: &str, fitted_with: &InForce) -> Result<CampaignFit, Faults> {
     let campaign = stations.complete(campaign::parse_json(body.as_bytes())?);
     let outcome = evaluate_with(&campaign, &fitted_with.model.options_as_asked(&campaign), &anything())?;
-    Ok((campaign, outcome))
+    Ok(CampaignFit { campaign, outcome, model: fitted_with.id })
 }

@@ -2,10 +2,7 @@
 
 pub(super) mod admit;
 pub(super) mod campaign;
-pub(super) mod fitted;
 pub(super) mod judge;
-mod outcome;
-mod preview;
 mod reader;
 mod refused;
 mod same_content;
@@ -19,19 +16,35 @@ use tokio::sync::oneshot;
 use super::diagnoses::background::IdleDetector;
 use super::write_queue::{Job, StoreJob, WriteQueue};
 use crate::core::alert_decision::Late;
+use crate::core::note::Note;
 use crate::pipeline::prelude::*;
+use crate::store::IdSource;
+use admit::{Admission, Ahead, Group, Memory};
 
+pub use campaign::ReadCampaign;
 pub(super) use campaign::Restated;
-pub use fitted::{Fitted, ReadCampaign, ReadDocument};
-pub use outcome::{Accepted, Judged, Reply};
-pub use preview::Preview;
 pub use reader::Reader;
-pub use refused::Refused;
+pub use refused::{Accepted, Judged, Refused, Reply};
 pub use same_content::Origin;
 pub use submission::{
     AttributesOrder, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt, EventOrder, Submission,
     WindowMark,
 };
+
+/// Beyond every identifier of this century.
+const NEVER_STORED: i64 = i64::MAX - (1 << 40);
+
+/// What would become of a document.
+#[derive(Debug, Clone)]
+pub enum Preview {
+    /// It would be stored with these notes, or is there already and says the same.
+    Taken {
+        notes: Arc<[Note]>,
+    },
+    Refused(Refused),
+    /// An earlier one of these documents, counted from 0, holds its place with other content.
+    Contradicts(usize),
+}
 
 /// The way in. Cheap to clone.
 #[derive(Debug, Clone)]
@@ -112,15 +125,69 @@ impl Ingest {
 
     /// The id, where an item that was already there says the same as the one sent: however it is written, in whatever
     /// order of members or gyros, unit of time or offset.
-    pub async fn settle(&self, accepted: &Accepted, sent: &Origin) -> Result<Id, Refused> {
+    pub async fn settle(&self, accepted: &Accepted, sent: Option<&Origin>) -> Result<Id, Refused> {
         let (existing, same_bytes) = match accepted {
             Accepted::Stored { id, .. } => (*id, true),
             Accepted::There { id, same_bytes, .. } => (*id, *same_bytes),
         };
-        if same_bytes {
-            return Ok(existing);
-        }
+        let Some(sent) = sent.filter(|_| !same_bytes) else { return Ok(existing) };
         let differences = same_content::differences(&self.store, existing, sent).await?;
         if differences.is_empty() { Ok(existing) } else { Err(Refused::Differs { existing, differences }) }
+    }
+
+    /// What would become of each of these documents if they were stored now, in this order: admitted to a group that is
+    /// then dropped. Each takes queries of its own. Somebody else may store something in between.
+    pub async fn preview(&self, documents: &[&Submission]) -> Vec<Preview> {
+        let origins: Vec<Option<Origin>> = documents.iter().map(|sent| Origin::of(sent)).collect();
+        // Its identifiers are seen by nobody; they only have to differ from those that are stored.
+        let mut ids = IdSource::after(NEVER_STORED);
+        let (mut memory, ahead, nobody) = (Memory::default(), Ahead::default(), Actor::by_caller());
+        let mut admission = Admission {
+            store: &self.store,
+            ids: &mut ids,
+            memory: &mut memory,
+            ahead: &ahead,
+            config: &self.config,
+            now: self.clock.now(),
+            by: &nobody,
+        };
+        let (mut group, mut new) = (Group::default(), HashMap::new());
+        let mut previews = Vec::with_capacity(documents.len());
+        for (place, document) in documents.iter().enumerate() {
+            let admitted = admission.admit(document, &mut group).await;
+            if let Ok(Accepted::Stored { id, .. }) = &admitted {
+                new.insert(*id, place);
+            }
+            previews.push(self.outcome(admitted, place, &origins, &new).await);
+        }
+        previews
+    }
+
+    /// `new`: which document would be stored under an identifier.
+    async fn outcome(
+        &self,
+        admitted: Result<Accepted, Refused>,
+        place: usize,
+        origins: &[Option<Origin>],
+        new: &HashMap<Id, usize>,
+    ) -> Preview {
+        match admitted {
+            Ok(Accepted::Stored { notes, .. }) => Preview::Taken { notes },
+            Ok(Accepted::There { counts: false, .. }) => Preview::Taken { notes: [Note::Withdrawn].into() },
+            Ok(there @ Accepted::There { id, same_bytes, .. }) => match new.get(&id) {
+                Some(&first) if same_bytes || Origin::say_the_same(&origins[first], &origins[place]) => {
+                    Preview::Taken { notes: [].into() }
+                }
+                Some(&first) => Preview::Contradicts(first),
+                None => match self.settle(&there, origins[place].as_ref()).await {
+                    Ok(_) => Preview::Taken { notes: [].into() },
+                    Err(refused) => Preview::Refused(refused),
+                },
+            },
+            Err(Refused::GyroElsewhere { existing, .. }) if new.contains_key(&existing) => {
+                Preview::Contradicts(new[&existing])
+            }
+            Err(refused) => Preview::Refused(refused),
+        }
     }
 }

@@ -12,7 +12,7 @@ use crate::core::separate::{CovarianceEg, Unseparable, separate, stated_covarian
 use crate::pipeline::diagnoses::models::{InForce, ModelCache};
 use crate::pipeline::ingest::submission::{BenchTest, anything, check_names, kept};
 use crate::pipeline::prelude::*;
-use crate::pipeline::{CalibratedGyro, Calibration, Origin, ReadCampaign, ReadDocument, Submission};
+use crate::pipeline::{CalibratedGyro, Calibration, Submission};
 use crate::wire::answer::SeparationBody;
 use crate::wire::bench::parse_bench_result;
 use crate::wire::campaign::Form;
@@ -123,7 +123,7 @@ impl Reader {
     }
 
     /// Reads a record, a campaign or a bench result, whichever the JSON holds.
-    pub fn document(&self, bytes: &[u8]) -> Result<ReadDocument, Faults> {
+    pub fn document(&self, bytes: &[u8]) -> Result<Submission, Faults> {
         let kind = DocumentKind::of(bytes);
         self.read_as(kind, bytes).or_else(|faults| match DocumentKind::instead_of(kind, bytes) {
             // What it lacks is the time by which its kind is told at a glance.
@@ -132,27 +132,12 @@ impl Reader {
         })
     }
 
-    fn read_as(&self, kind: DocumentKind, bytes: &[u8]) -> Result<ReadDocument, Faults> {
+    fn read_as(&self, kind: DocumentKind, bytes: &[u8]) -> Result<Submission, Faults> {
         match kind {
-            DocumentKind::Record => {
-                let calibration = self.record(bytes)?;
-                let origin = Origin { kind, body: Arc::clone(&calibration.body) };
-                Ok(ReadDocument { submission: Submission::Calibration(Box::new(calibration)), origin })
-            }
-            DocumentKind::Campaign => self.campaign_document(bytes, Form::Json),
-            DocumentKind::Bench => {
-                let bench = self.bench_result(bytes)?;
-                let origin = Origin { kind, body: Arc::clone(&bench.body) };
-                Ok(ReadDocument { submission: Submission::Bench(Box::new(bench)), origin })
-            }
+            DocumentKind::Record => Ok(Submission::Calibration(Box::new(self.record(bytes)?))),
+            DocumentKind::Campaign => Ok(self.campaign_document(bytes, Form::Json)?.submission),
+            DocumentKind::Bench => Ok(Submission::Bench(Box::new(self.bench_result(bytes)?))),
         }
-    }
-
-    /// Reads a campaign in JSON or CSV.
-    pub fn campaign_document(&self, bytes: &[u8], form: Form) -> Result<ReadDocument, Faults> {
-        let ReadCampaign { fitted, body, .. } = self.campaign(bytes, form)?;
-        let kind = fitted.kind();
-        Ok(ReadDocument { submission: fitted.into(), origin: Origin { kind, body } })
     }
 
     pub fn separations(&self, gyros: &[CalibratedGyro]) -> Vec<SeparationBody> {

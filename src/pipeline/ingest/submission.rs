@@ -47,6 +47,16 @@ impl Submission {
         }
     }
 
+    /// With the key under which its sender may send it again.
+    pub fn with_key(mut self, key: Option<String>) -> Self {
+        match &mut self {
+            Self::Calibration(sent) => sent.idempotency_key = key,
+            Self::Bench(sent) => sent.idempotency_key = key,
+            _ => {}
+        }
+        self
+    }
+
     /// The gyro that it is about, where it is about one alone.
     pub fn serial(&self) -> Option<&str> {
         match self {
@@ -75,7 +85,6 @@ pub struct Correction {
     pub author: String,
     pub reason: String,
     pub replacement: Option<Calibration>,
-    pub by: Actor,
 }
 
 /// The time of a record that was set aside is right: it counts from now on.
@@ -86,7 +95,6 @@ pub struct Confirmation {
     pub of_window: bool,
     pub author: String,
     pub reason: String,
-    pub by: Actor,
     /// The record as the model states it that has come into force since it was stored, and that model: the writer
     /// fills it in.
     pub restated: Option<Box<(Calibration, Id)>>,
@@ -98,7 +106,6 @@ pub struct Doubt {
     pub id: Id,
     pub author: String,
     pub reason: String,
-    pub by: Actor,
 }
 
 /// A window of a station is suspect, or to be trusted again: that holds for what is yet to come of it.
@@ -106,7 +113,6 @@ pub struct Doubt {
 pub struct WindowMark {
     pub station: String,
     pub mark: Mark,
-    pub by: Actor,
 }
 
 /// What a laboratory says of a gyro changes.
@@ -114,7 +120,6 @@ pub struct WindowMark {
 pub struct AttributesOrder {
     pub serial: Name,
     pub patch: GyroAttributesPatch,
-    pub by: Actor,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -203,8 +208,6 @@ pub struct BenchTest {
 pub struct EventOrder {
     pub serial: Name,
     pub event: GyroEvent,
-    /// Who says so.
-    pub by: Actor,
 }
 
 /// Refuses new names in which something cannot be seen; what is stored under such a name is read all the same.

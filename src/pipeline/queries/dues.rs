@@ -6,11 +6,11 @@ use std::time::Duration;
 
 use tokio::time::Instant;
 
-use super::found_until::found_until;
 use super::gyro_history::Histories;
 use crate::core::changes::HistoryDiagnosis;
 use crate::core::judge::{Coefficient, Reach, Status};
 use crate::pipeline::Standing;
+use crate::pipeline::kept::found_until;
 use crate::pipeline::prelude::*;
 
 /// Gyros whose dates are kept; more of them, and all are found anew.

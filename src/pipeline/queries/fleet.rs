@@ -7,20 +7,20 @@ use std::time::Duration;
 use tokio::time::Instant;
 
 use super::entries::fleet_histories;
-use super::found_until::found_until;
 use super::record::Records;
 use super::standing::{StoredFacts, of_rank, rank};
 use crate::core::changes::{self, FleetStations};
 use crate::core::first_of::{DueImu, FirstOf};
 use crate::core::fleet_order::FleetOrder;
 use crate::core::judge::{
-    BASELINE_RECORDS, Limits, Mark, Measured, Sample, State, Status, baseline_since, stated_level,
+    BASELINE_RECORDS, FleetNoise, Limits, Mark, Measured, Sample, Series, State, Status, baseline_since, fit_fleet,
+    stated_level,
 };
 use crate::core::kind::RecordEntry;
 use crate::core::mounting::Slot;
 use crate::pipeline::Standing;
-use crate::pipeline::ingest::judge::gyro_window::{distinct, marks_of, sample_of};
-use crate::pipeline::kept::Kept;
+use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, distinct, marks_of, sample_of};
+use crate::pipeline::kept::{Kept, found_until};
 use crate::pipeline::prelude::*;
 use crate::store::head::{CalibratedRow, Narrowed, Ranks, Sought, Standings, StationTally, Tally};
 use crate::store::{Stretch, Table};
@@ -111,6 +111,9 @@ const LONGEST_SOUGHT: usize = 1_000;
 /// What takes no longer is counted again whenever it is asked for.
 const QUICK: Duration = Duration::from_millis(200);
 
+/// Gyros whose whole histories are read at once.
+const HISTORIES_AT_ONCE: usize = 64;
+
 /// What a list of the fleet is narrowed down to, and its order.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FleetFilter<'a> {
@@ -189,14 +192,12 @@ impl Fleet {
     pub async fn page(&self, filter: &FleetFilter<'_>, number: usize, rows: usize) -> Result<FleetPage, StorageError> {
         let now = self.clock.now();
         let counted = self.counted(now).await?;
-        let narrowed = self.narrowed(filter).await?;
-        let of_filter = match &narrowed {
-            None => Vec::new(),
-            Some(narrowed) if *narrowed == Narrowed::default() => counted.0.clone(),
-            Some(narrowed) => store::head::tallies(&self.store, narrowed, now).await?,
+        let Some(narrowed) = self.narrowed(filter, now).await? else { return Ok(self.counts(&[], &counted)) };
+        let of_filter = match narrowed.is_whole() {
+            true => counted.0.clone(),
+            false => store::head::tallies(&self.store, &narrowed).await?,
         };
         let mut page = self.counts(&of_filter, &counted);
-        let narrowed = narrowed.unwrap_or_default();
         let size = |ranks: &Ranks| -> usize {
             of_filter.iter().filter(|tally| is_of(tally, ranks)).map(|tally| tally.gyros).sum()
         };
@@ -208,12 +209,12 @@ impl Fleet {
         let (mut skip, mut gyros) = (page.number * rows, Vec::with_capacity(rows));
         if let Some(order) = filter.order.filter(|_| page.found > 0) {
             let ranks = ranks_of(filter.statuses);
-            gyros = store::head::in_order(&self.store, order, ranks.as_deref(), &narrowed, now, [skip, rows]).await?;
+            gyros = store::head::in_order(&self.store, order, ranks.as_deref(), &narrowed, [skip, rows]).await?;
         } else {
             for (ranks, size) in sizes {
                 if skip < size && gyros.len() < rows {
                     let part = [skip, rows - gyros.len()];
-                    gyros.extend(store::head::of_ranks(&self.store, ranks, &narrowed, now, part).await?);
+                    gyros.extend(store::head::of_ranks(&self.store, ranks, &narrowed, part).await?);
                 }
                 skip = skip.saturating_sub(size);
             }
@@ -224,15 +225,15 @@ impl Fleet {
 
     /// IMUs with the gyros in them, the worst first.
     pub async fn wall(&self, filter: &FleetFilter<'_>, number: usize, imus: usize) -> Result<WallPage, StorageError> {
-        let Some(narrowed) = self.narrowed(filter).await? else { return Ok(WallPage::default()) };
-        let (ranks, now) = (ranks_of(filter.statuses), self.clock.now());
+        let Some(narrowed) = self.narrowed(filter, self.clock.now()).await? else { return Ok(WallPage::default()) };
+        let ranks = ranks_of(filter.statuses);
         let part = async |number: usize| {
             let overdue = rank(true, Some(Status::Overdue));
             let part = [number.saturating_mul(imus), imus];
-            store::head::imus(&self.store, ranks.as_deref(), &narrowed, (now, overdue), part).await
+            store::head::imus(&self.store, ranks.as_deref(), &narrowed, overdue, part).await
         };
-        let count = store::head::imus_found(&self.store, ranks.as_deref(), &narrowed, now);
-        let found = match ranks.is_none() && narrowed == Narrowed::default() {
+        let count = store::head::imus_found(&self.store, ranks.as_deref(), &narrowed);
+        let found = match ranks.is_none() && narrowed.is_whole() {
             true => {
                 let count = async { Ok::<_, StoreError>((count.await?, Span::EVER.to)) };
                 *self.known.imus.at(store::head::version(&self.store), Span::EVER.from, count).await?
@@ -261,10 +262,10 @@ impl Fleet {
 
     /// The gyros of some ranks, the worst first, as many as `most`.
     pub async fn worst_of(&self, statuses: &[Status], most: usize) -> Result<Vec<Standing>, StorageError> {
-        let (everything, now, mut gyros) = (Narrowed::default(), self.clock.now(), Vec::new());
+        let (whole, mut gyros) = (Narrowed { now: self.clock.now(), ..Narrowed::default() }, Vec::new());
         for ranks in in_order().into_iter().filter(|ranks| is_wanted(ranks, Some(statuses))) {
             let part = [0, most - gyros.len()];
-            gyros.extend(store::head::of_ranks(&self.store, ranks, &everything, now, part).await?);
+            gyros.extend(store::head::of_ranks(&self.store, ranks, &whole, part).await?);
             if gyros.len() >= most {
                 break;
             }
@@ -273,17 +274,17 @@ impl Fleet {
     }
 
     /// None where nothing can be found, for a name is unknown.
-    async fn narrowed(&self, filter: &FleetFilter<'_>) -> Result<Option<Narrowed>, StorageError> {
-        let Some(mut narrowed) = self.named(filter) else { return Ok(None) };
+    async fn narrowed(&self, filter: &FleetFilter<'_>, now: UtcMicros) -> Result<Option<Narrowed>, StorageError> {
+        let Some(mut narrowed) = self.named(filter, now) else { return Ok(None) };
         if narrowed.sought.is_some()
-            && let Some(found) = store::head::sought(&self.store, &narrowed, self.clock.now()).await?
+            && let Some(found) = store::head::sought(&self.store, &narrowed).await?
         {
             narrowed.sought = Some(found);
         }
         Ok(Some(narrowed))
     }
 
-    fn named(&self, filter: &FleetFilter<'_>) -> Option<Narrowed> {
+    fn named(&self, filter: &FleetFilter<'_>, now: UtcMicros) -> Option<Narrowed> {
         let tables = self.store.names().read();
         let number = |name: &str, of: &Table| match name {
             "" => Some(None),
@@ -295,6 +296,7 @@ impl Fleet {
             return None;
         }
         Some(Narrowed {
+            now,
             sought: (!text.is_empty()).then(|| Sought::text(&text)),
             station: number(filter.station, &tables.stations)?,
             ever: number(filter.ever, &tables.stations)?,
@@ -350,16 +352,15 @@ impl Fleet {
         filter: StandingFilter,
         of_fleet: &FleetFilter<'_>,
     ) -> Result<(Vec<Standing>, bool), StorageError> {
-        let Some(narrowed) = self.narrowed(of_fleet).await? else { return Ok((Vec::new(), false)) };
+        let Some(narrowed) = self.narrowed(of_fleet, self.clock.now()).await? else { return Ok((Vec::new(), false)) };
         let standings = Standings {
             rank: filter.status.filter(|status| *status != Status::Overdue).map(|status| rank(false, Some(status))),
             // Time makes worse only what is better than overdue.
             is_overdue: filter.status.filter(|status| *status <= Status::Overdue).map(|of| of == Status::Overdue),
             state: filter.state,
         };
-        let (now, limit, order) =
-            (self.clock.now(), most.saturating_add(1), of_fleet.order.unwrap_or(FleetOrder::Serial));
-        let mut gyros = store::head::listed(&self.store, after, order, standings, &narrowed, now, limit).await?;
+        let (limit, order) = (most.saturating_add(1), of_fleet.order.unwrap_or(FleetOrder::Serial));
+        let mut gyros = store::head::listed(&self.store, after, order, standings, &narrowed, limit).await?;
         let more = gyros.len() > most as usize;
         gyros.truncate(most as usize);
         Ok((self.standings_of(&gyros).await?, more))
@@ -551,6 +552,24 @@ impl Fleet {
         Ok((0..of.len()).map(|k| self.recent(of[k], marks[k], &rows[k], &baselines[k])).collect())
     }
 
+    /// The noise constants of the whole fleet: correlation and walk, fitted to every gyro's stored history. Reads all
+    /// of it.
+    pub async fn noise(&self) -> Result<FleetNoise, StorageError> {
+        let gyros: Vec<u32> = self.store.names().read().gyros.numbers();
+        let method = self.config.judging.method;
+        let mut all: Vec<Series> = Vec::with_capacity(gyros.len());
+        for some in gyros.chunks(HISTORIES_AT_ONCE) {
+            let mut marks = marks_of(&self.store, some).await?;
+            let ever: Vec<Stretch> = some.iter().map(|gyro| (*gyro, Span::EVER)).collect();
+            for (gyro, rows) in some.iter().zip(store::histories::oldest(&self.store, &ever, i32::MAX as usize).await?)
+            {
+                let samples = rows.iter().map(|figures| sample_of(figures, method)).collect();
+                all.push(GyroWindow::of_all(samples, marks.remove(gyro).unwrap_or_default()).samples().clone());
+            }
+        }
+        Ok(fit_fleet(&all))
+    }
+
     fn recent(&self, standing: &Standing, marks: &[Mark], rows: &[Figures], baseline: &[Figures]) -> RecentValues {
         let method = self.config.judging.method;
         let samples = |rows: &[Figures]| -> Vec<Sample> { rows.iter().map(|row| sample_of(row, method)).collect() };
@@ -629,7 +648,7 @@ mod tests {
     use crate::core::id::Id;
     use crate::core::judge::{Coefficient, Outlook, Severity};
     use crate::pipeline::Pipeline;
-    use crate::store::{AlertRow, Changes, HeadChanges, HeadRow, NewName, NewestRow, Options, Remark};
+    use crate::store::{AlertRow, Changes, HeadChanges, HeadRow, NewName, NewestRow, Remark};
 
     #[test]
     fn the_order_of_the_fleet_holds_every_gyro_once() {
@@ -675,14 +694,24 @@ mod tests {
         rng.random_bool(0.9).then(|| Measured::exact(f64::from(rng.random_range(-3..4_i8))))
     }
 
+    /// The gyros of all pages, of which there are as many as `expected` gyros fill.
+    async fn of_all_pages(fleet: &Fleet, filter: &FleetFilter<'_>, expected: usize) -> Vec<u32> {
+        let mut found = Vec::new();
+        for number in 0..=expected.saturating_sub(1) / 17 {
+            let page = fleet.page(filter, number, 17).await.unwrap();
+            assert_eq!((page.number, page.found, page.total), (number, expected, 250), "{filter:?}");
+            found.extend(page.gyros.iter().map(|standing| standing.number));
+        }
+        found
+    }
+
     /// Against the order of the whole fleet, sorted at once.
     #[tokio::test]
     async fn pages_are_cut_out_of_the_fleet_as_if_it_had_been_sorted_whole() {
         let (dir, now) = (tempfile::tempdir().unwrap(), UtcMicros(1_000_000_000_000));
         let mut config = Config::defaults();
         config.database.url = format!("sqlite://{}", dir.path().join("fleet.db").display());
-        let options: Options = config.database.options();
-        let (store, mut writer) = store::open(&options).await.unwrap();
+        let (store, mut writer) = store::open(&config.database.options()).await.unwrap();
         let mut rng = ChaCha8Rng::seed_from_u64(7);
         let rows: Vec<HeadRow> = (1..=250).map(|gyro| drawn(gyro, &mut rng, now)).collect();
         let gyros =
@@ -697,6 +726,10 @@ mod tests {
             row.changed_at.is_some_and(|at| at >= since) || is_overdue(row) && row.overdue_at >= Some(since)
         };
         let status = |row: &HeadRow| row.status.max(is_overdue(row).then_some(Status::Overdue));
+        let is = |row: &HeadRow, of: Status| status(row) == Some(of) || of == Status::Overdue && is_overdue(row);
+        let is_any = |row: &HeadRow, statuses: Option<&[Status]>| {
+            statuses.is_none_or(|statuses| statuses.iter().any(|of| is(row, *of)))
+        };
         let urgency = |row: &HeadRow| (row.rank >= 10, status(row), is_overdue(row));
         let mut sorted: Vec<&HeadRow> = rows.iter().collect();
         sorted.sort_by(|a, b| a.serial.cmp(&b.serial));
@@ -707,20 +740,11 @@ mod tests {
         for statuses in all {
             for text in ["", " S-1", "IMU-12\n", "nobody", "s_1", "%"] {
                 let wanted = text.trim().to_lowercase();
-                let fits = |row: &&&HeadRow| {
-                    let is = |of: &Status| status(row) == Some(*of) || *of == Status::Overdue && is_overdue(row);
-                    row.sought.contains(&wanted) && statuses.is_none_or(|statuses| statuses.iter().any(is))
-                };
+                let fits = |row: &&&HeadRow| row.sought.contains(&wanted) && is_any(row, statuses);
                 let expected: Vec<u32> = sorted.iter().filter(fits).map(|row| row.gyro).collect();
                 let filter = FleetFilter { text, statuses, ..FleetFilter::default() };
-                let mut found = Vec::new();
-                for number in 0..=expected.len().saturating_sub(1) / 17 {
-                    let page = fleet.page(&filter, number, 17).await.unwrap();
-                    assert_eq!((page.number, page.found, page.total), (number, expected.len(), 250), "{filter:?}");
-                    found.extend(page.gyros.iter().map(|standing| standing.number));
-                    cut += 1;
-                }
-                assert_eq!(found, expected, "{filter:?}");
+                cut += expected.len().saturating_sub(1) / 17 + 1;
+                assert_eq!(of_all_pages(fleet, &filter, expected.len()).await, expected, "{filter:?}");
             }
         }
         assert!(cut > 40, "{cut}");
@@ -731,9 +755,7 @@ mod tests {
         for statuses in all {
             for changed_since in [None, Some(UtcMicros(now.0 - 2))] {
                 let fits = |row: &&&HeadRow| {
-                    let is = |of: &Status| status(row) == Some(*of) || *of == Status::Overdue && is_overdue(row);
-                    statuses.is_none_or(|statuses| statuses.iter().any(is))
-                        && changed_since.is_none_or(|since| changed_since_then(row, since))
+                    is_any(row, statuses) && changed_since.is_none_or(|since| changed_since_then(row, since))
                 };
                 let mut expected: Vec<&HeadRow> = sorted.iter().filter(fits).copied().collect();
                 for order in [FleetOrder::Load, FleetOrder::Serial] {
@@ -742,26 +764,19 @@ mod tests {
                         _ => expected.sort_by(|a, b| a.serial.cmp(&b.serial)),
                     }
                     let filter = FleetFilter { statuses, changed_since, order: Some(order), ..FleetFilter::default() };
-                    let mut found = Vec::new();
-                    for number in 0..=expected.len().saturating_sub(1) / 17 {
-                        let page = fleet.page(&filter, number, 17).await.unwrap();
-                        assert_eq!((page.number, page.found), (number, expected.len()), "{filter:?}");
-                        found.extend(page.gyros.iter().map(|standing| standing.number));
-                    }
+                    let found = of_all_pages(fleet, &filter, expected.len()).await;
                     assert!(found.iter().eq(expected.iter().map(|row| &row.gyro)), "{filter:?}");
                 }
             }
         }
         let counts = fleet.page(&FleetFilter::default(), 0, 1).await.unwrap().of_status;
         for (of, count) in Status::ALL.into_iter().zip(counts) {
-            let is = |row: &&HeadRow| status(row) == Some(of) || of == Status::Overdue && is_overdue(row);
-            assert_eq!(count, rows.iter().filter(is).count(), "{of:?}");
+            assert_eq!(count, rows.iter().filter(|row| is(row, of)).count(), "{of:?}");
         }
         for of in Status::ALL {
             let filter = StandingFilter { status: Some(of), state: None };
             let (found, more) = fleet.listed(0, 1000, filter, &FleetFilter::default()).await.unwrap();
-            let is = |row: &&&HeadRow| status(row) == Some(of) || of == Status::Overdue && is_overdue(row);
-            let mut expected: Vec<&HeadRow> = sorted.iter().filter(is).copied().collect();
+            let mut expected: Vec<&HeadRow> = sorted.iter().filter(|row| is(row, of)).copied().collect();
             expected.sort_by(|a, b| a.serial.cmp(&b.serial));
             let expected: Vec<u32> = expected.iter().map(|row| row.gyro).collect();
             assert!(!more && found.iter().map(|standing| standing.number).eq(expected), "{of:?}");

@@ -1,26 +1,88 @@
-//! What is stored, as it is answered: separations made again from the stored body, verdicts as they were decided.
+//! What is stored, as it is answered: separations made again from the stored body, verdicts as they were decided; the
+//! names of what is stored, and whether an item counts.
+
+use std::sync::RwLockReadGuard;
 
 use crate::core::access::AuditEntry;
 use crate::core::bench::BenchItem;
+use crate::core::correction::CorrectionItem;
 use crate::core::diagnose::{ClosureDiagnosis, closures};
 use crate::core::fault::Faults;
 use crate::core::judge::Older;
 use crate::core::judge::history::Need;
 use crate::core::kind::RecordEntry;
+use crate::core::message::{Message, sent};
 use crate::core::name::Name;
 use crate::pipeline::ingest::admit::figures_of;
-use crate::pipeline::ingest::fitted::CampaignFit;
+use crate::pipeline::ingest::campaign::CampaignFit;
 use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
 use crate::pipeline::prelude::*;
-use crate::pipeline::queries::items::{ItemStatus, Names};
 use crate::pipeline::{Calibration, Reader};
-use crate::store::{RecordFilter, RecordRow, StoredVerdict};
+use crate::store::{ConfirmationRow, RecordFilter, RecordRow, StoredVerdict, Tables};
 use crate::system::sha256;
 use crate::wire::answer::{RecordAnswer, VerdictBody};
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::note;
 use crate::wire::reason::Reason;
 use crate::wire::sender::SenderBody;
+use crate::wire::table::nearest;
+
+/// The names of what is stored, while it is looked at.
+#[derive(Debug)]
+pub struct Names<'a>(pub(super) RwLockReadGuard<'a, Tables>);
+
+impl Names<'_> {
+    /// A number that was never given out has no name.
+    pub fn imu(&self, number: u32) -> &str {
+        self.0.imus.text(number)
+    }
+
+    pub fn station(&self, number: u32) -> &str {
+        self.0.stations.text(number)
+    }
+
+    pub fn gyro(&self, number: u32) -> &str {
+        self.0.gyros.text(number)
+    }
+
+    /// That no IMU has the name, with the one that it most resembles where one is near.
+    pub fn unknown_imu(&self, imu: &str) -> Message {
+        match nearest(imu, self.0.imus.all(), 8) {
+            Some(known) => message!("unknown_imu_like", imu = sent(imu), known = sent(known)),
+            None => message!("unknown_imu", imu = sent(imu)),
+        }
+    }
+
+    pub fn imu_number(&self, imu: &str) -> Option<u32> {
+        self.0.imus.number(imu)
+    }
+
+    pub fn station_number(&self, station: &str) -> Option<u32> {
+        self.0.stations.number(station)
+    }
+
+    pub fn gyro_number(&self, serial: &str) -> Option<u32> {
+        self.0.gyros.number(serial)
+    }
+}
+
+/// Whether an item counts, and what was said of it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ItemStatus {
+    /// Of it, and of what it stands in the place of.
+    pub corrections: Vec<CorrectionItem>,
+    /// It does not count until somebody confirms its time.
+    pub set_aside: bool,
+    pub confirmation: Option<ConfirmationRow>,
+    pub is_corrected: bool,
+}
+
+impl ItemStatus {
+    /// It has neither been voided nor revised, and is not set aside.
+    pub fn counts(&self) -> bool {
+        !self.is_corrected && !self.set_aside
+    }
+}
 
 #[derive(Debug, Clone)]
 pub struct StoredRecord {
@@ -118,13 +180,7 @@ impl Records {
         }
         let unreadable =
             |faults: Faults| StoreError::damaged(format_args!("the body of record {id} cannot be read: {faults}"));
-        let (calibration, fitted) = match row.kind {
-            Kind::Record => (self.reader.record_again(&row).await?.map_err(unreadable)?, None),
-            Kind::Campaign => {
-                let fitted = self.reader.fitted_again(&row).await?.map_err(unreadable)?;
-                (self.reader.calibration_again(&row, &fitted), Some(fitted))
-            }
-        };
+        let (calibration, fitted) = self.reader.again(&row).await?.map_err(unreadable)?;
         Ok(Some(Reread { row, calibration, fitted }))
     }
 
@@ -222,20 +278,10 @@ fn in_words(serial: &str, stored: &StoredVerdict, again: &[Verdict]) -> (Verdict
     let seen = again.iter().find(|verdict| StoredVerdict::from(*verdict) == *stored).copied();
     let body = match &seen {
         Some(verdict) => VerdictBody::of(serial, verdict),
-        None => VerdictBody {
-            serial: serial.to_owned(),
-            coefficient: stored.coefficient.name().into(),
-            rule: stored.rule.name().into(),
-            state: stored.state.name().into(),
-            status: stored.status().name().into(),
-            value: stored.value,
-            limit: stored.limit,
-            limit_from: None,
-            sd: stored.sd,
-            probability: stored.probability,
-            confirmed: stored.confirmed,
-            reason: Reason(vec![message!("decided_before")]),
-        },
+        None => {
+            let reason = Reason(vec![message!("decided_before")]);
+            VerdictBody { limit_from: None, reason, ..VerdictBody::of(serial, &stored.without_words()) }
+        }
     };
     (body, seen)
 }

@@ -246,8 +246,5 @@ fn same(a: &StoredVerdict, b: &StoredVerdict) -> bool {
 }
 
 fn near_or_none(a: Option<f64>, b: Option<f64>) -> bool {
-    match (a, b) {
-        (Some(a), Some(b)) => near(a, b),
-        (a, b) => a.is_none() == b.is_none(),
-    }
+    a.zip(b).map_or(a.is_none() && b.is_none(), |(a, b)| near(a, b))
 }

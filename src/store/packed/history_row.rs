@@ -24,7 +24,7 @@ use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::error::{Result, StoreError};
-use crate::store::packed::Fields;
+use crate::store::packed::{Fields, checksum};
 use crate::store::rows::Rows;
 
 /// What a record says of a gyro.
@@ -100,7 +100,7 @@ impl Figures {
         for figure in self.rigid.into_iter().chain(sd).chain([p_i, p_s, closure, p_i_sd, p_s_sd]) {
             out.extend(figure.to_le_bytes());
         }
-        out.extend(checksum(gyro, &out[start..]).to_le_bytes());
+        out.extend(checksum(gyro.to_le_bytes(), &out[start..]).to_le_bytes());
     }
 
     /// # Errors
@@ -112,7 +112,7 @@ impl Figures {
 
     fn read(gyro: u32, bytes: &[u8; PACKED_LEN]) -> Option<Self> {
         let (content, sum) = bytes.split_last_chunk()?;
-        if checksum(gyro, content) != u32::from_le_bytes(*sum) {
+        if checksum(gyro.to_le_bytes(), content) != u32::from_le_bytes(*sum) {
             return None;
         }
         let mut fields = Fields(content);
@@ -134,14 +134,6 @@ impl Figures {
         };
         (version == VERSION).then_some(figures)
     }
-}
-
-/// The gyro is part of it, so that a row that strayed to another gyro is found out.
-fn checksum(gyro: u32, bytes: &[u8]) -> u32 {
-    let mut hasher = crc32fast::Hasher::new();
-    hasher.update(&gyro.to_le_bytes());
-    hasher.update(bytes);
-    hasher.finalize()
 }
 
 fn known<const N: usize>(figures: [f64; N]) -> Option<[f64; N]> {

@@ -4,6 +4,14 @@ pub(super) mod history_row;
 pub(super) mod text;
 pub(super) mod verdicts;
 
+/// Over packed bytes and the number of what they belong to, so that bytes that strayed to another are found out.
+fn checksum<const N: usize>(number: [u8; N], bytes: &[u8]) -> u32 {
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(&number);
+    hasher.update(bytes);
+    hasher.finalize()
+}
+
 /// Takes fields off the front of packed bytes, little-endian; none where too few are left.
 struct Fields<'a>(&'a [u8]);
 

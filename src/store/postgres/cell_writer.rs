@@ -16,9 +16,9 @@ use super::cell_rows::{AllCells, COLUMNS, CellRow};
 use super::hosts::Hosts;
 use super::names;
 use crate::message;
+use crate::store::changes::batch_of;
 use crate::store::name_tables::Names;
 use crate::store::packed::history_row;
-use crate::store::statements::batch_of;
 use crate::store::tables::diagnosis;
 use crate::store::{Cells, Changes, HistoryRow, IdSource, Missed, News, Options, Result, StoreError};
 

@@ -8,7 +8,6 @@ mod bounded;
 pub(in crate::store) mod cell_rows;
 mod cell_writer;
 pub mod claim;
-mod homes;
 pub(in crate::store) mod hosts;
 mod lease;
 pub(in crate::store) mod names;

@@ -9,10 +9,10 @@ use super::checkpoint::{self, Checkpoints};
 use super::checksum::Summing;
 use super::halt::Halt;
 use super::lock::Lock;
+use crate::store::changes::batch_of;
 use crate::store::name_tables::Names;
 use crate::store::sqlite::write_behind::WriteBehind;
 use crate::store::sqlite::write_behind::record_index::{IndexChanges, NewRecord};
-use crate::store::statements::batch_of;
 use crate::store::tables::diagnosis;
 use crate::store::{Changes, RecordRow, Result, StoreError};
 

@@ -16,19 +16,13 @@ pub struct SessionRow {
 }
 
 /// What changes about access; see [`crate::store::Changes`].
-#[derive(Debug, Default)]
+#[derive(Debug, Default, PartialEq)]
 pub struct AccessChanges {
     /// New ones, and those that were revoked.
     pub tokens: Vec<Token>,
     pub sessions: Vec<SessionRow>,
     pub ended: Vec<Id>,
     pub audit: Vec<AuditEntry>,
-}
-
-impl AccessChanges {
-    pub fn is_empty(&self) -> bool {
-        self.tokens.is_empty() && self.sessions.is_empty() && self.ended.is_empty() && self.audit.is_empty()
-    }
 }
 
 columns! {

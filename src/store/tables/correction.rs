@@ -6,7 +6,7 @@ use crate::store::HistoryRow;
 use crate::store::packed::history_row;
 
 /// What a transaction takes out of what counts.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, PartialEq)]
 pub struct Withdrawn {
     pub records: Vec<Id>,
     /// The records' rows of the history, as they stood.

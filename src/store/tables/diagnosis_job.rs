@@ -28,7 +28,7 @@ pub struct CampaignFilter {
 }
 
 /// An order that begins.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub struct NewJob {
     pub id: Id,
     pub asked_at: UtcMicros,
@@ -41,7 +41,7 @@ pub struct NewJob {
 }
 
 /// A campaign whose diagnosis has come to its end.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub struct SettledTask {
     pub record: Id,
     pub begun_at: UtcMicros,
@@ -51,18 +51,12 @@ pub struct SettledTask {
 }
 
 /// What changes about orders; see [`crate::store::Changes`].
-#[derive(Debug, Default)]
+#[derive(Debug, Default, PartialEq)]
 pub struct JobChanges {
     pub started: Vec<NewJob>,
     /// Which, and when.
     pub canceled: Vec<(Id, UtcMicros)>,
     pub settled: Vec<SettledTask>,
-}
-
-impl JobChanges {
-    pub fn is_empty(&self) -> bool {
-        self.started.is_empty() && self.canceled.is_empty() && self.settled.is_empty()
-    }
 }
 
 /// How many tasks of an order are in each state.

@@ -57,11 +57,8 @@ impl HeadRow {
     }
 }
 
-fn both_or_neither<T>(a: Option<T>, b: Option<T>, same: impl Fn(T, T) -> bool) -> bool {
-    match (a, b) {
-        (Some(a), Some(b)) => same(a, b),
-        (a, b) => a.is_none() && b.is_none(),
-    }
+fn both_or_neither<T: Copy>(a: Option<T>, b: Option<T>, same: impl Fn(T, T) -> bool) -> bool {
+    a.zip(b).map_or(a.is_none() && b.is_none(), |(a, b)| same(a, b))
 }
 
 /// A gyro's newest calibration.
@@ -77,7 +74,7 @@ pub struct NewestRow {
 }
 
 /// Rows to be written, and how far all are made.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, PartialEq)]
 pub struct HeadChanges {
     /// One a gyro.
     pub rows: Vec<HeadRow>,
@@ -181,9 +178,10 @@ pub async fn imus_after(store: &Store, after: u32, limit: u32) -> Result<Vec<(u3
     read!(store, all, sql, after, limit)
 }
 
-/// What a list of gyros is narrowed down to.
+/// The fleet at an instant, or what it is narrowed down to.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Narrowed {
+    pub now: UtcMicros,
     pub sought: Option<Sought>,
     /// Number of the station of the newest calibration.
     pub station: Option<u32>,
@@ -199,6 +197,12 @@ pub struct Narrowed {
     pub changed_since: Option<UtcMicros>,
     /// Of production, as the laboratory says.
     pub batch: Option<String>,
+}
+
+impl Narrowed {
+    pub fn is_whole(&self) -> bool {
+        *self == Self { now: self.now, ..Self::default() }
+    }
 }
 
 /// What was searched for.
@@ -227,12 +231,12 @@ impl Sought {
 
 /// Asks of the fleet: its time is `$1`, what it is narrowed down to stands from `$2` on, what else is bound from `$10` on.
 macro_rules! of_fleet {
-    ($store:expr, $rows:ident, $sql:expr, $narrowed:expr, $now:expr $(, $bound:expr)* $(,)?) => {{
-        let Narrowed { sought, station, ever, imu, rule, calibrated_since, changed_since, batch } = $narrowed;
+    ($store:expr, $rows:ident, $sql:expr, $narrowed:expr $(, $bound:expr)* $(,)?) => {{
+        let Narrowed { now, sought, station, ever, imu, rule, calibrated_since, changed_since, batch } = $narrowed;
         let (sought, batch) = (sought.as_ref().map(Sought::words), batch.as_deref());
         read!(
             $store, $rows, AssertSqlSafe($sql),
-            $now, sought, *station, *ever, *imu, *rule, *calibrated_since, *changed_since, batch $(, $bound)*
+            *now, sought, *station, *ever, *imu, *rule, *calibrated_since, *changed_since, batch $(, $bound)*
         )
     }};
 }
@@ -297,12 +301,12 @@ fn tallies_of((rank, [all, overdue]): (i64, [usize; 2])) -> impl Iterator<Item =
 }
 
 /// Counts what is left of the fleet where it is narrowed down.
-pub async fn tallies(store: &Store, narrowed: &Narrowed, now: UtcMicros) -> Result<Vec<Tally>> {
+pub async fn tallies(store: &Store, narrowed: &Narrowed) -> Result<Vec<Tally>> {
     let conditions = conditions(store, narrowed);
     let sql = format!(
         "SELECT rank + 0, count(*), count(*) FILTER (WHERE overdue_at < $1) FROM head WHERE {conditions} GROUP BY 1"
     );
-    let rows: Vec<(i64, [usize; 2])> = of_fleet!(store, all, sql, narrowed, now)?;
+    let rows: Vec<(i64, [usize; 2])> = of_fleet!(store, all, sql, narrowed)?;
     Ok(rows.into_iter().flat_map(tallies_of).collect())
 }
 
@@ -335,9 +339,9 @@ fn conditions(store: &Store, narrowed: &Narrowed) -> String {
 
 /// Gyros that a search finds among those of the other filters, where it finds few: what is asked next then need not
 /// look through the fleet.
-pub async fn sought(store: &Store, narrowed: &Narrowed, now: UtcMicros) -> Result<Option<Sought>> {
+pub async fn sought(store: &Store, narrowed: &Narrowed) -> Result<Option<Sought>> {
     let sql = format!("SELECT gyro FROM head WHERE {} LIMIT {}", conditions(store, narrowed), FEW + 1);
-    let gyros: Vec<u32> = of_fleet!(store, all, sql, narrowed, now)?;
+    let gyros: Vec<u32> = of_fleet!(store, all, sql, narrowed)?;
     Ok((gyros.len() <= FEW).then(|| Sought::Found(gyros.as_slice().bound())))
 }
 
@@ -353,13 +357,7 @@ pub struct Ranks {
 }
 
 /// The gyros of some ranks from place `skip` on, as many as `limit`: the greater load first, then by serial.
-pub async fn of_ranks(
-    store: &Store,
-    ranks: Ranks,
-    narrowed: &Narrowed,
-    now: UtcMicros,
-    [skip, limit]: [usize; 2],
-) -> Result<Vec<u32>> {
+pub async fn of_ranks(store: &Store, ranks: Ranks, narrowed: &Narrowed, [skip, limit]: [usize; 2]) -> Result<Vec<u32>> {
     let Ranks { lowest, highest, is_overdue } = ranks;
     let (conditions, overdue) = (conditions(store, narrowed), overdue(is_overdue));
     // Of one rank the index has the order, and what is found often is soon found in it. Who narrows the fleet down
@@ -367,7 +365,7 @@ pub async fn of_ranks(
     let is_often = match narrowed.sought {
         Some(Sought::Text(_)) => true,
         Some(Sought::Found(_)) => false,
-        None => *narrowed == Narrowed::default(),
+        None => narrowed.is_whole(),
     };
     let parts: Vec<String> = match is_often {
         true => (lowest..=highest).map(|rank| format!("rank = {rank}")).collect(),
@@ -383,7 +381,7 @@ pub async fn of_ranks(
         "SELECT gyro FROM ({}) AS parts ORDER BY load DESC, serial LIMIT $10 OFFSET $11",
         parts.iter().map(part).collect::<Vec<_>>().join(" UNION ALL ")
     );
-    of_fleet!(store, all, sql, narrowed, now, limit, skip)
+    of_fleet!(store, all, sql, narrowed, limit, skip)
 }
 
 /// What a list by serial is narrowed down to besides.
@@ -413,7 +411,6 @@ pub async fn listed(
     order: FleetOrder,
     standings: Standings,
     narrowed: &Narrowed,
-    now: UtcMicros,
     limit: u32,
 ) -> Result<Vec<u32>> {
     let (conditions, key, by_serial) = (conditions(store, narrowed), key(order), order == FleetOrder::Serial);
@@ -432,7 +429,7 @@ pub async fn listed(
          ORDER BY {by} LIMIT $14"
     );
     let Standings { rank, is_overdue, state } = standings;
-    of_fleet!(store, all, sql, narrowed, now, after, rank, is_overdue, state, limit)
+    of_fleet!(store, all, sql, narrowed, after, rank, is_overdue, state, limit)
 }
 
 /// `$1` is the time.
@@ -457,7 +454,6 @@ pub async fn in_order(
     order: FleetOrder,
     of_ranks: Option<&[Ranks]>,
     narrowed: &Narrowed,
-    now: UtcMicros,
     [skip, limit]: [usize; 2],
 ) -> Result<Vec<u32>> {
     let (conditions, ranks) = (conditions(store, narrowed), among_ranks(of_ranks));
@@ -468,7 +464,7 @@ pub async fn in_order(
         FleetOrder::Serial => "serial".to_owned(),
     };
     let sql = format!("SELECT gyro FROM head WHERE {ranks} AND {conditions} ORDER BY {by} LIMIT $10 OFFSET $11");
-    of_fleet!(store, all, sql, narrowed, now, limit, skip)
+    of_fleet!(store, all, sql, narrowed, limit, skip)
 }
 
 /// Gyros of which something began to be worse no earlier than `since`, the newest first: as many as `limit`, of all.
@@ -583,13 +579,12 @@ pub async fn moved(store: &Store, since: UtcMicros, loads: f64, limit: usize) ->
     read!(store, all, sql, since, loads, limit)
 }
 
-/// IMUs by their worst gyro, then by the largest load. `overdue`: the rank that a gyro has at the
-/// least that is overdue `now`.
+/// IMUs by their worst gyro, then by the largest load. `overdue`: the rank that a gyro has at the least that is overdue.
 pub async fn imus(
     store: &Store,
     of_ranks: Option<&[Ranks]>,
     narrowed: &Narrowed,
-    (now, overdue): (UtcMicros, i64),
+    overdue: i64,
     [skip, limit]: [usize; 2],
 ) -> Result<Vec<u32>> {
     let (conditions, ranks) = (conditions(store, narrowed), among_ranks(of_ranks));
@@ -598,19 +593,14 @@ pub async fn imus(
          GROUP BY imu
          ORDER BY max(CASE WHEN overdue_at < $1 AND rank < {overdue} THEN {overdue} ELSE rank END) DESC, max(extreme) DESC, imu LIMIT $10 OFFSET $11"
     );
-    of_fleet!(store, all, sql, narrowed, now, limit, skip)
+    of_fleet!(store, all, sql, narrowed, limit, skip)
 }
 
 /// How many IMUs [`imus`] finds in all.
-pub async fn imus_found(
-    store: &Store,
-    of_ranks: Option<&[Ranks]>,
-    narrowed: &Narrowed,
-    now: UtcMicros,
-) -> Result<usize> {
+pub async fn imus_found(store: &Store, of_ranks: Option<&[Ranks]>, narrowed: &Narrowed) -> Result<usize> {
     let (conditions, ranks) = (conditions(store, narrowed), among_ranks(of_ranks));
     let sql = format!("SELECT count(DISTINCT imu) FROM head WHERE imu IS NOT NULL AND {ranks} AND {conditions}");
-    of_fleet!(store, one, sql, narrowed, now)
+    of_fleet!(store, one, sql, narrowed)
 }
 
 /// The gyros whose newest calibration was made in any of these IMUs, by serial.

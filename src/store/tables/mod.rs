@@ -15,8 +15,7 @@ pub mod access;
 pub mod alerts;
 pub mod bench;
 pub mod correction;
-pub(super) mod delivery;
-pub(super) mod delivery_line;
+pub mod delivery;
 pub mod diagnosis;
 pub mod diagnosis_digest;
 pub mod diagnosis_job;
@@ -30,11 +29,10 @@ pub mod hypothesis;
 pub mod keys;
 pub mod model;
 pub mod names;
-pub mod outbox;
 pub mod record;
 pub mod set_aside;
 pub mod silence;
 pub mod suspect_window;
 
 #[cfg(test)]
-pub(super) mod outbox_tests;
+pub(super) mod delivery_tests;

@@ -10,14 +10,14 @@ use crate::store::handle::Store;
 use crate::store::name_tables::{NamesOf, Table};
 use crate::store::postgres::names::{read, select};
 
-/// A number for a new name, beside `new` others of the same group: of a file the next, of a database server one at
+/// A number for a new name, beside the `new` ones of the same group: of a file the next, of a database server one at
 /// random. A commit that a failover has lost may have been answered, so that its numbers are in use somewhere and
 /// must not become another name's.
-pub fn new_number(store: &Store, known: &Table, new: usize, is_new: impl Fn(u32) -> bool) -> u32 {
+pub fn new_number(store: &Store, known: &Table, new: &Table) -> u32 {
     match store.readers {
-        Readers::Sqlite(..) => known.last_number() + new as u32 + 1,
+        Readers::Sqlite(..) => known.last_number() + new.len() as u32 + 1,
         Readers::Postgres(..) => std::iter::repeat_with(|| rand::random_range(1..=i32::MAX.unsigned_abs()))
-            .find(|number| known.name(*number).is_none() && !is_new(*number))
+            .find(|number| [known, new].iter().all(|names| names.name(*number).is_none()))
             .expect("there are more numbers than names"),
     }
 }

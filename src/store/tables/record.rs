@@ -92,7 +92,7 @@ part! {
 }
 
 /// The same, deflated.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub struct PackedText {
     record: Id,
     pub imu: u32,
@@ -137,7 +137,7 @@ pub async fn unpacked(store: &Store, after: Id, limit: u32) -> Result<Vec<LongTe
 
 /// The verdicts of a stored record, some of them new, beside those that were there. They are of several gyros, which
 /// may be at home in different cells: whoever changes those of one must not undo what others have made of another.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct RejudgedSheet {
     pub sheet: RecordVerdicts,
     packed_before: Vec<u8>,

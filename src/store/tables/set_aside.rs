@@ -4,7 +4,7 @@ use super::*;
 use crate::store::HistoryRow;
 use crate::store::packed::history_row;
 
-#[derive(Debug, Default)]
+#[derive(Debug, Default, PartialEq)]
 pub struct SetAside {
     /// Rows of new records, which never come into the history.
     pub history: Vec<HistoryRow>,

@@ -2,8 +2,7 @@
 
 use std::time::Duration;
 
-use super::context::DeliveryContext;
-use crate::alert::deliver::{Attempt, DeliveryOutcome, Destination};
+use crate::alert::deliver::{Attempt, Courier, DeliveryOutcome, Destination};
 use crate::alert::ladder::{Ladder, Next};
 use crate::alert::payload::{self, Context, Payload};
 use crate::alert::sign::{self, Secret};
@@ -11,13 +10,23 @@ use crate::alert::{AlertTransition, HookEvent, HookKind, HookMessage};
 use crate::core::alert_decision::Action;
 use crate::core::delivery::DeliveryState;
 use crate::core::message::{Message, sent};
-use crate::pipeline::hooks::{Attempted, webhook_id};
+use crate::pipeline::hooks::{Attempted, Hooks, webhook_id};
 use crate::pipeline::prelude::*;
 use crate::store::{DeliverySubject, DueDelivery, HookRow, Progress};
 use crate::system;
 use crate::wire::alert::AlertBody;
 use crate::wire::hook::ExpectBody;
 use crate::wire::message::to_stored;
+
+/// How often while another server delivers, or the lease is only late in being renewed.
+pub(super) const OFF_DUTY: Duration = Duration::from_secs(1);
+
+/// What all delivery queues share.
+pub(super) struct DeliveryContext {
+    pub hooks: Hooks,
+    pub courier: Courier,
+    pub ladder: Ladder,
+}
 
 /// A hook, ready to send to.
 #[derive(Clone)]

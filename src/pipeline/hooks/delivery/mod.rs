@@ -11,7 +11,6 @@
 //! What was sent but not yet written down when the process died is sent again: receivers know it by its `webhook-id`.
 
 mod circuit;
-mod context;
 pub(crate) mod message;
 pub(super) mod pulse;
 mod queue;
@@ -24,7 +23,7 @@ use tokio::task::{Id as TaskId, JoinError, JoinHandle, JoinSet};
 use crate::alert::deliver::Courier;
 use crate::alert::mail::MailError;
 use crate::pipeline::hooks::Hooks;
-use crate::pipeline::hooks::delivery::context::{DeliveryContext, OFF_DUTY};
+use crate::pipeline::hooks::delivery::message::{DeliveryContext, OFF_DUTY};
 use crate::pipeline::prelude::*;
 use crate::store::Duty;
 use crate::words::Language;

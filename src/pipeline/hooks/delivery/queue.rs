@@ -8,14 +8,13 @@ use futures::future::BoxFuture;
 use futures::stream::FuturesUnordered;
 use tokio::sync::watch;
 
-use super::context::{DeliveryContext, OFF_DUTY};
 use crate::alert::HookKind;
 use crate::alert::deliver::{Attempt, DeliveryOutcome};
 use crate::alert::ladder::HORIZON;
 use crate::core::delivery::DeliveryState;
 use crate::pipeline::error::StorageFault;
 use crate::pipeline::hooks::delivery::circuit::Circuit;
-use crate::pipeline::hooks::delivery::message::{self, Addressee};
+use crate::pipeline::hooks::delivery::message::{self, Addressee, DeliveryContext, OFF_DUTY};
 use crate::pipeline::hooks::{Attempted, Found};
 use crate::pipeline::prelude::*;
 use crate::store::{DueDelivery, Duty, Progress};
@@ -179,7 +178,7 @@ impl DeliveryQueue {
         }
         let now = self.context.hooks.clock.now();
         // What has become due since it was last looked for is still to be fetched. The clock may have gone back.
-        let next = store::outbox::next_due(&self.context.hooks.store, self.hook, self.looked_at.min(now)).await?;
+        let next = store::delivery::next_due(&self.context.hooks.store, self.hook, self.looked_at.min(now)).await?;
         // A millisecond more, so that it is due indeed.
         let until =
             next.map(|at| Duration::from_micros((at.0 - now.0).max(0).unsigned_abs()) + Duration::from_millis(1));
@@ -191,7 +190,7 @@ impl DeliveryQueue {
         let horizon = UtcMicros(now.0.saturating_add(HORIZON.as_micros() as i64));
         let limit = FETCH + self.held.len() as u32;
         let store = &self.context.hooks.store;
-        let due = store::outbox::due_of_hook(store, self.hook, now, horizon, limit).await?;
+        let due = store::delivery::due_of_hook(store, self.hook, now, horizon, limit).await?;
         self.never_taken = Arc::new(store::hook::never_taken(store, self.hook).await?);
         self.look_again = due.len() == limit as usize;
         self.looked_at = now;

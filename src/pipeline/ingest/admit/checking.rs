@@ -1,9 +1,8 @@
 //! A calibration held against what is known of its IMU and gyros: what is to be noted, and whether its time is in
 //! doubt.
 
-use super::context::Admission;
 use super::group::Group;
-use super::lookup::Lookup;
+use super::lookup::{Admission, Lookup};
 use super::memory::{Around, Remembered};
 use crate::core::history_note::{
     EARLIER_IN_DOUBT, FAR_DAYS, HistoryNote, NameKind, NamedRecord, SERVICE, Seat, TimeDoubt, doubt, slipped_year,
@@ -95,7 +94,7 @@ impl<'c> Check<'c> {
                 Some(number) => admission.memory.around(admission.store, number, at, group).await?,
                 None => Around::default(),
             };
-            let budget = admission.judging.budget_of(sent.imu.as_str(), gyro.serial.as_str());
+            let budget = admission.config.judging.budget_of(sent.imu.as_str(), gyro.serial.as_str());
             gyros.push(Known { sent: gyro, number, around, budget });
         }
         let imu = admission.lookup(group).number(NamesOf::Imus, sent.imu.as_str());
@@ -160,7 +159,7 @@ impl<'c> Check<'c> {
             }
             (of_gyros, _) => of_gyros,
         };
-        Ok(doubt(at, admission.epochs, nearest))
+        Ok(doubt(at, &admission.config.plausibility.clock_epochs, nearest))
     }
 
     /// New names: what they look like, and who was in the slot before.

@@ -3,8 +3,8 @@
 
 use serde_json::json;
 
-use super::context::Admission;
 use super::group::Group;
+use super::lookup::Admission;
 use super::rows_as_stated;
 use crate::core::correction::CorrectionItem;
 use crate::core::history_note::HistoryNote;
@@ -62,7 +62,7 @@ impl Admission<'_> {
             Corrected::Bench(_) => format!("bench-results/{item}"),
         };
         let action = if replaced_by.is_some() { "revise" } else { "void" };
-        self.audit(&sent.by, (action, subject), &audited, group);
+        self.audit((action, subject), &audited, group);
         group.changes.corrections.push(CorrectionItem { item, replaced_by, at: self.now, author, reason });
     }
 
@@ -169,7 +169,7 @@ impl Admission<'_> {
         group.changes.history.extend(rows);
         let (author, reason) = (sent.author.clone(), sent.reason.clone());
         let audited = json!({ "author": author, "reason": reason });
-        self.audit(&sent.by, ("confirm", format!("records/{id}")), &audited, group);
+        self.audit(("confirm", format!("records/{id}")), &audited, group);
         group.changes.confirmed.push(ConfirmationRow { record: id, at: self.now, author, reason });
         Ok(Accepted::stored(id))
     }
@@ -198,7 +198,7 @@ impl Admission<'_> {
         });
         group.changes.rejudged.notes.push((id, history_note::with(before.as_deref(), &note)));
         let audited = json!({ "author": author, "reason": reason });
-        self.audit(&sent.by, ("suspect", format!("records/{id}")), &audited, group);
+        self.audit(("suspect", format!("records/{id}")), &audited, group);
         group.changes.set_aside.stored.push(StoredAside { record: id, author, reason });
         Ok(Accepted::stored(id))
     }
@@ -219,7 +219,7 @@ impl Admission<'_> {
             "from": time::format(span.from), "to": time::format(span.to), "author": author, "reason": reason,
         });
         let what = (if *trusted { "trust window" } else { "suspect window" }, format!("stations/{}", sent.station));
-        group.changes.access.audit.push(sent.by.line(id, self.now, what, None::<&()>, Some(&audited)));
+        group.changes.access.audit.push(self.by.line(id, self.now, what, None::<&()>, Some(&audited)));
         group.changes.window_marks.push(WindowMarkRow { id, station, mark: sent.mark.clone() });
         Ok(Accepted::stored(id))
     }

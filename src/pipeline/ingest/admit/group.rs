@@ -5,17 +5,15 @@ use serde_json::json;
 use crate::core::bench::BenchMethod;
 use crate::core::history_note::HistoryNote;
 use crate::pipeline::prelude::*;
-use crate::store::{KeyRow, NamesOf};
+use crate::store::{KeyRow, Tables};
 use crate::wire::history_note;
 
 /// A group under construction: what is to be written, and what it already holds besides what is stored.
 #[derive(Debug, Default)]
 pub(crate) struct Group {
     pub changes: Changes,
-    /// Numbers by name, of each kind.
-    names: [HashMap<String, u32>; NamesOf::ALL.len()],
-    /// Of new names.
-    pub(super) numbers: HashSet<(NamesOf, u32)>,
+    /// The new ones.
+    pub(super) names: Tables,
     /// Those that count, by IMU and instant.
     pub(super) records: HashMap<(u32, UtcMicros), (Id, [u8; 32])>,
     /// Those that are set aside: of one instant there may be several.
@@ -23,8 +21,6 @@ pub(crate) struct Group {
     pub(super) rows: HashMap<(u32, UtcMicros), Id>,
     pub(super) benches: HashMap<(u32, UtcMicros, BenchMethod), (Id, [u8; 32])>,
     pub(super) keys: HashMap<String, (Id, [u8; 32])>,
-    /// New names by what they look like.
-    pub(super) looks: HashMap<(NamesOf, String), String>,
     sendings: Vec<Sending>,
 }
 
@@ -41,14 +37,6 @@ struct Sending {
 }
 
 impl Group {
-    pub(super) fn names(&self, of: NamesOf) -> &HashMap<String, u32> {
-        &self.names[of as usize]
-    }
-
-    pub(super) fn names_mut(&mut self, of: NamesOf) -> &mut HashMap<String, u32> {
-        &mut self.names[of as usize]
-    }
-
     pub(super) fn take_key(&mut self, key: Option<&str>, item: Id, body_sha256: [u8; 32]) {
         if let Some(key) = key {
             self.keys.insert(key.to_owned(), (item, body_sha256));

@@ -5,15 +5,27 @@ use super::group::Group;
 use super::memory::Memory;
 use crate::core::correction::CorrectionItem;
 use crate::core::mounting::Slot;
-use crate::core::name::{distance, look_keys};
+use crate::core::name::distance;
 use crate::core::suspect_window::{Mark, SuspectWindow, in_force};
 use crate::pipeline::ingest::same_content::says_the_same;
 use crate::pipeline::prelude::*;
 use crate::pipeline::{Calibration, Refused};
-use crate::store::NamesOf;
+use crate::store::{IdSource, NamesOf, Table};
 
 /// A serial is near to another that differs by so many slips of the pen.
 const SLIPS: usize = 2;
+
+/// What admission may ask.
+pub(crate) struct Admission<'a> {
+    pub store: &'a Store,
+    pub ids: &'a mut IdSource,
+    pub memory: &'a mut Memory,
+    pub ahead: &'a Ahead,
+    pub config: &'a Config,
+    pub now: UtcMicros,
+    /// Whose item is at hand.
+    pub by: &'a Actor,
+}
 
 pub(super) struct Lookup<'a> {
     pub store: &'a Store,
@@ -49,8 +61,13 @@ impl Lookup<'_> {
         Ok(held.filter(|record| !self.group.withdraws(*record)))
     }
 
-    pub fn number(&self, table: NamesOf, name: &str) -> Option<u32> {
-        self.store.names().read().of(table).number(name).or_else(|| self.group.names(table).get(name).copied())
+    /// What `find` finds among the names that are stored, or else among the new ones.
+    fn among_names<T>(&self, of: NamesOf, find: impl Fn(&Table) -> Option<T>) -> Option<T> {
+        find(self.store.names().read().of(of)).or_else(|| find(self.group.names.of(of)))
+    }
+
+    pub fn number(&self, of: NamesOf, name: &str) -> Option<u32> {
+        self.among_names(of, |names| names.number(name))
     }
 
     /// What was said of an item as it stands, this group included.
@@ -146,27 +163,20 @@ impl Lookup<'_> {
         Ok(None)
     }
 
-    pub fn look_alike(&self, table: NamesOf, name: &str) -> Option<String> {
-        let stored = self.store.names().read().of(table).look_alike(name).map(ToString::to_string);
-        stored.or_else(|| {
-            let known = look_keys(name).into_iter().find_map(|key| self.group.looks.get(&(table, key)));
-            known.filter(|known| *known != name).cloned()
-        })
+    pub fn look_alike(&self, of: NamesOf, name: &str) -> Option<String> {
+        self.among_names(of, |names| names.look_alike(name).map(str::to_owned))
     }
 
     /// The known serial that is nearest to a new one; of several that of the slot.
     pub fn nearest(&self, serial: &str, had: &str) -> Option<String> {
         let tables = self.store.names().read();
-        let stored = tables.gyros.all();
-        let all = std::iter::once(had).chain(stored).chain(self.group.names(NamesOf::Gyros).keys().map(String::as_str));
+        let all = std::iter::once(had).chain(tables.gyros.all()).chain(self.group.names.gyros.all());
         let most = SLIPS.min(serial.chars().count() / 3);
         let near = all.filter_map(|known| Some((distance(serial, known, most)?, known)));
         near.min_by_key(|(slips, _)| *slips).map(|(_, known)| known.to_owned())
     }
 
-    pub fn name_of(&self, table: NamesOf, number: u32) -> String {
-        let stored = self.store.names().read().of(table).name(number).map(ToString::to_string);
-        let new = || self.group.names(table).iter().find(|(_, other)| **other == number).map(|(name, _)| name.clone());
-        stored.or_else(new).unwrap_or_default()
+    pub fn name_of(&self, of: NamesOf, number: u32) -> String {
+        self.among_names(of, |names| names.name(number).map(str::to_owned)).unwrap_or_default()
     }
 }

@@ -2,7 +2,6 @@
 
 mod ahead;
 mod checking;
-mod context;
 mod correction;
 mod group;
 mod lookup;
@@ -13,7 +12,6 @@ use serde_json::{Value, json};
 use crate::core::bench::BenchItem;
 use crate::core::figures::{PublishedFigures, States};
 use crate::core::gyro_attributes::GyroAttributes;
-use crate::core::name::look_keys;
 use crate::core::note::Note;
 use crate::core::record::Name;
 use crate::core::separate::{Branch, Separation};
@@ -28,8 +26,8 @@ use crate::wire::document::DocumentKind;
 use crate::wire::{history_note, time};
 pub(crate) use ahead::Ahead;
 use checking::{Check, Checked};
-pub(crate) use context::Admission;
 pub(crate) use group::Group;
+pub(crate) use lookup::Admission;
 use lookup::Lookup;
 pub(crate) use memory::Memory;
 use memory::Remembered;
@@ -178,7 +176,7 @@ impl Admission<'_> {
     }
 
     async fn event(&mut self, order: &EventOrder, group: &mut Group) -> Result<Accepted, Refused> {
-        let EventOrder { serial, event, by } = order;
+        let EventOrder { serial, event } = order;
         let gyro = self.known_gyro(serial, group)?;
         let stored = store::event::of_gyro(self.store, gyro).await?;
         let mut known = stored.iter().chain(group.changes.events.iter().filter(|row| row.gyro == gyro));
@@ -190,7 +188,7 @@ impl Admission<'_> {
             "id": id.to_string(), "event": event.event.name(), "at": time::format(event.at), "reason": event.reason,
             "author": event.author,
         });
-        self.audit(by, ("mark event", format!("gyros/{serial}")), &audited, group);
+        self.audit(("mark event", format!("gyros/{serial}")), &audited, group);
         group.changes.events.push(EventRow { id, gyro, told: event.clone(), received_at: self.now });
         Ok(Accepted::stored(id))
     }
@@ -209,7 +207,7 @@ impl Admission<'_> {
         let audited = |of: &GyroAttributes| json!({ "batch": of.batch, "type": of.r#type, "unit": of.unit });
         let (was, is) = (audited(&before), audited(&attributes));
         let what = ("set attributes", format!("gyros/{}", sent.serial));
-        group.changes.access.audit.push(sent.by.line(line, self.now, what, Some(&was), Some(&is)));
+        group.changes.access.audit.push(self.by.line(line, self.now, what, Some(&was), Some(&is)));
         group.changes.attributes.push(GyroAttributeRow { gyro, attributes });
         Ok(Accepted::stored(line))
     }
@@ -220,10 +218,10 @@ impl Admission<'_> {
         self.lookup(group).number(NamesOf::Gyros, serial.as_str()).ok_or_else(unknown)
     }
 
-    /// Notes in the audit trail what somebody does, and with what outcome.
-    fn audit(&mut self, by: &Actor, what: (&str, String), after: &Value, group: &mut Group) {
+    /// Notes in the audit trail what the sender does, and with what outcome.
+    fn audit(&mut self, what: (&str, String), after: &Value, group: &mut Group) {
         let line = self.ids.next(self.now);
-        group.changes.access.audit.push(by.line(line, self.now, what, None::<&()>, Some(after)));
+        group.changes.access.audit.push(self.by.line(line, self.now, what, None::<&()>, Some(after)));
     }
 
     /// What stands, this group included.
@@ -241,13 +239,9 @@ impl Admission<'_> {
         if let Some(number) = self.lookup(group).number(table, name) {
             return number;
         }
-        let (new, is_new) = (group.names(table).len(), |number| group.numbers.contains(&(table, number)));
-        let number = store::names::new_number(self.store, self.store.names().read().of(table), new, is_new);
-        group.numbers.insert((table, number));
-        group.names_mut(table).insert(name.to_owned(), number);
-        for key in look_keys(name) {
-            group.looks.entry((table, key)).or_insert_with(|| name.to_owned());
-        }
+        let known = self.store.names().read();
+        let number = store::names::new_number(self.store, known.of(table), group.names.of(table));
+        group.names.of_mut(table).add(number, cell, name);
         group.changes.names_mut(table).push(NewName { number, cell, name: name.to_owned() });
         number
     }

@@ -3,6 +3,7 @@
 use crate::core::alert_decision::Alert;
 use crate::core::judge::Coefficient;
 use crate::pipeline::prelude::*;
+use crate::store::HistoryRow;
 
 /// Verdicts by record and gyro number.
 pub(crate) type Verdicts = HashMap<(Id, u32), Vec<Verdict>>;
@@ -14,7 +15,7 @@ pub(crate) struct Judged {
     pub verdicts: Verdicts,
     /// What was the newest of its gyro, in the order of time: each new record that came in order, else the newest
     /// after all.
-    pub newest: Vec<Newest>,
+    pub newest: Vec<HistoryRow>,
     /// Gyros of which something counts no more.
     pub undone: BTreeMap<u32, Undone>,
 }
@@ -30,11 +31,4 @@ pub(crate) struct Undone {
     pub gone: Vec<UtcMicros>,
     pub author: String,
     pub reason: String,
-}
-
-/// A gyro's newest calibration.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Newest {
-    pub gyro: u32,
-    pub figures: Figures,
 }

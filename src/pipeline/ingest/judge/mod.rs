@@ -15,9 +15,9 @@ use crate::pipeline::alerts::Naming;
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, Source, read_ahead, sample_of};
 use crate::pipeline::ingest::judge::withdrawal::Replay;
 use crate::pipeline::prelude::*;
-use crate::store::StoredVerdict;
+use crate::store::{HistoryRow, StoredVerdict};
 
-pub(crate) use judged::{Judged, Newest, Undone, Verdicts};
+pub(crate) use judged::{Judged, Undone, Verdicts};
 
 /// A gyro with more than this part of the records that are remembered is remembered shortened from the first.
 const LARGE_PART: usize = 100;
@@ -177,7 +177,7 @@ impl Judge {
             let judged = line.judge_newest(&limits, older);
             figures.states = states(&judged);
             if at == figures.at {
-                found.newest.push(Newest { gyro, figures: *figures });
+                found.newest.push(HistoryRow { gyro, figures: *figures });
             }
             found.verdicts.insert((figures.record, gyro), judged);
             line.trim(Need::of(&limits));

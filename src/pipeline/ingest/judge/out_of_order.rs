@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use super::{Judge, Judged, Newest, Verdicts, states};
+use super::{Judge, Judged, Verdicts, states};
 use crate::core::judge::history::{Need, baseline_of, seat_baseline_of};
 use crate::core::judge::{BASELINE_RECORDS, Mark, Sample, Seat, baseline_since, judge};
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, Source, load_marks, mark_of, sample_of};
@@ -177,7 +177,7 @@ impl Judge {
         let new_rows = indices.iter().map(|&i| changes.history[i].figures);
         let counted = |figures: &Figures| line.samples().binary_search_by_key(&figures.at, |sample| sample.at).is_ok();
         let newest = stored.iter().copied().chain(new_rows).filter(counted).max_by_key(|figures| figures.at);
-        found.newest.extend(newest.map(|figures| Newest { gyro, figures }));
+        found.newest.extend(newest.map(|figures| HistoryRow { gyro, figures }));
         line.trim(need);
         self.lines.insert(gyro, line);
         Ok(())

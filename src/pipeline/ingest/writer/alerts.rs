@@ -1,12 +1,13 @@
 //! The writer's part in alerts: they follow what a group's judging finds, and what people say.
 
-use super::heads::{Heads, touched};
-use super::shared_look::SharedLook;
-use super::shared_shifts::SharedShifts;
+use super::heads::{self, touched};
+use super::shared_shifts::{SharedLook, SharedShifts};
 use super::state::WriterState;
-use crate::core::alert_decision::Late;
-use crate::pipeline::alerts::{AlertCache, AlertContext, Causes, Naming, SharedVerdict, follow_clock, follow_group};
-use crate::pipeline::hooks::{CurrentAlert, OutboxContext};
+use crate::core::alert_decision::{Action, Alert, Late};
+use crate::pipeline::alerts::{
+    AlertCache, AlertContext, Causes, Naming, News, SharedVerdict, follow_clock, follow_group,
+};
+use crate::pipeline::hooks::OutboxContext;
 use crate::pipeline::ingest::judge::Judged;
 use crate::pipeline::prelude::*;
 use crate::pipeline::queries::agreement::{Agreement, agreement_after};
@@ -93,7 +94,7 @@ impl WriterState {
             return Ok(());
         }
         self.alerts.recall(&self.store, gyros.iter().copied(), self.clock.now()).await?;
-        changes.heads.rows = self.heads().rows(&gyros, changes).await?;
+        changes.heads.rows = heads::rows(self, &gyros, changes).await?;
         self.enter_stations(changes);
         Ok(())
     }
@@ -107,11 +108,6 @@ impl WriterState {
         changes.heads.seen = pairs.into_iter().filter(|pair| self.seen_at.insert(*pair)).collect();
     }
 
-    pub(super) fn heads(&self) -> Heads<'_> {
-        let Self { store, config, judge, alerts, .. } = self;
-        Heads { store, judging: &config.judging, judge, alerts }
-    }
-
     pub(super) fn shared_look(&self, now: UtcMicros) -> SharedLook {
         SharedLook { store: self.store.clone(), config: self.config.clone(), now, nothing: self.nothing_shared }
     }
@@ -121,13 +117,16 @@ impl WriterState {
         SharedShifts { store, config, alerts, now }
     }
 
-    /// Every alert as it stands.
-    pub(super) async fn standings(&self, now: UtcMicros) -> Result<Vec<CurrentAlert>, StoreError> {
+    /// Every alert as it stands, for a hook that begins to listen: it hears what others were spared because it was found
+    /// late.
+    pub(super) async fn standings(&self, now: UtcMicros) -> Result<Vec<News>, StoreError> {
         let rows = store::alerts::all(&self.store).await?;
         let naming = Naming { tables: &self.store.names().read(), new: None };
         // One that cannot be read is told to nobody; the next look at it names the damage.
-        let standing =
-            |row: &AlertRow| Some(CurrentAlert { id: row.id, alert: row.alert, body: naming.alert(row, now).ok()? });
+        let standing = |row: &AlertRow| {
+            let (alert, body) = (Alert { hushed: None, ..row.alert }, Some(naming.alert(row, now).ok()?));
+            Some(News { id: row.id, alert, action: Action::Silent, step: None, body, cause: None })
+        };
         Ok(rows.iter().filter_map(standing).collect())
     }
 
@@ -141,7 +140,7 @@ impl WriterState {
 
     /// Lets the alerts of these gyros, which are in memory, follow the clock.
     pub(super) async fn follow_overdue(&mut self, gyros: &[u32], late: Late, now: UtcMicros) -> Result<(), StoreError> {
-        let out_of_use = self.heads().out_of_use(gyros).await?;
+        let out_of_use = heads::out_of_use(self, gyros).await?;
         let newest = store::histories::last(&self.store, gyros).await?;
         let naming = Naming { tables: &self.store.names().read(), new: None };
         let mut context = AlertContext { now, writer: &mut self.writer, naming, cause: None, late };

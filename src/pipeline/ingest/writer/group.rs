@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use tokio::sync::watch;
 
-use super::forecasts::ForecastAlerts;
+use super::forecasts;
 use super::state::{Item, Prepared, Tally, WriterState, items_of};
 use crate::pipeline::alerts::Causes;
 use crate::pipeline::ingest::admit::{Admission, Ahead, Group};
@@ -14,93 +14,82 @@ use crate::pipeline::write_queue::StoreJob;
 use crate::pipeline::{CalibratedGyro, Judged, Refused, Reply, Submission};
 use crate::telemetry;
 
-/// A group that is made ready.
-pub(super) struct Preparation<'a> {
-    pub state: &'a mut WriterState,
-    pub items: &'a [Item<'a>],
+/// Admits and judges a group, and lets the alerts follow. What is remembered of its gyros is then ahead of what
+/// is stored.
+pub(super) async fn prepare(state: &mut WriterState, items: &[Item<'_>]) -> Result<Prepared, StoreError> {
+    let mut group = Group::default();
+    let mut replies = Vec::with_capacity(items.len());
+    let (now, service) = (state.clock.now(), Actor::by_caller());
+    read_histories(state, items).await?;
+    let ahead = Ahead::read(&state.store, &state.memory, items.iter().map(|item| item.sent)).await?;
+    let mut admission = Admission {
+        store: &state.store,
+        ids: state.writer.ids(),
+        memory: &mut state.memory,
+        ahead: &ahead,
+        config: &state.config,
+        now,
+        by: &service,
+    };
+    for item in items {
+        admission.by = item.by;
+        replies.push(admission.admit(item.sent, &mut group).await);
+    }
+    let judging = Instant::now();
+    group.audit_sendings(now);
+    let mut changes = group.changes;
+    let found = state.judge.judge(&mut changes).await?;
+    let agreements = state.agreements(&changes).await?;
+    let touched = found.newest.iter().map(|newest| newest.gyro).chain(found.undone.keys().copied());
+    let touched = touched.chain(agreements.iter().map(|agreement| agreement.gyro));
+    state.alerts.recall(&state.store, touched, now).await?;
+    let new = || items.iter().zip(&replies).filter_map(|(item, reply)| Some((stored_as(reply)?, item)));
+    let sent = new().filter_map(|(id, item)| Some((id, item.sent.calibration()?))).collect();
+    forecasts::withdraw(state, &changes, now).await?;
+    let causes = Causes::of(new().map(|(id, item)| (id, item.late)).collect(), &changes);
+    state.follow(&sent, &mut changes, (&found, &agreements), &causes, now).await?;
+    metrics::histogram!(telemetry::JUDGING).record(judging.elapsed());
+    let tally = Tally::of(&sent, &changes, &found.verdicts);
+    if items.iter().any(|item| item.with_verdicts) {
+        enter_verdicts(&state.store, items, &mut replies, &found.verdicts, &changes);
+    }
+    state.enter_heads(&mut changes).await?;
+    Ok(Prepared { changes, replies, tally })
 }
 
-impl Preparation<'_> {
-    /// Admits and judges a group, and lets the alerts follow. What is remembered of its gyros is then ahead of what
-    /// is stored.
-    pub async fn prepare(&mut self) -> Result<Prepared, StoreError> {
-        let items = self.items;
-        let mut group = Group::default();
-        let mut replies = Vec::with_capacity(items.len());
-        let (now, service) = (self.state.clock.now(), Actor::by_caller());
-        self.read_histories().await?;
-        let ahead = Ahead::read(&self.state.store, &self.state.memory, items.iter().map(|item| item.sent)).await?;
-        let mut admission = Admission {
-            store: &self.state.store,
-            ids: self.state.writer.ids(),
-            memory: &mut self.state.memory,
-            ahead: &ahead,
-            judging: &self.state.config.judging,
-            epochs: &self.state.config.plausibility.clock_epochs,
-            now,
-            by: &service,
-        };
-        for item in items {
-            admission.by = item.by;
-            replies.push(admission.admit(item.sent, &mut group).await);
-        }
-        let judging = Instant::now();
-        group.audit_sendings(now);
-        let mut changes = group.changes;
-        let found = self.state.judge.judge(&mut changes).await?;
-        let agreements = self.state.agreements(&changes).await?;
-        let touched = found.newest.iter().map(|newest| newest.gyro).chain(found.undone.keys().copied());
-        let touched = touched.chain(agreements.iter().map(|agreement| agreement.gyro));
-        self.state.alerts.recall(&self.state.store, touched, now).await?;
-        let new = || items.iter().zip(&replies).filter_map(|(item, reply)| Some((stored_as(reply)?, item)));
-        let sent = new().filter_map(|(id, item)| Some((id, item.sent.calibration()?))).collect();
-        ForecastAlerts { state: self.state, now }.withdraw(&changes).await?;
-        let causes = Causes::of(new().map(|(id, item)| (id, item.late)).collect(), &changes);
-        self.state.follow(&sent, &mut changes, (&found, &agreements), &causes, now).await?;
-        metrics::histogram!(telemetry::JUDGING).record(judging.elapsed());
-        let tally = Tally::of(&sent, &changes, &found.verdicts);
-        if items.iter().any(|item| item.with_verdicts) {
-            self.enter_verdicts(&mut replies, &found.verdicts, &changes);
-        }
-        self.state.enter_heads(&mut changes).await?;
-        Ok(Prepared { changes, replies, tally })
-    }
+/// Reads ahead what is stored of the gyros of a group that are not remembered.
+async fn read_histories(state: &mut WriterState, items: &[Item<'_>]) -> Result<(), StoreError> {
+    let gyros: Vec<u32> = {
+        let tables = state.store.names().read();
+        let sent = items.iter().filter_map(|item| item.sent.calibration()).flat_map(|sent| &sent.gyros);
+        let known = sent.filter_map(|gyro| tables.gyros.number(gyro.serial.as_str()));
+        let unknown = known.filter(|gyro| !state.judge.knows(*gyro) || !state.memory.knows(*gyro));
+        unknown.collect::<BTreeSet<u32>>().into_iter().collect()
+    };
+    let most = state.judge.read_ahead();
+    let rows = store::histories::newest_ever(&state.store, &gyros, most).await?;
+    let read: Vec<_> = gyros.into_iter().zip(rows).collect();
+    state.memory.take_in(read.iter().map(|(gyro, rows)| (*gyro, rows.as_slice(), rows.len() < most)));
+    let unknown: Vec<_> = read.into_iter().filter(|(gyro, _)| !state.judge.knows(*gyro)).collect();
+    state.judge.take_in(&unknown).await
+}
 
-    /// Reads ahead what is stored of the gyros of a group that are not remembered.
-    async fn read_histories(&mut self) -> Result<(), StoreError> {
-        let gyros: Vec<u32> = {
-            let tables = self.state.store.names().read();
-            let sent = self.items.iter().filter_map(|item| item.sent.calibration()).flat_map(|sent| &sent.gyros);
-            let known = sent.filter_map(|gyro| tables.gyros.number(gyro.serial.as_str()));
-            let unknown = known.filter(|gyro| !self.state.judge.knows(*gyro) || !self.state.memory.knows(*gyro));
-            unknown.collect::<BTreeSet<u32>>().into_iter().collect()
-        };
-        let most = self.state.judge.read_ahead();
-        let rows = store::histories::newest_ever(&self.state.store, &gyros, most).await?;
-        let read: Vec<_> = gyros.into_iter().zip(rows).collect();
-        self.state.memory.take_in(read.iter().map(|(gyro, rows)| (*gyro, rows.as_slice(), rows.len() < most)));
-        let unknown: Vec<_> = read.into_iter().filter(|(gyro, _)| !self.state.judge.knows(*gyro)).collect();
-        self.state.judge.take_in(&unknown).await
-    }
-
-    fn enter_verdicts(&self, replies: &mut [Reply], verdicts: &Verdicts, changes: &Changes) {
-        let tables = self.state.store.names().read();
-        // Names that nobody can look up before this group is stored.
-        let new: HashMap<&str, u32> = changes.gyros.iter().map(|new| (new.name.as_str(), new.number)).collect();
-        let number = |serial: &str| tables.gyros.number(serial).or_else(|| new.get(serial).copied());
-        let judged = |id: Id, gyro: &CalibratedGyro| {
-            let by_history = number(gyro.serial.as_str()).and_then(|number| verdicts.get(&(id, number)));
-            let verdicts = by_history.into_iter().flatten().chain(gyro.requirements.iter().flatten());
-            Judged { serial: gyro.serial.as_str().into(), verdicts: verdicts.copied().collect() }
-        };
-        for (item, reply) in self.items.iter().zip(replies).filter(|(item, _)| item.with_verdicts) {
-            if let (Some(sent), Ok(Accepted::Stored { id, judged: entered, .. })) = (item.sent.calibration(), reply) {
-                *entered = sent.gyros.iter().map(|gyro| judged(*id, gyro)).collect();
-            }
+fn enter_verdicts(store: &Store, items: &[Item<'_>], replies: &mut [Reply], verdicts: &Verdicts, changes: &Changes) {
+    let tables = store.names().read();
+    // Names that nobody can look up before this group is stored.
+    let new: HashMap<&str, u32> = changes.gyros.iter().map(|new| (new.name.as_str(), new.number)).collect();
+    let number = |serial: &str| tables.gyros.number(serial).or_else(|| new.get(serial).copied());
+    let judged = |id: Id, gyro: &CalibratedGyro| {
+        let by_history = number(gyro.serial.as_str()).and_then(|number| verdicts.get(&(id, number)));
+        let verdicts = by_history.into_iter().flatten().chain(gyro.requirements.iter().flatten());
+        Judged { serial: gyro.serial.as_str().into(), verdicts: verdicts.copied().collect() }
+    };
+    for (item, reply) in items.iter().zip(replies).filter(|(item, _)| item.with_verdicts) {
+        if let (Some(sent), Ok(Accepted::Stored { id, judged: entered, .. })) = (item.sent.calibration(), reply) {
+            *entered = sent.gyros.iter().map(|gyro| judged(*id, gyro)).collect();
         }
     }
 }
-
 /// The answers to a group that has been written. `due` moves when diagnoses have become due.
 pub(super) fn settle(items: &[Item<'_>], prepared: Prepared, due: &watch::Sender<u64>) -> Vec<Reply> {
     let Prepared { changes, replies, tally, .. } = prepared;

@@ -1,9 +1,8 @@
 //! How gyros stand, written with what changes it: a row of the table `head` for each gyro that a transaction touches.
 
-use crate::config::Judging;
+use super::state::WriterState;
 use crate::core::judge::{Event, Outlook};
-use crate::pipeline::alerts::{AlertCache, Naming};
-use crate::pipeline::ingest::judge::Judge;
+use crate::pipeline::alerts::Naming;
 use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
 use crate::pipeline::prelude::*;
 use crate::pipeline::queries::heads::{checksum, row_of, stations_of, stored_outlooks, stored_rows};
@@ -13,121 +12,118 @@ use crate::store::{Cells, HeadChanges, HeadRow, HeadsMade, HistoryRow, RecordVer
 /// Rows of one transaction where all are made.
 const AT_ONCE: u32 = 1000;
 
-/// How gyros will stand: by what a transaction changes, what is remembered and what is stored.
-pub(super) struct Heads<'a> {
-    pub store: &'a Store,
-    pub judging: &'a Judging,
-    pub judge: &'a Judge,
-    /// As they will be stored.
-    pub alerts: &'a AlertCache,
+/// How these gyros will stand once `changes` are stored: by what these change, what is remembered and what is stored.
+/// Their alerts are in memory as they will be stored.
+pub(super) async fn rows(state: &WriterState, gyros: &[u32], changes: &Changes) -> Result<Vec<HeadRow>, StoreError> {
+    let newest = newest_after(state, gyros, changes).await?;
+    let mut sheets: HashMap<Id, &RecordVerdicts> =
+        changes.records.iter().map(|record| (record.id, &record.verdicts)).collect();
+    sheets.extend(changes.rejudged.sheets.iter().map(|(record, again)| (*record, &again.sheet)));
+    let records = newest.values().map(|figures| figures.record).filter(|record| !sheets.contains_key(record));
+    let records: BTreeSet<Id> = records.collect();
+    let stored = store::record::verdict_sheets(&state.store, records.into_iter()).await?;
+    sheets.extend(stored.iter().map(|(record, sheet)| (*record, sheet)));
+    let out_of_use = out_of_use(state, gyros).await?;
+    let outlooks = outlooks(state, &newest, changes).await?;
+    let naming = Naming { tables: &state.store.names().read(), new: Some(changes) };
+    let row = |gyro: &u32| {
+        let newest = newest.get(gyro).copied();
+        let facts = Facts {
+            number: *gyro,
+            serial: naming.gyro(*gyro).into(),
+            newest,
+            verdicts: newest.and_then(|figures| sheets.get(&figures.record)).map_or(&[], |sheet| sheet.of(*gyro)),
+            alerted: &Alerted::of(state.alerts.firing(*gyro))?,
+            out_of_use: out_of_use.get(gyro).copied(),
+            outlook: outlooks.get(gyro).copied().unwrap_or_default(),
+        };
+        Ok(row_of(&facts, &state.config.judging, &naming))
+    };
+    gyros.iter().map(row).collect()
 }
 
-impl Heads<'_> {
-    /// How these gyros will stand once `changes` are stored.
-    pub async fn rows(&self, gyros: &[u32], changes: &Changes) -> Result<Vec<HeadRow>, StoreError> {
-        let newest = self.newest_after(gyros, changes).await?;
-        let mut sheets: HashMap<Id, &RecordVerdicts> =
-            changes.records.iter().map(|record| (record.id, &record.verdicts)).collect();
-        sheets.extend(changes.rejudged.sheets.iter().map(|(record, again)| (*record, &again.sheet)));
-        let records = newest.values().map(|figures| figures.record).filter(|record| !sheets.contains_key(record));
-        let records: BTreeSet<Id> = records.collect();
-        let stored = store::record::verdict_sheets(self.store, records.into_iter()).await?;
-        sheets.extend(stored.iter().map(|(record, sheet)| (*record, sheet)));
-        let out_of_use = self.out_of_use(gyros).await?;
-        let outlooks = self.outlooks(&newest, changes).await?;
-        let naming = Naming { tables: &self.store.names().read(), new: Some(changes) };
-        let row = |gyro: &u32| {
-            let newest = newest.get(gyro).copied();
-            let facts = Facts {
-                number: *gyro,
-                serial: naming.gyro(*gyro).into(),
-                newest,
-                verdicts: newest.and_then(|figures| sheets.get(&figures.record)).map_or(&[], |sheet| sheet.of(*gyro)),
-                alerted: &Alerted::of(self.alerts.firing(*gyro))?,
-                out_of_use: out_of_use.get(gyro).copied(),
-                outlook: outlooks.get(gyro).copied().unwrap_or_default(),
-            };
-            Ok(row_of(&facts, self.judging, &naming))
-        };
-        gyros.iter().map(row).collect()
+/// How gyros with these newest calibrations lie to their budgets and where they go: by the verdicts of this
+/// transaction; of what it does not judge, by what is remembered, or else by what is stored.
+async fn outlooks(
+    state: &WriterState,
+    newest: &HashMap<u32, Figures>,
+    changes: &Changes,
+) -> Result<HashMap<u32, Outlook>, StoreError> {
+    let (mut outlooks, mut unknown) = (HashMap::with_capacity(newest.len()), Vec::new());
+    for (gyro, figures) in newest {
+        let judged = changes.heads.outlooks.get(&(figures.record, *gyro)).copied();
+        match judged.or_else(|| state.judge.outlook(*gyro, figures.imu, changes)) {
+            Some(outlook) => _ = outlooks.insert(*gyro, outlook),
+            None => unknown.push((*gyro, Some(*figures))),
+        }
     }
+    if unknown.is_empty() {
+        return Ok(outlooks);
+    }
+    let gyros: Vec<u32> = unknown.iter().map(|(gyro, _)| *gyro).collect();
+    for row in store::head::of_gyros(&state.store, &gyros).await? {
+        let same = row.newest.map(|newest| newest.record) == newest.get(&row.gyro).map(|figures| figures.record);
+        if same {
+            outlooks.insert(row.gyro, row.outlook);
+        }
+    }
+    unknown.retain(|(gyro, _)| !outlooks.contains_key(gyro));
+    outlooks.extend(stored_outlooks(&state.store, &state.config.judging, &unknown).await?);
+    Ok(outlooks)
+}
 
-    /// How gyros with these newest calibrations lie to their budgets and where they go: by the verdicts of this
-    /// transaction; of what it does not judge, by what is remembered, or else by what is stored.
-    async fn outlooks(
-        &self,
-        newest: &HashMap<u32, Figures>,
-        changes: &Changes,
-    ) -> Result<HashMap<u32, Outlook>, StoreError> {
-        let (mut outlooks, mut unknown) = (HashMap::with_capacity(newest.len()), Vec::new());
-        for (gyro, figures) in newest {
-            let judged = changes.heads.outlooks.get(&(figures.record, *gyro)).copied();
-            match judged.or_else(|| self.judge.outlook(*gyro, figures.imu, changes)) {
-                Some(outlook) => _ = outlooks.insert(*gyro, outlook),
-                None => unknown.push((*gyro, Some(*figures))),
-            }
+/// The newest calibration of each of these gyros once `changes` are stored. Nearly always it is one of them.
+async fn newest_after(
+    state: &WriterState,
+    gyros: &[u32],
+    changes: &Changes,
+) -> Result<HashMap<u32, Figures>, StoreError> {
+    let mut newest: HashMap<u32, Figures> = HashMap::new();
+    // Of one instant the last holds.
+    let learn = |newest: &mut HashMap<u32, Figures>, gyro: u32, figures: Figures| {
+        let known = newest.entry(gyro).or_insert(figures);
+        if figures.at >= known.at {
+            *known = figures;
         }
-        if unknown.is_empty() {
-            return Ok(outlooks);
+    };
+    for HistoryRow { gyro, figures } in changes.history.iter().chain(&changes.rejudged.history) {
+        if !figures.voided {
+            learn(&mut newest, *gyro, *figures);
         }
-        let gyros: Vec<u32> = unknown.iter().map(|(gyro, _)| *gyro).collect();
-        for row in store::head::of_gyros(self.store, &gyros).await? {
-            let same = row.newest.map(|newest| newest.record) == newest.get(&row.gyro).map(|figures| figures.record);
-            if same {
-                outlooks.insert(row.gyro, row.outlook);
-            }
-        }
-        unknown.retain(|(gyro, _)| !outlooks.contains_key(gyro));
-        outlooks.extend(stored_outlooks(self.store, self.judging, &unknown).await?);
-        Ok(outlooks)
     }
+    let is_newest = |gyro: &u32| {
+        let judged = state.judge.window(*gyro).and_then(GyroWindow::newest);
+        judged.is_some() && judged == newest.get(gyro).map(|figures| figures.at)
+    };
+    let asked: Vec<u32> = gyros.iter().copied().filter(|gyro| !is_newest(gyro)).collect();
+    // So many of them may count no more.
+    let gone: usize = changes.withdrawn.history.len();
+    let stored = store::histories::newest_ever(&state.store, &asked, 1 + gone).await?;
+    for (gyro, rows) in asked.iter().zip(stored) {
+        let counts = |figures: &&Figures| {
+            let is_it = |row: &HistoryRow| row.gyro == *gyro && row.figures.record == figures.record;
+            !changes.withdrawn.history.iter().any(is_it)
+        };
+        let stored = rows.iter().rfind(counts);
+        let stored = stored.filter(|stored| newest.get(gyro).is_none_or(|known| stored.at > known.at));
+        newest.extend(stored.map(|figures| (*gyro, *figures)));
+    }
+    Ok(newest)
+}
 
-    /// The newest calibration of each of these gyros once `changes` are stored. Nearly always it is one of them.
-    async fn newest_after(&self, gyros: &[u32], changes: &Changes) -> Result<HashMap<u32, Figures>, StoreError> {
-        let mut newest: HashMap<u32, Figures> = HashMap::new();
-        // Of one instant the last holds.
-        let learn = |newest: &mut HashMap<u32, Figures>, gyro: u32, figures: Figures| {
-            let known = newest.entry(gyro).or_insert(figures);
-            if figures.at >= known.at {
-                *known = figures;
-            }
-        };
-        for HistoryRow { gyro, figures } in changes.history.iter().chain(&changes.rejudged.history) {
-            if !figures.voided {
-                learn(&mut newest, *gyro, *figures);
-            }
-        }
-        let is_newest = |gyro: &u32| {
-            let judged = self.judge.window(*gyro).and_then(GyroWindow::newest);
-            judged.is_some() && judged == newest.get(gyro).map(|figures| figures.at)
-        };
-        let asked: Vec<u32> = gyros.iter().copied().filter(|gyro| !is_newest(gyro)).collect();
-        // So many of them may count no more.
-        let gone: usize = changes.withdrawn.history.len();
-        let stored = store::histories::newest_ever(self.store, &asked, 1 + gone).await?;
-        for (gyro, rows) in asked.iter().zip(stored) {
-            let counts = |figures: &&Figures| {
-                let is_it = |row: &HistoryRow| row.gyro == *gyro && row.figures.record == figures.record;
-                !changes.withdrawn.history.iter().any(is_it)
-            };
-            let stored = rows.iter().rfind(counts);
-            let stored = stored.filter(|stored| newest.get(gyro).is_none_or(|known| stored.at > known.at));
-            newest.extend(stored.map(|figures| (*gyro, *figures)));
-        }
-        Ok(newest)
-    }
-
-    /// When gyros were taken out of use last, by what has been judged or else by what is stored.
-    pub async fn out_of_use(&self, gyros: &[u32]) -> Result<HashMap<u32, (UtcMicros, Event)>, StoreError> {
-        let unknown: Vec<u32> = gyros.iter().copied().filter(|gyro| self.judge.window(*gyro).is_none()).collect();
-        let mut all = store::event::out_of_use_of(self.store, &unknown).await?;
-        let ended = |gyro: &u32| {
-            let ended = self.judge.window(*gyro)?.marks().iter().rfind(|mark| mark.event.ends_calibrations())?;
-            Some((*gyro, (ended.at, ended.event)))
-        };
-        all.extend(gyros.iter().filter_map(ended));
-        Ok(all)
-    }
+/// When gyros were taken out of use last, by what has been judged or else by what is stored.
+pub(super) async fn out_of_use(
+    state: &WriterState,
+    gyros: &[u32],
+) -> Result<HashMap<u32, (UtcMicros, Event)>, StoreError> {
+    let unknown: Vec<u32> = gyros.iter().copied().filter(|gyro| state.judge.window(*gyro).is_none()).collect();
+    let mut all = store::event::out_of_use_of(&state.store, &unknown).await?;
+    let ended = |gyro: &u32| {
+        let ended = state.judge.window(*gyro)?.marks().iter().rfind(|mark| mark.event.ends_calibrations())?;
+        Some((*gyro, (ended.at, ended.event)))
+    };
+    all.extend(gyros.iter().filter_map(ended));
+    Ok(all)
 }
 
 /// The gyros of which something becomes different.

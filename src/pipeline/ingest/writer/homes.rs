@@ -92,7 +92,7 @@ impl Homes<'_> {
             Found::Back(_) => None,
         };
         let deliveries: Vec<Id> = found.iter().filter_map(|found| attempted(&found)).collect();
-        self.of_alerts(store::outbox::gyros_of(self.store, &deliveries).await?).await
+        self.of_alerts(store::delivery::gyros_of(self.store, &deliveries).await?).await
     }
 
     /// Of an alert, which may not exist.

@@ -9,7 +9,6 @@ mod heads;
 mod homes;
 pub(crate) mod overlapped;
 mod restate;
-mod shared_look;
 mod shared_shifts;
 mod state;
 pub(crate) mod turn;
@@ -32,10 +31,7 @@ use crate::pipeline::write_queue::{Job, ReplyTo, StoreJob};
 use crate::pipeline::{AccessOrder, DiagnosisOrder, HypothesisOrder, Order, Reply};
 use crate::store::{Cells, Duty, Writer};
 use crate::telemetry;
-use clock::ClockTick;
-use forecasts::ForecastAlerts;
-use group::{Preparation, answer, settle};
-use restate::Restating;
+use group::{answer, prepare, settle};
 use state::{Item, WriterState, items_of};
 use turn::in_turn;
 
@@ -115,8 +111,7 @@ impl Task {
                 Some(looked) = self.looks.join_next() => {
                     self.finish().await;
                     let nothing = looked.unwrap_or_else(|error| std::panic::resume_unwind(error.into_panic()));
-                    let now = self.state.clock.now();
-                    ClockTick { state: &mut self.state, now }.tick(nothing).await;
+                    clock::tick(&mut self.state, nothing).await;
                 }
                 Some(missed) = turn::next_of(&mut moves) => self.state.hear_of(&missed).await,
             }
@@ -158,8 +153,7 @@ impl Task {
         }
         // After what was queued before.
         if !later.shared.is_empty() {
-            let now = self.state.clock.now();
-            ClockTick { state: &mut self.state, now }.look_at_shared().await;
+            clock::look_at_shared(&mut self.state).await;
             later.shared.into_iter().for_each(|reply| drop(reply.send(Ok(()))));
         }
         for reply in later.digests {
@@ -178,11 +172,13 @@ impl Task {
             Job::Shared(reply) => later.shared.push(reply),
             Job::Model { adoption, by, reply } => {
                 // Its gyros may have come from anywhere.
-                let _gone = reply.send(in_turn!(self.state, Cells::all(), self.restating().adopt(&adoption, &by)));
+                let _gone =
+                    reply.send(in_turn!(self.state, Cells::all(), restate::adopt(&mut self.state, &adoption, &by)));
                 self.state.after.due.send_modify(|moved| *moved += 1);
             }
             Job::Restate { stale, reply } => {
-                let _gone = reply.send(in_turn!(self.state, Cells::all(), self.restating().state_anew(&stale)));
+                let _gone =
+                    reply.send(in_turn!(self.state, Cells::all(), restate::state_anew(&mut self.state, &stale)));
             }
             Job::Pack { texts, reply } => {
                 let cells = self.state.homes().of_texts(&texts);
@@ -197,7 +193,7 @@ impl Task {
                 let _gone = reply.send(in_turn!(self.state, Cells::one(0), self.order_diagnoses(&order, &by)));
             }
             Job::Diagnosed { made, reply } => {
-                let _gone = reply.send(in_turn!(self.state, Cells::one(0), self.forecasts().keep(&made)));
+                let _gone = reply.send(in_turn!(self.state, Cells::one(0), forecasts::keep(&mut self.state, &made)));
             }
             Job::Alert { order, by, reply } => {
                 let cells = self.state.homes().of_alert(order.alert).await;
@@ -222,16 +218,6 @@ impl Task {
         let mut ticks = interval_at(tokio::time::Instant::now() + period.min(AFTER_START), period);
         ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
         ticks
-    }
-
-    fn restating(&mut self) -> Restating<'_> {
-        let now = self.state.clock.now();
-        Restating { state: &mut self.state, now }
-    }
-
-    fn forecasts(&mut self) -> ForecastAlerts<'_> {
-        let now = self.state.clock.now();
-        ForecastAlerts { state: &mut self.state, now }
     }
 
     async fn process(&mut self, jobs: Vec<StoreJob>) {
@@ -370,8 +356,7 @@ impl Task {
         for (item, anew) in items.iter_mut().zip(&anew) {
             item.sent = anew.as_ref().unwrap_or(item.sent);
         }
-        let items = &items;
-        let prepared = Preparation { state: &mut self.state, items }.prepare().await?;
+        let prepared = prepare(&mut self.state, &items).await?;
         let changes = &prepared.changes;
         if !changes.is_empty() {
             let committing = Instant::now();
@@ -379,6 +364,6 @@ impl Task {
             metrics::histogram!(telemetry::COMMIT).record(committing.elapsed());
             self.state.benched.extend(changes.benches.iter().map(|bench| (bench.gyro, true)));
         }
-        Ok(settle(items, prepared, &self.state.after.due))
+        Ok(settle(&items, prepared, &self.state.after.due))
     }
 }

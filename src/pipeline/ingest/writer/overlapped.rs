@@ -5,7 +5,7 @@
 //! everything first. (What it is asked of very many records that are no longer remembered one by one, it has long
 //! held.) A small group is not worth it: while it waited, more would come that can share its transaction.
 
-use super::group::{Preparation, answer, settle};
+use super::group::{answer, prepare, settle};
 use super::state::{Item, Prepared, Task, UnderWay, items_of};
 use crate::core::history_note::FAR_DAYS;
 use crate::pipeline::ingest::submission::Submission;
@@ -51,7 +51,7 @@ impl Task {
             self.finish().await;
             return Some(jobs);
         }
-        let prepared = Preparation { state: &mut self.state, items: &items }.prepare().await;
+        let prepared = prepare(&mut self.state, &items).await;
         written(&mut self.under_way).await;
         let before = self.under_way.take();
         let holds = before.as_ref().is_none_or(UnderWay::is_stored);

@@ -10,8 +10,8 @@ use crate::core::judge::{
     State, group_shift, imu_shift, in_common, shift_began,
 };
 use crate::pipeline::alerts::{AlertCache, Naming, Origin, SharedVerdict};
+use crate::pipeline::ingest::judge::Judged;
 use crate::pipeline::ingest::judge::gyro_window::sample_of;
-use crate::pipeline::ingest::judge::{Judged, Newest};
 use crate::pipeline::prelude::*;
 use crate::store::{AlertOf, AlertRow, ExcessRow, HistoryRow};
 
@@ -41,7 +41,7 @@ impl SharedShifts<'_> {
     /// What the gyros of a group share, where one of them begins to exceed a limit, or exceeds it more gravely, or an
     /// IMU of it may show that its station has shifted.
     pub async fn of_arrivals(&self, found: &Judged, changes: &Changes) -> Result<Vec<SharedVerdict>, StoreError> {
-        let is_news = |newest: &Newest, verdict: &Verdict| {
+        let is_news = |newest: &HistoryRow, verdict: &Verdict| {
             let is_known = |row: &AlertRow| {
                 (row.coefficient, row.rule) == (verdict.coefficient, verdict.rule)
                     && Some(row.alert.severity) >= verdict.severity()
@@ -50,10 +50,10 @@ impl SharedShifts<'_> {
                 && verdict.rule.can_be_shared()
                 && !self.alerts.firing(newest.gyro).any(is_known)
         };
-        let verdicts = |newest: &Newest| found.verdicts.get(&(newest.figures.record, newest.gyro));
+        let verdicts = |newest: &HistoryRow| found.verdicts.get(&(newest.figures.record, newest.gyro));
         let has_news =
-            |newest: &&Newest| verdicts(newest).into_iter().flatten().any(|verdict| is_news(newest, verdict));
-        let exceeding: Vec<&Newest> = found.newest.iter().filter(has_news).collect();
+            |newest: &&HistoryRow| verdicts(newest).into_iter().flatten().any(|verdict| is_news(newest, verdict));
+        let exceeding: Vec<&HistoryRow> = found.newest.iter().filter(has_news).collect();
         let mut stations = self.may_have_shifted(found);
         if exceeding.is_empty() && stations.is_empty() {
             return Ok(Vec::new());
@@ -104,7 +104,7 @@ impl SharedShifts<'_> {
     fn may_have_shifted(&self, found: &Judged) -> BTreeSet<u32> {
         let recent = self.now.plus_days(-self.config.alerts.backfill_days);
         let mut steps: BTreeMap<[u32; 2], [Vec<f64>; 2]> = BTreeMap::new();
-        for Newest { gyro, figures } in found.newest.iter().filter(|newest| newest.figures.at >= recent) {
+        for HistoryRow { gyro, figures } in found.newest.iter().filter(|newest| newest.figures.at >= recent) {
             let verdicts = found.verdicts.get(&(figures.record, *gyro)).into_iter().flatten();
             for verdict in verdicts.filter(|verdict| verdict.rule == Rule::Step) {
                 let column = COEFFICIENTS.iter().position(|one| *one == verdict.coefficient);
@@ -175,7 +175,7 @@ impl SharedShifts<'_> {
         let mut newest: HashMap<u32, NewestCalibration> = stored.into_iter().map(|row| (row.gyro, row)).collect();
         let tables = self.store.names().read();
         let naming = Naming { tables: &tables, new: Some(changes) };
-        for Newest { gyro, figures } in &found.newest {
+        for HistoryRow { gyro, figures } in &found.newest {
             let loads = changes.heads.outlooks.get(&(figures.record, *gyro)).map_or([None; 3], |outlook| outlook.load);
             let budgets = self.budgets(&naming.imu(figures.imu), &naming.gyro(*gyro));
             let deviation = [0, 1].map(|column| times(loads[column], budgets[column]));
@@ -336,6 +336,59 @@ impl SharedShifts<'_> {
     fn budgets(&self, imu: &str, serial: &str) -> [Option<f64>; 3] {
         self.config.judging.limits(imu, serial).budgets()
     }
+}
+
+/// What gyros share is looked at again after so many days, though nothing was written: an hour.
+const LOOKED_AGAIN: f64 = 1.0 / 24.0;
+
+/// A look at what gyros share, beside the writer: of a large fleet it takes a second, for which nobody is to wait.
+pub(super) struct SharedLook {
+    pub store: Store,
+    pub config: Arc<Config>,
+    pub now: UtcMicros,
+    /// As the look before it found.
+    pub nothing: Option<NothingShared>,
+}
+
+/// Since when nothing new is found that gyros share, and by which heads.
+pub(super) type NothingShared = (UtcMicros, [i64; 2]);
+
+impl SharedLook {
+    /// None where an alert has to follow what it has found. Where nothing is written of gyros, time alone changes what
+    /// they share, slowly: by what is no longer recent.
+    pub async fn nothing(self) -> Result<Option<NothingShared>, StoreError> {
+        let Self { store, config, now, nothing } = self;
+        let version = store::head::version(&store).await?;
+        let is_known = |(since, of): &NothingShared| *of == version && now.days_since(*since).abs() < LOOKED_AGAIN;
+        if let Some(nothing) = nothing.filter(is_known) {
+            return Ok(Some(nothing));
+        }
+        let mut alerts = AlertCache::new(config.alerts.policy(), config.judging.confidence);
+        let (found, rows) = shared_and_explicable(&store, &config, &mut alerts, now).await?;
+        let tables = store.names().read();
+        let naming = Naming { tables: &tables, new: None };
+        let shared = alerts.shared();
+        let is_anything = shared.not_judged(&found).next().is_some()
+            || found.iter().any(|one| shared.is_moved_by(one, &naming))
+            || !shared.explained_anew(&rows, &naming).is_empty();
+        Ok((!is_anything).then_some((now, version)))
+    }
+}
+
+/// What is shared, and the alerts of gyros that it explains, or did.
+pub(super) async fn shared_and_explicable(
+    store: &Store,
+    config: &Config,
+    alerts: &mut AlertCache,
+    now: UtcMicros,
+) -> Result<(Vec<SharedVerdict>, Vec<AlertRow>), StoreError> {
+    alerts.recall(store, [], now).await?;
+    let excesses = store::alerts::excesses(store).await?;
+    let found = SharedShifts { store, config, alerts, now }.all(&excesses).await?;
+    alerts.learn_mates(&found);
+    let (subjects, gyros) = alerts.shared().that_explain(&found);
+    let rows = store::alerts::explicable(store, &subjects, &gyros).await?;
+    Ok((found, rows))
 }
 
 /// What the gyros of a station or batch have moved by together.

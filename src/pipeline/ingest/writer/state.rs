@@ -3,7 +3,7 @@
 use tokio::sync::watch;
 use tokio::task::{JoinHandle, JoinSet};
 
-use super::shared_look::NothingShared;
+use super::shared_shifts::NothingShared;
 use crate::core::alert_decision::Late;
 use crate::core::judge::{State, Status};
 use crate::pipeline::alerts::AlertCache;

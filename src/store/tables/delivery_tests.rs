@@ -101,20 +101,20 @@ impl Bench {
         self.writer.commit(&Changes { outbox, ..Changes::default() }).await.unwrap();
     }
 
-    /// Queues deliveries 40 to 45 of the steps at instant 100.
-    async fn queue(&mut self) {
-        let queued = (30..36)
-            .map(|i| NewDelivery {
-                id: Id(10 + i),
-                hook: HOOK,
-                subject: DeliverySubject::Step { step: Id(i), alert: Id(1 + i % 2) },
-                queued_at: UtcMicros(100),
-                action: None,
-                parts: Vec::new(),
-                digest: None,
-            })
-            .collect();
+    /// With deliveries 40 to 45 of the steps, queued at instant 100.
+    async fn queued() -> Self {
+        let mut bench = Self::new().await;
+        bench.queue_all((30..36).map(|i| one(10 + i, i, 1 + i % 2)).collect()).await;
+        bench
+    }
+
+    async fn queue_all(&mut self, queued: Vec<NewDelivery>) {
         self.change(OutboxChanges { queued, ..OutboxChanges::default() }).await;
+    }
+
+    async fn replay(&mut self, deliveries: &[i64]) {
+        let replayed = deliveries.iter().map(|id| (Id(*id), UtcMicros(700))).collect();
+        self.change(OutboxChanges { replayed, ..OutboxChanges::default() }).await;
     }
 
     async fn attempt(&mut self, delivery: i64, at: i64, progress: Progress) {
@@ -131,12 +131,12 @@ impl Bench {
     }
 
     async fn due(&self, now: i64) -> Vec<i64> {
-        let due = store::outbox::due_of_hook(&self.store, HOOK, UtcMicros(now), HORIZON, 100).await.unwrap();
+        let due = store::delivery::due_of_hook(&self.store, HOOK, UtcMicros(now), HORIZON, 100).await.unwrap();
         due.iter().map(|delivery| delivery.id.0).collect()
     }
 
     async fn states(&self) -> Vec<DeliveryState> {
-        let mut rows = store::outbox::of_hook(&self.store, HOOK, None, None, 100).await.unwrap();
+        let mut rows = store::delivery::of_hook(&self.store, HOOK, None, None, 100).await.unwrap();
         rows.reverse();
         rows.into_iter().map(|row| row.state).collect()
     }
@@ -196,6 +196,12 @@ async fn alerts_steps_and_hooks_are_read_back_as_they_were_written() {
     assert_eq!(store::silence::list(&bench.store, None, 9).await.unwrap(), [ended]);
 }
 
+/// A delivery of a step.
+fn one(id: i64, step: i64, alert: i64) -> NewDelivery {
+    let subject = DeliverySubject::Step { step: Id(step), alert: Id(alert) };
+    NewDelivery { subject, action: None, ..many(id, &[]) }
+}
+
 fn many(id: i64, alerts: &[i64]) -> NewDelivery {
     let part = |(alert, body): (&i64, bool)| Part {
         alert: Id(*alert),
@@ -220,15 +226,9 @@ fn many(id: i64, alerts: &[i64]) -> NewDelivery {
 async fn a_message_of_many_alerts_keeps_the_order_of_each() {
     use DeliveryState::{Behind, Waiting};
     let mut bench = Bench::new().await;
-    let one = |id, step, alert| NewDelivery {
-        subject: DeliverySubject::Step { step: Id(step), alert: Id(alert) },
-        action: None,
-        parts: Vec::new(),
-        ..many(id, &[])
-    };
     let queued =
         vec![one(40, 30, 1), one(41, 31, 2), many(42, &[1, 2]), one(43, 32, 1), many(44, &[2]), one(45, 33, 2)];
-    bench.change(OutboxChanges { queued, ..OutboxChanges::default() }).await;
+    bench.queue_all(queued).await;
     assert_eq!(bench.states().await, [Waiting, Waiting, Behind, Behind, Behind, Behind]);
     bench.attempt(40, 150, DONE).await;
     assert_eq!(bench.due(150).await, [41], "42 tells of alert 2 as well");
@@ -244,12 +244,12 @@ async fn a_message_of_many_alerts_keeps_the_order_of_each() {
 async fn a_message_of_many_alerts_says_of_each_what_its_step_says_or_what_it_was() {
     let mut bench = Bench::new().await;
     let digest = NewDelivery { digest: Some("{\"total\":2}".into()), ..many(40, &[2, 1]) };
-    bench.change(OutboxChanges { queued: vec![digest], ..OutboxChanges::default() }).await;
-    let due = store::outbox::due_of_hook(&bench.store, HOOK, UtcMicros(100), HORIZON, 1).await.unwrap().remove(0);
+    bench.queue_all(vec![digest]).await;
+    let due = store::delivery::due_of_hook(&bench.store, HOOK, UtcMicros(100), HORIZON, 1).await.unwrap().remove(0);
     assert_eq!((due.subject, due.at, due.digest.as_deref()), (DeliverySubject::Many, None, Some("{\"total\":2}")));
     let fire = |body: String| ("fire".to_owned(), body);
     assert_eq!(due.content, [fire(step(Id(31), Id(2)).body), fire("{\"as\": \"it 是\"}".into())]);
-    let row = store::outbox::get(&bench.store, Id(40)).await.unwrap().unwrap();
+    let row = store::delivery::get(&bench.store, Id(40)).await.unwrap().unwrap();
     assert_eq!((row.subject, row.action.as_deref(), row.alert), (DeliverySubject::Many, Some("fire"), Some(Id(2))));
 }
 
@@ -274,13 +274,8 @@ async fn what_a_hook_has_heard_is_kept_and_forgotten_and_known_from_what_it_took
     assert_eq!(all(&bench).await, [row(HOOK, 1, "critical"), row(Id(21), 1, "warning")], "what is new holds");
 
     assert_eq!(store::hook::delivered_firing(&bench.store, HOOK).await.unwrap(), []);
-    let ends = NewDelivery {
-        action: Some("resolve"),
-        subject: DeliverySubject::Step { step: Id(32), alert: Id(1) },
-        parts: Vec::new(),
-        ..many(41, &[])
-    };
-    bench.change(OutboxChanges { queued: vec![many(40, &[1, 2]), ends], ..OutboxChanges::default() }).await;
+    let ends = NewDelivery { action: Some("resolve"), ..one(41, 32, 1) };
+    bench.queue_all(vec![many(40, &[1, 2]), ends]).await;
     bench.attempt(40, 150, DONE).await;
     assert_eq!(store::hook::delivered_firing(&bench.store, HOOK).await.unwrap(), [Id(1), Id(2)]);
     bench.attempt(41, 151, DONE).await;
@@ -289,8 +284,7 @@ async fn what_a_hook_has_heard_is_kept_and_forgotten_and_known_from_what_it_took
 
 #[tokio::test]
 async fn only_the_first_of_each_alerts_line_is_due_and_its_end_moves_the_next_up() {
-    let mut bench = Bench::new().await;
-    bench.queue().await;
+    let mut bench = Bench::queued().await;
     assert_eq!(bench.due(99).await, [] as [i64; 0]);
     assert_eq!(bench.due(100).await, [40, 41]);
     bench.attempt(40, 150, DONE).await;
@@ -300,37 +294,30 @@ async fn only_the_first_of_each_alerts_line_is_due_and_its_end_moves_the_next_up
     assert_eq!(bench.due(500).await, [41, 42]);
     bench.attempt(42, 500, Progress::Done(DeliveryState::Dead)).await;
     assert_eq!(bench.due(500).await, [41, 44], "a dead letter holds nobody up");
-    let row = store::outbox::get(&bench.store, Id(42)).await.unwrap().unwrap();
+    let row = store::delivery::get(&bench.store, Id(42)).await.unwrap().unwrap();
     assert_eq!((row.state, row.finished_at, row.attempts.len()), (DeliveryState::Dead, Some(UtcMicros(500)), 2));
     assert_eq!((row.attempts[0].at, row.attempts[0].status), (UtcMicros(160), Some(500)));
-    let due = store::outbox::due_of_hook(&bench.store, HOOK, UtcMicros(500), HORIZON, 1).await.unwrap().remove(0);
+    let due = store::delivery::due_of_hook(&bench.store, HOOK, UtcMicros(500), HORIZON, 1).await.unwrap().remove(0);
     assert_eq!((due.at, due.content), (Some(UtcMicros(10)), vec![("fire".into(), step(Id(31), Id(2)).body)]));
     assert_eq!(row.attempts[0].answer.as_deref(), Some("no \"such\" 频道"));
 }
 
 #[tokio::test]
 async fn a_line_that_grows_later_stays_in_order() {
-    let mut bench = Bench::new().await;
-    bench.queue().await;
+    let mut bench = Bench::queued().await;
     bench.attempt(40, 150, DONE).await;
     bench.attempt(42, 150, DONE).await;
     bench.attempt(44, 150, DONE).await;
     assert_eq!(bench.due(150).await, [41]);
-    let new = |id| NewDelivery {
-        id: Id(id),
-        subject: DeliverySubject::Step { step: Id(30), alert: Id(1) },
-        queued_at: UtcMicros(200),
-        ..many(0, &[])
-    };
-    bench.change(OutboxChanges { queued: vec![new(50), new(51)], ..OutboxChanges::default() }).await;
+    let new = |id| NewDelivery { queued_at: UtcMicros(200), action: Some("fire"), ..one(id, 30, 1) };
+    bench.queue_all(vec![new(50), new(51)]).await;
     assert_eq!(bench.due(200).await, [41, 50]);
 }
 
 #[tokio::test]
 async fn the_next_that_is_due_later_is_known() {
-    let mut bench = Bench::new().await;
-    bench.queue().await;
-    let next = async |bench: &Bench, now| store::outbox::next_due(&bench.store, HOOK, UtcMicros(now)).await.unwrap();
+    let mut bench = Bench::queued().await;
+    let next = async |bench: &Bench, now| store::delivery::next_due(&bench.store, HOOK, UtcMicros(now)).await.unwrap();
     assert_eq!(next(&bench, 99).await, Some(UtcMicros(100)));
     assert_eq!(next(&bench, 100).await, None);
     bench.attempt(41, 200, Progress::RetryAt(UtcMicros(400))).await;
@@ -339,8 +326,7 @@ async fn the_next_that_is_due_later_is_known() {
 
 #[tokio::test]
 async fn times_that_a_mad_clock_wrote_hold_nothing_up() {
-    let mut bench = Bench::new().await;
-    bench.queue().await;
+    let mut bench = Bench::queued().await;
     let years_ahead = UtcMicros(HORIZON.0 + 1);
     bench.attempt(40, 150, Progress::RetryAt(years_ahead)).await;
     assert_eq!(bench.due(200).await, [41, 40]);
@@ -348,50 +334,45 @@ async fn times_that_a_mad_clock_wrote_hold_nothing_up() {
 
 #[tokio::test]
 async fn a_test_comes_before_whatever_waits() {
-    let mut bench = Bench::new().await;
-    bench.queue().await;
+    let mut bench = Bench::queued().await;
     let test = NewDelivery { subject: DeliverySubject::Test, action: None, ..many(60, &[]) };
-    bench.change(OutboxChanges { queued: vec![test], ..OutboxChanges::default() }).await;
+    bench.queue_all(vec![test]).await;
     assert_eq!(bench.due(100).await, [60, 40, 41]);
-    let row = store::outbox::get(&bench.store, Id(60)).await.unwrap().unwrap();
+    let row = store::delivery::get(&bench.store, Id(60)).await.unwrap().unwrap();
     assert_eq!((row.subject, row.action), (DeliverySubject::Test, None));
 }
 
 #[tokio::test]
 async fn replayed_deliveries_start_anew_and_a_deleted_hooks_queue_is_dropped() {
     use DeliveryState::{Behind, Dead, Delivered, Dropped, Waiting};
-    let mut bench = Bench::new().await;
-    bench.queue().await;
+    let mut bench = Bench::queued().await;
     bench.attempt(40, 150, Progress::Done(Dead)).await;
     assert_eq!(bench.states().await, [Dead, Waiting, Waiting, Behind, Behind, Behind]);
-    let replayed = vec![(Id(40), UtcMicros(700)), (Id(43), UtcMicros(700))];
-    bench.change(OutboxChanges { replayed, ..OutboxChanges::default() }).await;
+    bench.replay(&[40, 43]).await;
     let states = [Waiting, Waiting, Behind, Behind, Behind, Behind];
     assert_eq!(bench.states().await, states, "42 has its turn after 40; 43 is not done yet");
-    assert_eq!(store::outbox::queue_state(&bench.store, HOOK).await.unwrap().open, 6);
-    let totals = store::outbox::outbox_totals(&bench.store).await.unwrap();
+    assert_eq!(store::delivery::queue_state(&bench.store, HOOK).await.unwrap().open, 6);
+    let totals = store::delivery::totals(&bench.store).await.unwrap();
     assert_eq!((totals.open, totals.dead, totals.oldest_open), (6, 0, Some(UtcMicros(100))));
     let disabled = HookRow { enabled: false, ..hook(HOOK) };
     bench.writer.commit(&Changes { hooks: vec![disabled], ..Changes::default() }).await.unwrap();
-    assert_eq!(store::outbox::outbox_totals(&bench.store).await.unwrap().oldest_open, None);
+    assert_eq!(store::delivery::totals(&bench.store).await.unwrap().oldest_open, None);
     bench.attempt(40, 701, DONE).await;
     bench.change(OutboxChanges { dropped: vec![(HOOK, UtcMicros(800))], ..OutboxChanges::default() }).await;
     bench.attempt(41, 801, DONE).await;
     assert_eq!(bench.states().await, [Delivered, Dropped, Dropped, Dropped, Dropped, Dropped]);
-    assert_eq!(store::outbox::queue_state(&bench.store, HOOK).await.unwrap(), QueueState::default());
+    assert_eq!(store::delivery::queue_state(&bench.store, HOOK).await.unwrap(), QueueState::default());
 }
 
 #[tokio::test]
 async fn dead_letters_that_are_sent_again_come_one_after_another() {
     use DeliveryState::{Behind, Dead, Delivered, Waiting};
-    let mut bench = Bench::new().await;
-    bench.queue().await;
-    bench.change(OutboxChanges { queued: vec![many(60, &[1, 2])], ..OutboxChanges::default() }).await;
+    let mut bench = Bench::queued().await;
+    bench.queue_all(vec![many(60, &[1, 2])]).await;
     for delivery in [40, 41, 42, 43, 44, 45, 60] {
         bench.attempt(delivery, 100 + delivery, Progress::Done(Dead)).await;
     }
-    let replayed = [40, 42, 43, 60].map(|id| (Id(id), UtcMicros(700))).to_vec();
-    bench.change(OutboxChanges { replayed, ..OutboxChanges::default() }).await;
+    bench.replay(&[40, 42, 43, 60]).await;
     assert_eq!(bench.states().await, [Waiting, Dead, Behind, Waiting, Dead, Dead, Behind]);
     bench.attempt(40, 701, DONE).await;
     assert_eq!(bench.due(702).await, [43, 42]);
@@ -404,24 +385,22 @@ async fn dead_letters_that_are_sent_again_come_one_after_another() {
 
 #[tokio::test]
 async fn a_target_that_is_back_is_told_at_once_what_waits() {
-    let mut bench = Bench::new().await;
-    bench.queue().await;
+    let mut bench = Bench::queued().await;
     bench.attempt(41, 150, Progress::RetryAt(UtcMicros(90_000))).await;
     bench.change(OutboxChanges { hastened: vec![(HOOK, UtcMicros(200))], ..OutboxChanges::default() }).await;
     assert_eq!(bench.due(200).await, [40, 41]);
-    let dead = store::outbox::of_hook(&bench.store, HOOK, Some(DeliveryState::Dead), None, 9).await.unwrap();
-    let old = store::outbox::of_hook(&bench.store, HOOK, None, Some(Id(42)), 1).await.unwrap();
+    let dead = store::delivery::of_hook(&bench.store, HOOK, Some(DeliveryState::Dead), None, 9).await.unwrap();
+    let old = store::delivery::of_hook(&bench.store, HOOK, None, Some(Id(42)), 1).await.unwrap();
     assert_eq!((dead.len(), old[0].id), (0, Id(41)));
 }
 
 #[tokio::test]
 async fn a_restart_finds_everything_that_was_queued() {
-    let mut bench = Bench::new().await;
-    bench.queue().await;
+    let bench = Bench::queued().await;
     bench.store.close().await;
     bench.writer.close().await.unwrap();
     let (store, mut writer) = opened(&bench.dir).await;
-    let due = store::outbox::due_of_hook(&store, HOOK, UtcMicros(100), HORIZON, 100).await.unwrap();
+    let due = store::delivery::due_of_hook(&store, HOOK, UtcMicros(100), HORIZON, 100).await.unwrap();
     assert_eq!(due.len(), 2);
     assert!(writer.next_id(UtcMicros(0)) > Id(45), "identifiers go on where they were");
 }

@@ -101,7 +101,8 @@ pub fn repeated(fitted: &[(&Campaign, &Outcome)]) -> Vec<Repeated> {
         let of_gyro = |values: &Values| determined(values).into_iter().map(|place| values[place].clone()).collect();
         let sets: Vec<Vec<Vec<Observation>>> = gyros.iter().map(of_gyro).collect();
         for (((gyro, values), means), all) in first.gyros.iter().zip(&gyros).zip(means(&sets)).zip(&mut all) {
-            let of_place = |(p, mean)| Repeated::of((gyro.slot, &gyro.serial), COEFFICIENTS[p], &values[p], mean);
+            let of_place =
+                |(p, mean): (usize, Mean)| Repeated::of((gyro.slot, &gyro.serial), COEFFICIENTS[p], &values[p], mean);
             all.extend(determined(values).into_iter().zip(means).filter_map(of_place));
         }
     }

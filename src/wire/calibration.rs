@@ -315,6 +315,9 @@ impl CampaignAnswer {
         if exceeds_noise(bench.p_value) {
             self.note(CampaignNote::ResidualsExceedNoise { gyros: vec![campaign.gyros[0].slot] });
         }
+        if let Some(scatter) = bench.errors_scatter {
+            self.note(CampaignNote::ErrorsScatter { scatter });
+        }
         let parts = StationPart::ALL.into_iter().filter(|p| campaign.station_uncertainty.of(*p).is_some());
         let parts: Vec<StationPart> = parts.collect();
         if !parts.is_empty() {

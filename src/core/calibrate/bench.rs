@@ -15,7 +15,9 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use super::bench_form::{BenchForm, Squares};
 use super::drift::LEAST_SCALE_TO_NOISE;
 use super::gyro_fit::standardised;
+use super::memory::FittedGyro;
 use super::noise::{Evidence, NoiseScale, noise};
+use super::shrunken_errors::ScatteringErrors;
 use super::{ScaleSource, sem_scatter, weights_sd};
 use crate::core::bench::{Alias, BenchMethod, BenchResult};
 use crate::core::campaign::repeats::{PureError, repeats};
@@ -66,6 +68,8 @@ pub struct BenchCalibration {
     pub p_value: Option<f64>,
     pub rank: usize,
     pub noise: NoiseScale,
+    /// Scatter of the stated standard errors, where they are shrunk to the law that they scatter about.
+    pub errors_scatter: Option<f64>,
     /// Standard deviation of each output, none without a noise scale.
     pub sigma: Option<DVector<f64>>,
     /// Residuals over their own standard deviations, sigma sqrt(1 - leverage).
@@ -118,6 +122,8 @@ struct BenchProblem<'a> {
     method: BenchMethod,
     triad: Triad,
     sd: Vec<f64>,
+    /// Scatter of the stated errors, where `sd` are shrunk to their law.
+    errors_scatter: Option<f64>,
     squares: bool,
 }
 
@@ -134,8 +140,12 @@ pub fn calibrate_bench(campaign: &Campaign) -> Result<BenchCalibration, NotFitte
     let gyro = campaign.gyros.first().ok_or(NotFitted::NotABench)?;
     let triad = campaign.geometry.triad(gyro.slot).ok_or(NotFitted::NoAxes(gyro.slot.name()))?;
     let squares = campaign.terms().contains(Term::GSquared);
-    let problem = BenchProblem { campaign, method, triad, sd: weights_sd(campaign, 0), squares };
+    let sd = weights_sd(campaign, 0);
+    let mut problem = BenchProblem { campaign, method, triad, sd, errors_scatter: None, squares };
     let scale = problem.scale(gyro.known_e)?;
+    let as_stated = problem.fit(&scale)?;
+    let Some((sd, scatter)) = problem.shrunken(&scale, &as_stated) else { return Ok(as_stated) };
+    (problem.sd, problem.errors_scatter) = (sd, Some(scatter));
     problem.fit(&scale)
 }
 
@@ -167,6 +177,24 @@ impl BenchProblem<'_> {
             return Err(NotFitted::NoServoSign);
         }
         Ok(held(input * answer.signum()))
+    }
+
+    /// Standard errors shrunk to the law that they scatter about, and their scatter; none where residuals follow them.
+    fn shrunken(&self, scale: &BenchScale, as_stated: &BenchCalibration) -> Option<(Vec<f64>, f64)> {
+        let errors = ScatteringErrors::of(self.campaign).filter(|_| as_stated.residuals.norm() > 0.0)?;
+        let factor = Factor::new(self.design(scale, &as_stated.axes).0, &self.sd);
+        let even = DVector::from_element(self.sd.len(), 1.0);
+        let fitted = FittedGyro {
+            basis: factor.basis(),
+            weights: factor.weights(),
+            variances: &even,
+            even: &even,
+            residuals: &as_stated.residuals,
+            dof: as_stated.dof,
+        };
+        let of = |sd: &[Vec<f64>]| Some(fitted.independent(&DVector::from_column_slice(&sd[0]), true)?.0);
+        let b = errors.likeliest(of)?;
+        Some((errors.shrunken(b).swap_remove(0), errors.scatter))
     }
 
     fn determines_scale(&self, scale: &BenchScale) -> bool {
@@ -289,7 +317,11 @@ impl BenchProblem<'_> {
         let has_sem = self.campaign.states_errors();
         let pure_error = PureError::of(&groups, |k| y[k], |k| self.sd[k]);
         let evidence = Evidence::of(fit.chi2, fit.dof, pure_error);
-        let noise = noise(&[evidence], has_sem)[0].with_scatter(sem_scatter(&self.campaign.dwells, 0));
+        let noise = noise(&[evidence], has_sem)[0];
+        let noise = match self.errors_scatter {
+            Some(_) => noise,
+            None => noise.with_scatter(sem_scatter(&self.campaign.dwells, 0)),
+        };
         let covariance = noise.covariance_scale().map(|s| &fit.covariance * s);
         let sigma = noise.factor.map(|f| DVector::from_fn(self.sd.len(), |i, _| self.sd[i] * f));
         let k = e.norm() * if e.dot(&self.triad.input()) < 0.0 { -1.0 } else { 1.0 };
@@ -350,6 +382,7 @@ impl BenchProblem<'_> {
             standardised: sigma.as_ref().map(|sigma| standardised(&fit.residuals, sigma, &fit.leverage)),
             sigma,
             noise,
+            errors_scatter: self.errors_scatter,
             residuals: fit.residuals,
             leverage: fit.leverage,
             repeats: groups,

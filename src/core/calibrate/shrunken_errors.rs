@@ -25,12 +25,59 @@ const DOUBTED: f64 = 0.2;
 /// ln of likelihood by which residuals have to speak against what is stated.
 const LEAST_GAIN: f64 = 1.0;
 
+/// b that are tried where errors scatter.
+const TRIED: [f64; 3] = [0.0, 0.25, 0.5];
+
 /// Standard errors shrunk to the law that they scatter about.
 pub(super) struct ShrunkenErrors {
     /// By gyro and dwell, pulse/s.
     pub sd: Vec<Vec<f64>>,
     /// Scatter of what is stated: standard deviation of its logarithm about the law.
     pub scatter: f64,
+}
+
+/// Standard errors, by gyro and dwell, and the law that they may scatter about, pulse/s.
+pub(super) struct ScatteringErrors {
+    gyros: Vec<(Vec<f64>, Vec<f64>)>,
+    /// Standard deviation of their logarithms about the law.
+    pub scatter: f64,
+}
+
+impl ScatteringErrors {
+    /// None where no dwell states any, or they hardly scatter.
+    pub fn of(campaign: &Campaign) -> Option<Self> {
+        let stated: Vec<Vec<f64>> = (0..campaign.gyros.len()).map(|j| campaign.errors_of(j)).collect::<Option<_>>()?;
+        if !may_scatter(&stated) {
+            return None;
+        }
+        let laws = campaign.laws_of_errors()?;
+        let gyros: Vec<(Vec<f64>, Vec<f64>)> = stated
+            .into_iter()
+            .zip(laws)
+            .map(|(sem, law)| {
+                let law = with_mean_square(law, &sem);
+                (sem, law)
+            })
+            .collect();
+        let all = gyros.iter().flat_map(|(sem, law)| sem.iter().zip(law));
+        let logs = DVector::from_vec(all.map(|(sem, law)| (sem / law).ln()).collect());
+        let scatter = logs.variance().sqrt();
+        (scatter >= DOUBTED).then_some(Self { gyros, scatter })
+    }
+
+    /// law (sem/law)^b by gyro and dwell, pulse/s.
+    pub fn shrunken(&self, b: f64) -> Vec<Vec<f64>> {
+        let of_dwell = |(sem, law): (&f64, &f64)| law * (sem / law).powf(b);
+        self.gyros.iter().map(|(sem, law)| sem.iter().zip(law).map(of_dwell).collect()).collect()
+    }
+
+    /// The b below 1 whose errors are clearly likeliest; `likelihood` is the logarithm of that of the residuals.
+    pub fn likeliest(&self, likelihood: impl Fn(&[Vec<f64>]) -> Option<f64>) -> Option<f64> {
+        let likelihood = |b: f64| likelihood(&self.shrunken(b));
+        let least = likelihood(1.0)? + LEAST_GAIN;
+        let tried = TRIED.into_iter().filter_map(|b| Some((b, likelihood(b)?)));
+        Some(tried.filter(|(_, log)| *log > least).max_by(|a, b| a.1.total_cmp(&b.1))?.0)
+    }
 }
 
 /// Whether standard errors, by gyro and dwell, scatter so much about their own mean that they may about a law.
@@ -44,35 +91,16 @@ pub(super) fn may_scatter(stated: &[Vec<f64>]) -> bool {
 
 /// None where standard errors hardly scatter, or residuals follow them. `fits` are those of the errors as stated.
 pub(super) fn shrunken(campaign: &Campaign, fits: &[GyroFit], shared: &SharedFactors) -> Option<ShrunkenErrors> {
-    let stated: Vec<Vec<f64>> = (0..fits.len()).map(|j| campaign.errors_of(j)).collect::<Option<_>>()?;
     let is_exact = |fit: &GyroFit| fit.left().0.norm() == 0.0;
-    if !may_scatter(&stated) || fits.iter().any(is_exact) {
-        return None;
-    }
-    let laws = campaign.laws_of_errors()?;
-    let gyros: Vec<(&Vec<f64>, Vec<f64>)> =
-        stated.iter().zip(laws).map(|(sem, law)| (sem, with_mean_square(law, sem))).collect();
-    let all = gyros.iter().flat_map(|(sem, law)| sem.iter().zip(law));
-    let logs = DVector::from_vec(all.map(|(sem, law)| (sem / law).ln()).collect());
-    let scatter = logs.variance().sqrt();
-    if scatter < DOUBTED {
-        return None;
-    }
-    let sd = |b: f64, j: usize| {
-        let (sem, law) = &gyros[j];
-        sem.iter().zip(law).map(|(sem, law)| law * (sem / law).powf(b)).collect::<Vec<f64>>()
-    };
-    let likelihood = |b: f64| {
-        let of_gyro = |(j, fit): (usize, &GyroFit)| {
-            let found = fit.fitted(shared).independent(&DVector::from_vec(sd(b, j)), true);
+    let errors = ScatteringErrors::of(campaign).filter(|_| !fits.iter().any(is_exact))?;
+    let b = errors.likeliest(|sd| {
+        let of_gyro = |(fit, sd): (&GyroFit, &Vec<f64>)| {
+            let found = fit.fitted(shared).independent(&DVector::from_column_slice(sd), true);
             found.map(|(log, _)| log)
         };
-        fits.iter().enumerate().map(of_gyro).sum::<Option<f64>>()
-    };
-    let least = likelihood(1.0)? + LEAST_GAIN;
-    let tried = [0.0, 0.25, 0.5].into_iter().filter_map(|b| Some((b, likelihood(b)?)));
-    let (b, _) = tried.filter(|(_, log)| *log > least).max_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some(ShrunkenErrors { sd: (0..fits.len()).map(|j| sd(b, j)).collect(), scatter })
+        fits.iter().zip(sd).map(of_gyro).sum::<Option<f64>>()
+    })?;
+    Some(ShrunkenErrors { sd: errors.shrunken(b), scatter: errors.scatter })
 }
 
 /// A law with the mean square of the errors that scatter about it.

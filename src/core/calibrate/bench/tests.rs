@@ -348,3 +348,30 @@ fn repeats_say_how_far_a_bench_tests_errors_can_be_trusted() {
     let bare = fitted_with(None);
     assert!((bare.noise.factor.unwrap() / (0.15 * (48.0_f64 / 44.0).sqrt()) - 1.0).abs() < 1e-9);
 }
+
+/// Errors of half and of twice the noise by turns, and noise that is as large in all, goes with them or against them.
+#[test]
+fn errors_that_scatter_are_shrunk_to_their_law_unless_residuals_follow_them() {
+    let positions = [tumble(), tumble()].concat();
+    let of = |size: &dyn Fn(usize) -> f64, sem: &dyn Fn(usize) -> f64| {
+        let noise = |k: usize| 1e-3 * size(k) * if k * k % 7 % 2 == 0 { 1.0 } else { -1.0 };
+        let outputs = positions.iter().enumerate().map(|(k, place)| output(1.4, &DRIFT, place) + noise(k));
+        let outputs: Vec<f64> = outputs.collect();
+        let mut campaign = bench(TestKind::TorqueFeedback, &positions, &outputs, Some(1.0), Some([1.4, 0.0, 0.0]));
+        for (k, dwell) in campaign.dwells.iter_mut().enumerate() {
+            dwell.output_sem_pulse_s = Some(vec![1e-3 * sem(k)]);
+        }
+        calibrate_bench(&campaign).unwrap()
+    };
+    let by_turns = |k: usize| -> f64 { if k * k % 5 == 1 { 2.0 } else { 0.5 } };
+    for size in [&(|_| 1.0) as &dyn Fn(usize) -> f64, &|k| by_turns(k).recip()] {
+        let (shrunk, even) = (of(size, &by_turns), of(size, &|_| 1.3));
+        assert!(shrunk.errors_scatter.is_some_and(|scatter| (0.4..0.8).contains(&scatter)), "{shrunk:?}");
+        for name in ["D_I", "D_S"] {
+            let [own, even] = [&shrunk, &even].map(|fitted| fitted.coefficient(name).unwrap().value);
+            assert!((own - even).abs() < 1e-4, "{name}: {own} {even}");
+        }
+    }
+    assert_eq!(of(&by_turns, &by_turns).errors_scatter, None);
+    assert_eq!(of(&|_| 1.0, &|_| 1.0).errors_scatter, None);
+}

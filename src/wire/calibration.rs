@@ -14,7 +14,7 @@ use crate::core::calibrate::noise::NoiseScale;
 use crate::core::calibrate::outcome::Outcome;
 use crate::core::calibrate::repeats_between::Repeated;
 use crate::core::calibrate::{Calibration, GyroCalibration, Parameter, ScaleSource, exceeds_noise};
-use crate::core::campaign::{self, Campaign, CampaignNote, StationLack, StationPart, StationUncertainty};
+use crate::core::campaign::{self, Campaign, CampaignNote, StationUncertainty};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::Geometry;
 use crate::core::note::Note;
@@ -318,10 +318,8 @@ impl CampaignAnswer {
         if let Some(scatter) = bench.errors_scatter {
             self.note(CampaignNote::ErrorsScatter { scatter });
         }
-        let parts = StationPart::ALL.into_iter().filter(|p| campaign.station_uncertainty.of(*p).is_some());
-        let parts: Vec<StationPart> = parts.collect();
-        if !parts.is_empty() {
-            self.note(CampaignNote::StationLeftOut { parts, why: StationLack::BenchTest });
+        for note in &bench.notes {
+            self.note(note.clone());
         }
         self.calibration.repeats.clone_from(&bench.repeats);
         self.calibration.gyros = vec![GyroFitBody::of_bench(campaign, bench)];

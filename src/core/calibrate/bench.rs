@@ -18,10 +18,13 @@ use super::gyro_fit::standardised;
 use super::memory::FittedGyro;
 use super::noise::{Evidence, NoiseScale, noise};
 use super::shrunken_errors::ScatteringErrors;
+use super::station::{self, OfOne};
+use super::uncertainty::{StationResponse, Uncertainty, UncertaintyBudget};
 use super::{ScaleSource, sem_scatter, weights_sd};
 use crate::core::bench::{Alias, BenchMethod, BenchResult};
 use crate::core::campaign::repeats::{PureError, repeats};
-use crate::core::campaign::{Campaign, TestKind};
+use crate::core::campaign::{Campaign, CampaignNote, TestKind};
+use crate::core::effects::GyroAxes;
 use crate::core::message::{Message, figure, list};
 use crate::core::model::Term;
 use crate::core::mounting::Triad;
@@ -41,6 +44,8 @@ pub struct BenchCoefficient {
     pub unit: &'static str,
     pub value: f64,
     pub sd: Option<f64>,
+    /// What that is made of.
+    pub uncertainty: Option<UncertaintyBudget>,
 }
 
 /// A product that moves a coefficient by less than this share of itself is told from it well enough.
@@ -70,6 +75,8 @@ pub struct BenchCalibration {
     pub noise: NoiseScale,
     /// Scatter of the stated standard errors, where they are shrunk to the law that they scatter about.
     pub errors_scatter: Option<f64>,
+    /// What is left out of the standard deviations.
+    pub notes: Vec<CampaignNote>,
     /// Standard deviation of each output, none without a noise scale.
     pub sigma: Option<DVector<f64>>,
     /// Residuals over their own standard deviations, sigma sqrt(1 - leverage).
@@ -291,7 +298,7 @@ impl BenchProblem<'_> {
         let fit = factor.fit(&y);
         let fitted: Vector3<f64> = scale.fitted.iter().zip(fit.estimate.iter()).map(|(axis, k)| axis * *k).sum();
         let aliases = self.aliases(&factor, &axes, first);
-        Ok(BenchSolution { e: held + fitted, axes, form, fit, y, aliases })
+        Ok(BenchSolution { e: held + fitted, axes, form, factor, fit, y, aliases })
     }
 
     /// A product's column fitted by what is fitted: what D_I and D_S take of it.
@@ -311,34 +318,56 @@ impl BenchProblem<'_> {
         found
     }
 
+    /// What the station makes of the fit; `g` is G over |E|, deg/(h g0), fixture axes.
+    fn station(&self, e: &Vector3<f64>, g: Vector3<f64>, fit: (&Factor, &Fit), has_sem: bool) -> OfOne {
+        if !self.campaign.station_uncertainty.is_stated() {
+            return OfOne::default();
+        }
+        let nominal = GyroAxes::carried(self.campaign.gyros[0].slot, self.triad.mat_gyro_body(), *e, Vector3::zeros());
+        station::of_one(self.campaign, GyroAxes { input: e.normalize(), g, ..nominal }, fit, has_sem)
+    }
+
     fn finish(&self, scale: &BenchScale, solved: BenchSolution) -> Result<BenchCalibration, NotFitted> {
-        let BenchSolution { e, axes, form, fit, y, aliases } = solved;
+        let BenchSolution { e, axes, form, factor, fit, y, aliases } = solved;
         let groups = repeats(&self.campaign.dwells);
         let has_sem = self.campaign.states_errors();
-        let pure_error = PureError::of(&groups, |k| y[k], |k| self.sd[k]);
-        let evidence = Evidence::of(fit.chi2, fit.dof, pure_error);
-        let noise = noise(&[evidence], has_sem)[0];
-        let noise = match self.errors_scatter {
-            Some(_) => noise,
-            None => noise.with_scatter(sem_scatter(&self.campaign.dwells, 0)),
-        };
-        let covariance = noise.covariance_scale().map(|s| &fit.covariance * s);
-        let sigma = noise.factor.map(|f| DVector::from_fn(self.sd.len(), |i, _| self.sd[i] * f));
         let k = e.norm() * if e.dot(&self.triad.input()) < 0.0 { -1.0 } else { 1.0 };
         let first = scale.fitted.len();
-        if let Some(c) = covariance.as_ref().filter(|_| first > 0)
-            && self.method == BenchMethod::TorqueFeedback
-            && k.abs() < LEAST_SCALE_TO_NOISE * c.view((0, 0), (first, first)).trace().max(0.0).sqrt()
-        {
-            return Err(NotFitted::NoScale);
-        }
-        // dK along each fitted direction: the direction's share in E's own.
-        let by_scale: Vec<f64> = scale.fitted.iter().map(|axis| axis.dot(&e) / k).collect();
         let of = |name: &str| {
             let found = form.names().find(|(of, ..)| *of == name);
             found.map_or(0.0, |(_, _, column, sign)| sign * fit.estimate[first + column] / k)
         };
         let [d_i, d_s, d_o] = ["D_I", "D_S", "D_O"].map(of);
+        let g = axes.tr_mul(&Vector3::new(d_i, d_s, d_o));
+        let station = self.station(&e, k.signum() * g, (&factor, &fit), has_sem);
+        let pure_error = PureError::of(&groups, |k| y[k], |k| self.sd[k]);
+        let evidence = match &station.net {
+            Some((net, taken)) => Evidence::of(net.norm_squared(), fit.dof.saturating_sub(*taken), pure_error),
+            None => Evidence::of(fit.chi2, fit.dof, pure_error),
+        };
+        let noise = noise(&[evidence], has_sem)[0];
+        let noise = match self.errors_scatter {
+            Some(_) => noise,
+            None => noise.with_scatter(sem_scatter(&self.campaign.dwells, 0)),
+        };
+        let sigma = noise.factor.map(|f| DVector::from_fn(self.sd.len(), |i, _| self.sd[i] * f));
+        let uncertainty = noise.covariance_scale().map(|s| {
+            let identity = DMatrix::identity(fit.estimate.len(), fit.estimate.len());
+            Uncertainty {
+                fit: &fit.covariance * s,
+                share: noise.share(&evidence, false),
+                station: StationResponse::by_part(&station.responses, &identity),
+            }
+        });
+        if let Some(parts) = uncertainty.as_ref().filter(|_| first > 0)
+            && self.method == BenchMethod::TorqueFeedback
+            && k.abs() < LEAST_SCALE_TO_NOISE * parts.fit.view((0, 0), (first, first)).trace().max(0.0).sqrt()
+        {
+            return Err(NotFitted::NoScale);
+        }
+        let covariance = uncertainty.as_ref().map(Uncertainty::covariance);
+        // dK along each fitted direction: the direction's share in E's own.
+        let by_scale: Vec<f64> = scale.fitted.iter().map(|axis| axis.dot(&e) / k).collect();
         // The axes follow E: a turn of I towards S takes D_S into D_I, and D_I out of D_S.
         let by_turn = |name: &str, axis: &Vector3<f64>| {
             let [towards_s, towards_o] = [1, 2].map(|row| axes.row(row).dot(&axis.transpose()) / k);
@@ -358,8 +387,10 @@ impl BenchProblem<'_> {
                 for (i, share) in by_scale.iter().enumerate() {
                     gradient[i] = by_turn(name, &scale.fitted[i]) - value * share / k;
                 }
-                let sd = covariance.as_ref().map(|c| gradient.dot(&(c * &gradient)).max(0.0).sqrt());
-                BenchCoefficient { name, unit, value, sd }
+                let variance = |c: &DMatrix<f64>| gradient.dot(&(c * &gradient));
+                let sd = covariance.as_ref().map(|c| variance(c).max(0.0).sqrt());
+                let budget = uncertainty.as_ref().and_then(|parts| parts.budgets(|c| Some([variance(c)])));
+                BenchCoefficient { name, unit, value, sd, uncertainty: budget.map(|[budget]| budget) }
             })
             .collect();
         // Outputs next to nothing have a scale next to nothing, which nothing can be divided by.
@@ -377,12 +408,13 @@ impl BenchProblem<'_> {
             squared_force: self.mean_squared_force(&axes),
             chi2: fit.chi2,
             dof: fit.dof,
-            p_value: noise.p_value(&evidence).filter(|_| fit.dof > 0),
+            p_value: noise.p_value(&evidence).filter(|_| evidence.dof > 0),
             rank: fit.rank,
             standardised: sigma.as_ref().map(|sigma| standardised(&fit.residuals, sigma, &fit.leverage)),
             sigma,
             noise,
             errors_scatter: self.errors_scatter,
+            notes: station.notes,
             residuals: fit.residuals,
             leverage: fit.leverage,
             repeats: groups,
@@ -394,6 +426,7 @@ struct BenchSolution {
     e: Vector3<f64>,
     axes: Matrix3<f64>,
     form: BenchForm,
+    factor: Factor,
     fit: Fit,
     y: DVector<f64>,
     aliases: Vec<Alias>,

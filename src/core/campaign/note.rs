@@ -73,7 +73,6 @@ pub enum StationLack {
     Attitude,
     /// E is neither held nor determined.
     Scale(Slot),
-    BenchTest,
 }
 
 named! {

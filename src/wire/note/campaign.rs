@@ -73,7 +73,6 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             let why = match why {
                 StationLack::Attitude => message!("dwells_without_attitude"),
                 StationLack::Scale(slot) => message!("station_needs_scale", slot = slot.name()),
-                StationLack::BenchTest => message!("station_not_of_bench"),
             };
             message!("station_left_out", parts = list(parts.iter().map(|part| part.name())), why)
         }

@@ -35,7 +35,6 @@ effect_left_out_of_gyro = { $slot }: { $effect } is left out of the fit: { $why 
 effect_at_reference = { $effect } is not zero at the reference temperature, and no drift of model (6) there: D_I and D_S leave that out
 station_left_out = the stated uncertainty of { $parts } is not in the sigmas: { $why }
 station_needs_scale = { $slot } has no E that is held or determined
-station_not_of_bench = it is computed for campaigns of an IMU, not for bench tests
 effects_left_out = the effects of the model are left out: { $why }
 held_as_in_model = it is taken as in the model, which knows it better than these dwells tell it
 any_temperature = no temperature is stated, and the model knows what it does: the sigmas hold what any from -40 to 85 deg C would do. State temperature_c

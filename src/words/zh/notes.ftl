@@ -33,7 +33,6 @@ effect_left_out_of_gyro = { $slot }：{ $effect }未参与拟合：{ $why }
 effect_at_reference = { $effect }在参考温度下不为零，且不属于模型(6)的漂移：D_I、D_S未计入这一部分
 station_left_out = 标准差未计入给定的测试站不确定度（{ $parts }）：{ $why }
 station_needs_scale = { $slot }的E既未给定也不能确定
-station_not_of_bench = 只对IMU试验计算，不适用于单表试验
 effects_left_out = 模型中的附加效应未计入：{ $why }
 held_as_in_model = 取模型中的值，这些测点不能更准确地确定它
 any_temperature = 未给出温度，而模型已知其影响：标准差已计入-40至85 °C间任一温度的影响。请给出temperature_c

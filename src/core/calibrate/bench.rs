@@ -15,20 +15,25 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use super::bench_form::{BenchForm, Squares};
 use super::drift::LEAST_SCALE_TO_NOISE;
 use super::gyro_fit::standardised;
-use super::memory::FittedGyro;
-use super::noise::{Evidence, NoiseScale, noise};
+use super::law::Course;
+use super::memory::{self, DepartureWeights, FittedGyro};
+use super::noise::{Evidence, NoiseScale, noise, overstated};
+use super::noise_found::NoiseFound;
+use super::noise_report;
 use super::shrunken_errors::ScatteringErrors;
 use super::station::{self, OfOne};
 use super::uncertainty::{StationResponse, Uncertainty, UncertaintyBudget};
-use super::{ScaleSource, sem_scatter, weights_sd};
+use super::calibration::remembers;
+use super::{ScaleSource, exceeds_noise, sem_scatter, weights_sd};
 use crate::core::bench::{Alias, BenchMethod, BenchResult};
 use crate::core::campaign::repeats::{PureError, repeats};
-use crate::core::campaign::{Campaign, CampaignNote, TestKind};
+use crate::core::campaign::{Campaign, CampaignNote, Dwell, TestKind};
 use crate::core::effects::GyroAxes;
 use crate::core::message::{Message, figure, list};
 use crate::core::model::Term;
-use crate::core::mounting::Triad;
+use crate::core::mounting::{Slot, Triad};
 use crate::core::numerics::least_squares::{Factor, Fit};
+use crate::core::numerics::median::median_of;
 use crate::message;
 
 /// Condition that makes D_F, D_II and D_SS unique in a tumble about the output axis.
@@ -54,6 +59,9 @@ const LEAST_MOVED: f64 = 0.05;
 /// A bench test, fitted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BenchCalibration {
+    slot: Slot,
+    /// Whether standard errors are stated.
+    has_sem: bool,
     pub method: BenchMethod,
     /// E, pulse/arcsec (arcsec per arcsec in the servo test), fixture axes.
     pub e: Vector3<f64>,
@@ -75,6 +83,8 @@ pub struct BenchCalibration {
     pub noise: NoiseScale,
     /// Scatter of the stated standard errors, where they are shrunk to the law that they scatter about.
     pub errors_scatter: Option<f64>,
+    /// What the noise is beyond white and as stated.
+    pub noise_found: NoiseFound,
     /// What is left out of the standard deviations.
     pub notes: Vec<CampaignNote>,
     /// Standard deviation of each output, none without a noise scale.
@@ -184,6 +194,36 @@ impl BenchProblem<'_> {
             return Err(NotFitted::NoServoSign);
         }
         Ok(held(input * answer.signum()))
+    }
+
+    /// As for a campaign of an IMU. Errors that are far too large for the residuals say nothing of kinds.
+    fn weigh(
+        &self,
+        factor: &Factor,
+        fit: &Fit,
+        station: &OfOne,
+        coordinates: &mut Option<DMatrix<f64>>,
+    ) -> DepartureWeights {
+        let has_sem = self.campaign.states_errors();
+        if has_sem && overstated(fit.chi2, fit.dof).is_some() {
+            return Vec::new();
+        }
+        let net = station.net.as_ref().map(|(net, taken)| (net.component_div(factor.weights()), *taken));
+        let (residuals, taken) = net.unwrap_or_else(|| (fit.residuals.clone(), 0));
+        let dwells = &self.campaign.dwells;
+        let times: Vec<f64> = dwells.iter().map(Dwell::mid_s).collect();
+        let (durations, rates): (Vec<f64>, Vec<_>) = dwells.iter().map(|d| (d.duration_s, d.rate_arcsec_s)).unzip();
+        let course = Course { times: &times, durations: &durations, rates: &rates };
+        let even = DVector::from_element(dwells.len(), 1.0);
+        let fitted = FittedGyro {
+            basis: factor.basis(),
+            weights: factor.weights(),
+            variances: &even,
+            even: &even,
+            residuals: &residuals,
+            dof: fit.dof.saturating_sub(taken),
+        };
+        memory::weigh(&course, &[fitted], std::slice::from_mut(coordinates), has_sem)
     }
 
     /// Standard errors shrunk to the law that they scatter about, and their scatter; none where residuals follow them.
@@ -351,14 +391,20 @@ impl BenchProblem<'_> {
             None => noise.with_scatter(sem_scatter(&self.campaign.dwells, 0)),
         };
         let sigma = noise.factor.map(|f| DVector::from_fn(self.sd.len(), |i, _| self.sd[i] * f));
-        let uncertainty = noise.covariance_scale().map(|s| {
+        let rank = factor.rank();
+        let mut coordinates = noise.covariance_scale().map(|scale| DMatrix::from_diagonal_element(rank, rank, scale));
+        let kinds = self.weigh(&factor, &fit, &station, &mut coordinates);
+        let uncertainty = coordinates.map(|coordinates| {
             let identity = DMatrix::identity(fit.estimate.len(), fit.estimate.len());
             Uncertainty {
-                fit: &fit.covariance * s,
-                share: noise.share(&evidence, false),
+                fit: factor.covariance_of(&coordinates),
+                share: noise.share(&evidence, noise_report::is_other(&kinds)),
                 station: StationResponse::by_part(&station.responses, &identity),
             }
         });
+        let slot = self.campaign.gyros[0].slot;
+        let usual = sigma.as_ref().and_then(|sigma| median_of(sigma.iter().copied()));
+        let wander = |power: f64| usual.map(|usual| (slot, power.sqrt() * usual / k.abs())).into_iter().collect();
         if let Some(parts) = uncertainty.as_ref().filter(|_| first > 0)
             && self.method == BenchMethod::TorqueFeedback
             && k.abs() < LEAST_SCALE_TO_NOISE * parts.fit.view((0, 0), (first, first)).trace().max(0.0).sqrt()
@@ -398,6 +444,8 @@ impl BenchProblem<'_> {
             return Err(NotFitted::NoScale);
         }
         Ok(BenchCalibration {
+            slot,
+            has_sem,
             method: self.method,
             e,
             scale_source: scale.source,
@@ -414,6 +462,7 @@ impl BenchProblem<'_> {
             sigma,
             noise,
             errors_scatter: self.errors_scatter,
+            noise_found: noise_report::of_kinds(&kinds, wander),
             notes: station.notes,
             residuals: fit.residuals,
             leverage: fit.leverage,
@@ -436,6 +485,23 @@ impl BenchCalibration {
     /// The coefficient of that name, where it was fitted.
     pub fn coefficient(&self, name: &str) -> Option<&BenchCoefficient> {
         self.coefficients.iter().find(|c| c.name == name)
+    }
+
+    /// What a reader should know of the fit, its noise and its standard deviations.
+    pub fn all_notes(&self) -> Vec<CampaignNote> {
+        let mut notes: Vec<CampaignNote> = self.aliases.iter().map(|alias| CampaignNote::ProductAliased(*alias)).collect();
+        let exceeds = exceeds_noise(self.p_value);
+        notes.extend(exceeds.then(|| CampaignNote::ResidualsExceedNoise { gyros: vec![self.slot] }));
+        notes.extend(self.errors_scatter.map(|scatter| CampaignNote::ErrorsScatter { scatter }));
+        notes.extend(remembers(&self.noise_found));
+        notes.extend(self.overstated().map(|times| CampaignNote::ErrorsOverstated { gyros: vec![(self.slot, times)] }));
+        notes.extend(self.notes.iter().cloned());
+        notes
+    }
+
+    /// How many times the stated standard errors are too large for the scatter of the dwells.
+    fn overstated(&self) -> Option<f64> {
+        overstated(self.chi2, self.dof).filter(|_| self.has_sem)
     }
 
     /// The direction that the gauge fixes, a unit vector: what D_F gains, D_II and D_SS can lose.

@@ -56,6 +56,9 @@ pub struct BenchCoefficient {
 /// A product that moves a coefficient by less than this share of itself is told from it well enough.
 const LEAST_MOVED: f64 = 0.05;
 
+/// Share of a product's squares from which on residuals show it.
+const LEAST_SEEN: f64 = 0.01;
+
 /// A bench test, fitted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BenchCalibration {
@@ -71,7 +74,7 @@ pub struct BenchCalibration {
     /// D_F, D_I, D_S and, where the positions allow, D_II, D_SS and D_O.
     pub coefficients: Vec<BenchCoefficient>,
     pub gauge: Option<&'static str>,
-    /// Products that eq. (5) leaves out here and that these positions do not tell from D_I or D_S.
+    /// Products that eq. (5) leaves out here and that these positions do not tell from a coefficient.
     pub aliases: Vec<Alias>,
     /// Mean of a_I^2 + a_S^2, g0^2.
     squared_force: f64,
@@ -337,20 +340,23 @@ impl BenchProblem<'_> {
         );
         let fit = factor.fit(&y);
         let fitted: Vector3<f64> = scale.fitted.iter().zip(fit.estimate.iter()).map(|(axis, k)| axis * *k).sum();
-        let aliases = self.aliases(&factor, &axes, first);
+        let aliases = self.aliases(&factor, &axes, (form, first));
         Ok(BenchSolution { e: held + fitted, axes, form, factor, fit, y, aliases })
     }
 
-    /// A product's column fitted by what is fitted: what D_I and D_S take of it.
-    fn aliases(&self, factor: &Factor, axes: &Matrix3<f64>, first: usize) -> Vec<Alias> {
+    /// A product's column fitted by what is fitted: what D_I and D_S take of it, and what the others do where residuals
+    /// would not show it.
+    fn aliases(&self, factor: &Factor, axes: &Matrix3<f64>, (form, first): (BenchForm, usize)) -> Vec<Alias> {
         let dwells = &self.campaign.dwells;
         let mut found = Vec::new();
         for (product, a, b) in [("D_SI", 1, 0), ("D_IO", 0, 2), ("D_OS", 2, 1)] {
             let forces = dwells.iter().map(|d| axes * d.specific_force_g0);
-            let taken = factor.fit(&DVector::from_iterator(dwells.len(), forces.map(|f| f[a] * f[b]))).estimate;
-            for (coefficient, place) in [("D_I", 1), ("D_S", 2)] {
-                let moves = taken[first + place];
-                if moves.abs() > LEAST_MOVED {
+            let column = DVector::from_iterator(dwells.len(), forces.map(|f| f[a] * f[b]));
+            let taken = factor.fit(&column);
+            let is_hidden = taken.chi2 < LEAST_SEEN * column.component_mul(factor.weights()).norm_squared();
+            for (coefficient, _, place, sign) in form.names() {
+                let moves = sign * taken.estimate[first + place];
+                if moves.abs() > LEAST_MOVED && (is_hidden || ["D_I", "D_S"].contains(&coefficient)) {
                     found.push(Alias { product, coefficient, moves });
                 }
             }

@@ -21,7 +21,12 @@ output_stuck = { $slot }: the output is exactly { $value } pulse/s in { $count }
 outputs_coarse = { $slot }: the outputs come in steps of { $step } pulse/s; these alone make { $times } times the noise of a dwell, and repeats fall on the same step. Measure longer, or count finer
 no_standard_errors = no standard errors: all dwells have equal weight and the residuals give the noise
 no_repeats = no repeated dwells: nothing but the fit itself tells noise from what the model leaves out
-product_aliased = { $product } is not fitted, and these positions do not tell it from { $coefficient }: 0.01 deg/(h g0²) of it would move { $coefficient } by { $moves } deg/(h g0)
+product_aliased = { $product } is not fitted, and these positions do not tell it from { $coefficient }: 0.01 deg/(h g0²) of it would move { $coefficient } by { $moves } { $coefficient ->
+        [D_F] deg/h
+        [D_II] deg/(h g0²)
+        [D_SS] deg/(h g0²)
+       *[other] deg/(h g0)
+    }
 noise_grows_with_rate = the residuals at the fastest rate are { $times } times those at rest; sigmas follow them
 residuals_shared = the residuals of the gyros go together: their correlation is up to { $correlation }. They share noise, or an effect that the model leaves out
 residuals_remember = residuals near in time go together (probability { $probability }), by about { $size } deg/h: noise with a memory, or an effect that the model leaves out; sigmas hold it

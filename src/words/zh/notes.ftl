@@ -19,7 +19,12 @@ output_stuck = { $slot }：自{ $first }起连续{ $count }个测点的输出完
 outputs_coarse = { $slot }：输出以{ $step } pulse/s为步长，仅此即为测点噪声的{ $times }倍，重复测点会落在同一步上。请加长测量或细化计数
 no_standard_errors = 没有标准误差：各测点等权，噪声由残差给出
 no_repeats = 没有重复测点：只能凭拟合本身区分噪声与模型未含的部分
-product_aliased = 未拟合{ $product }，且这些位置无法将其与{ $coefficient }区分：0.01 (°)/(h·g0²)的该项会使{ $coefficient }变化{ $moves } (°)/(h·g0)
+product_aliased = 未拟合{ $product }，且这些位置无法将其与{ $coefficient }区分：0.01 (°)/(h·g0²)的该项会使{ $coefficient }变化{ $moves } { $coefficient ->
+        [D_F] (°)/h
+        [D_II] (°)/(h·g0²)
+        [D_SS] (°)/(h·g0²)
+       *[other] (°)/(h·g0)
+    }
 noise_grows_with_rate = 最高角速度下的残差为静止时的{ $times }倍；标准差随之变化
 residuals_shared = 各陀螺残差相关：相关系数最高{ $correlation }。它们共有噪声，或有模型遗漏的效应
 residuals_remember = 时间相近的残差相关（概率{ $probability }），幅度约{ $size }度每小时：噪声有记忆，或有模型遗漏的效应；标准差已计入

@@ -375,3 +375,41 @@ fn errors_that_scatter_are_shrunk_to_their_law_unless_residuals_follow_them() {
     assert_eq!(of(&by_turns, &by_turns).errors_scatter, None);
     assert_eq!(of(&|_| 1.0, &|_| 1.0).errors_scatter, None);
 }
+
+/// Products of forces across a skewed fixture are, over balanced faces, combinations of 1 and the squares.
+#[test]
+fn a_product_that_hides_in_the_squares_is_said_unless_residuals_show_it() {
+    let skewed = Matrix3::from_rows(&[
+        Vector3::new(0.577350, -0.408248, 0.707107).normalize().transpose(),
+        Vector3::new(0.577350, -0.408248, -0.707107).normalize().transpose(),
+        Vector3::new(0.577350, 0.816497, 0.0).normalize().transpose(),
+    ]);
+    let faces = [Vector3::x(), -Vector3::x(), Vector3::y(), -Vector3::y(), Vector3::z(), -Vector3::z()];
+    let faces: Vec<Position> = (0..24)
+        .map(|k| {
+            let along = |v: Vector3<f64>| <[f64; 3]>::from(skewed * v);
+            (along(faces[k % 6]), along(faces[(k + 2 + k / 6) % 6] * EARTH))
+        })
+        .collect();
+    let aliases = |positions: &[Position]| {
+        let outputs = outputs(1.5, &DRIFT, positions);
+        fitted(&bench(TestKind::TorqueFeedback, positions, &outputs, Some(1e-3), Some([1.5, 0.0, 0.0]))).aliases
+    };
+    let found = aliases(&faces);
+    assert!(found.iter().any(|alias| alias.coefficient == "D_II" && alias.moves.abs() > 0.5), "{found:?}");
+    // What is said is what a product does.
+    for (product, [a, b]) in [("D_SI", [1, 0]), ("D_IO", [0, 2]), ("D_OS", [2, 1])] {
+        let with = |size: f64| {
+            let add = |position: &Position| output(1.5, &DRIFT, position) + 1.5 * size * position.0[a] * position.0[b];
+            let outputs: Vec<f64> = faces.iter().map(add).collect();
+            fitted(&bench(TestKind::TorqueFeedback, &faces, &outputs, Some(1e-3), Some([1.5, 0.0, 0.0])))
+        };
+        let (without, with) = (with(0.0), with(0.01));
+        for alias in found.iter().filter(|alias| alias.product == product) {
+            let [before, after] = [&without, &with].map(|fit| fit.coefficient(alias.coefficient).unwrap().value);
+            assert!((after - before - 0.01 * alias.moves).abs() < 1e-9, "{alias:?}");
+        }
+    }
+    // All over the sphere residuals show any product.
+    assert!(aliases(&all_over()).iter().all(|alias| ["D_I", "D_S"].contains(&alias.coefficient)));
+}

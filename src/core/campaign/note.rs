@@ -63,6 +63,8 @@ pub enum CampaignNote {
     GravityOff { share: f64, slot: Slot, moves: f64 },
     /// E is held: so many arcsec of its direction would move D_I or D_S of this gyro, deg/(h g0).
     HeldScale { slot: Slot, arcsec: f64, moves: f64 },
+    /// The same of its size: of this share.
+    HeldSize { slot: Slot, share: f64, moves: f64 },
     /// The campaign does not determine E, whose size along the nominal axis is taken, pulse/arcsec.
     NominalAxis { slot: Slot, scale: f64 },
 }
@@ -128,6 +130,7 @@ impl CampaignNote {
             Self::LatitudeSign { .. } => "latitude_sign",
             Self::GravityOff { .. } => "gravity_off",
             Self::HeldScale { .. } => "held_scale",
+            Self::HeldSize { .. } => "held_scale_size",
             Self::NominalAxis { .. } => "nominal_axis",
         }
     }

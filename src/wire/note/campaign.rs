@@ -90,6 +90,10 @@ pub(super) fn message(note: &CampaignNote) -> Message {
         CampaignNote::HeldScale { slot, arcsec, moves } => {
             message!("held_scale", slot = slot.name(), arcsec = text(arcsec), moves = significant(*moves, 2))
         }
+        CampaignNote::HeldSize { slot, share, moves } => {
+            let percent = text(100.0 * share);
+            message!("held_scale_size", slot = slot.name(), percent, moves = significant(*moves, 2))
+        }
         CampaignNote::NominalAxis { slot, scale } => {
             message!("nominal_axis", slot = slot.name(), scale = figure(*scale, 4))
         }
@@ -180,6 +184,9 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
         }
         CampaignNote::HeldScale { slot, arcsec, moves } => {
             json!({"slot": Slot::name(*slot), "arcsec": arcsec, "moves_deg_per_h_g0": moves})
+        }
+        CampaignNote::HeldSize { slot, share, moves } => {
+            json!({"slot": Slot::name(*slot), "share": share, "moves_deg_per_h_g0": moves})
         }
         CampaignNote::NominalAxis { slot, scale } => json!({"slot": Slot::name(*slot), "pulse_per_arcsec": scale}),
     };

@@ -44,9 +44,10 @@ any_temperature = 未给出温度，而模型已知其影响：标准差已计�
 any_temperature_of_record = 未给出温度，而IMU模型将D_I、D_S归算到一个温度：标准差已计入-40至85 °C间任一温度的影响。请给出temperature_c
 not_restated = { $slot }：D_I、D_S保持测量值：IMU模型中的{ $effect }属于另一陀螺，或为各陀螺共有
 not_told_apart = 这些测点不能将其与其他项区分
-latitude_sign = 全部陀螺的D_I都接近{ $shift } (°)/(h·g0)，恰为纬度正负号有误所致：测试站在北纬（+）还是南纬（-）？
+latitude_sign = 各陀螺的D_I均接近{ $shift } (°)/(h·g0)，恰为纬度正负号有误所致：测试站在北纬（+）还是南纬（-）？
 gravity_off = 静态测点的|specific_force_g0|与测试站重力相差{ $percent } %（负号为偏小）：D_I、D_S反向差同样比例，最大{ $moves } (°)/(h·g0)（{ $slot }）
 held_scale = E取给定值，视为准确：其方向若差{ $arcsec } arcsec，D_I或D_S即变化{ $moves } (°)/(h·g0)（{ $slot }）。请在station_uncertainty.fixture_arcsec中给出其不确定度
+held_scale_size = |E|取给定值，视为准确：若差{ $percent } %，D_I或D_S即变化{ $moves } (°)/(h·g0)（{ $slot }），标准差未计入
 nominal_axis = { $slot }：本次试验不能确定E；采用标称输入轴与{ $scale } pulse/arcsec
 
 time_near_epoch = 时间接近{ $epoch }，即未校时时钟的起点：暂不计入，待确认时间

@@ -108,6 +108,8 @@ pub enum NotFitted {
     NoAxes(&'static str),
     Undetermined(Vec<&'static str>),
     NoScale,
+    /// With E there are too few positions for D_II and D_SS.
+    ScaleOrSquares,
     NotATableRate { found: f64 },
     NoServoSign,
 }
@@ -122,6 +124,7 @@ impl NotFitted {
                 message!("bench_undetermined", parameters = list(parameters.iter().copied()))
             }
             Self::NoScale => message!("bench_no_scale"),
+            Self::ScaleOrSquares => message!("bench_scale_or_squares"),
             Self::NoServoSign => message!("no_servo_sign"),
             Self::NotATableRate { found } => message!("not_a_table_rate", found = figure(*found, 4)),
         }
@@ -180,7 +183,10 @@ impl BenchProblem<'_> {
         if self.method == BenchMethod::TorqueFeedback {
             let whole = fit_along(vec![Vector3::x(), Vector3::y(), Vector3::z()]);
             let single = fit_along(vec![input]);
-            return [whole, single].into_iter().find(|scale| self.determines_scale(scale)).ok_or(NotFitted::NoScale);
+            let told: Vec<BenchScale> = [whole, single].into_iter().filter(|s| self.determines_scale(s)).collect();
+            let otherwise = if told.is_empty() { NotFitted::NoScale } else { NotFitted::ScaleOrSquares };
+            let squares = self.squares_beside(&held(input));
+            return told.into_iter().find(|scale| self.squares_beside(scale) == squares).ok_or(otherwise);
         }
         let along_input = fit_along(vec![input]);
         if !self.determines_scale(&along_input) {
@@ -245,6 +251,11 @@ impl BenchProblem<'_> {
         let of = |sd: &[Vec<f64>]| Some(fitted.independent(&DVector::from_column_slice(&sd[0]), true)?.0);
         let b = errors.likeliest(of)?;
         Some((errors.shrunken(b).swap_remove(0), errors.scatter))
+    }
+
+    /// Which squares are fitted beside this scale.
+    fn squares_beside(&self, scale: &BenchScale) -> Squares {
+        self.design(scale, &self.axes(self.triad.input())).1.squares
     }
 
     fn determines_scale(&self, scale: &BenchScale) -> bool {
@@ -501,6 +512,7 @@ impl BenchCalibration {
         notes.extend(self.errors_scatter.map(|scatter| CampaignNote::ErrorsScatter { scatter }));
         notes.extend(remembers(&self.noise_found));
         notes.extend(self.overstated().map(|times| CampaignNote::ErrorsOverstated { gyros: vec![(self.slot, times)] }));
+        notes.extend(self.gauge.map(|_| CampaignNote::OffsetInGauge { moves: 0.5 * self.squared_force }));
         notes.extend(self.notes.iter().cloned());
         notes
     }

@@ -82,6 +82,7 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             coefficient = *coefficient,
             moves = figure(0.01 * moves.abs(), 4),
         ),
+        CampaignNote::OffsetInGauge { moves } => message!("d_f_in_gauge", moves = figure(0.01 * moves, 4)),
         CampaignNote::LatitudeSign { shift } => message!("latitude_sign", shift = signed(*shift, 1)),
         CampaignNote::GravityOff { share, slot, moves } => {
             let percent = significant(100.0 * share, 2);
@@ -178,6 +179,7 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
         CampaignNote::ProductAliased(Alias { product, coefficient, moves }) => {
             json!({"product": product, "coefficient": coefficient, "moves": moves})
         }
+        CampaignNote::OffsetInGauge { moves } => json!({"moves": moves}),
         CampaignNote::LatitudeSign { shift } => json!({"shift_deg_per_h_g0": shift}),
         CampaignNote::GravityOff { share, slot, moves } => {
             json!({"share": share, "slot": Slot::name(*slot), "moves_deg_per_h_g0": moves})

@@ -13,6 +13,7 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::bench_form::{BenchForm, Squares};
+use super::calibration::remembers;
 use super::drift::LEAST_SCALE_TO_NOISE;
 use super::gyro_fit::standardised;
 use super::law::Course;
@@ -23,7 +24,6 @@ use super::noise_report;
 use super::shrunken_errors::ScatteringErrors;
 use super::station::{self, OfOne};
 use super::uncertainty::{StationResponse, Uncertainty, UncertaintyBudget};
-use super::calibration::remembers;
 use super::{ScaleSource, exceeds_noise, sem_scatter, weights_sd};
 use crate::core::bench::{Alias, BenchMethod, BenchResult};
 use crate::core::campaign::repeats::{PureError, repeats};
@@ -110,7 +110,9 @@ pub enum NotFitted {
     NoScale,
     /// With E there are too few positions for D_II and D_SS.
     ScaleOrSquares,
-    NotATableRate { found: f64 },
+    NotATableRate {
+        found: f64,
+    },
     NoServoSign,
 }
 
@@ -506,7 +508,8 @@ impl BenchCalibration {
 
     /// What a reader should know of the fit, its noise and its standard deviations.
     pub fn all_notes(&self) -> Vec<CampaignNote> {
-        let mut notes: Vec<CampaignNote> = self.aliases.iter().map(|alias| CampaignNote::ProductAliased(*alias)).collect();
+        let mut notes: Vec<CampaignNote> =
+            self.aliases.iter().map(|alias| CampaignNote::ProductAliased(*alias)).collect();
         let exceeds = exceeds_noise(self.p_value);
         notes.extend(exceeds.then(|| CampaignNote::ResidualsExceedNoise { gyros: vec![self.slot] }));
         notes.extend(self.errors_scatter.map(|scatter| CampaignNote::ErrorsScatter { scatter }));

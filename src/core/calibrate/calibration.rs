@@ -192,7 +192,8 @@ impl Calibration {
     /// are in another unit, and repeats alone do not make `residuals_exceed_noise` of it.
     fn understated(&self) -> Option<CampaignNote> {
         let is_asked = self.has_sem && self.noise_found.memory.is_none();
-        let gyros: Vec<&GyroCalibration> = self.gyros.iter().filter(|g| is_asked && by_far(g.noise.pure_error)).collect();
+        let gyros: Vec<&GyroCalibration> =
+            self.gyros.iter().filter(|g| is_asked && by_far(g.noise.pure_error)).collect();
         let all = gyros.iter().map(|g| g.noise.pure_error).reduce(PureError::plus)?;
         let times = (all.chi2 / all.dof as f64).sqrt();
         Some(CampaignNote::ErrorsUnderstated { gyros: gyros.into_iter().map(|g| g.slot).collect(), times })

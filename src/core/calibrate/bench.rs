@@ -56,6 +56,12 @@ pub struct BenchCoefficient {
 /// A product that moves a coefficient by less than this share of itself is told from it well enough.
 const LEAST_MOVED: f64 = 0.05;
 
+/// Share of the squares of time below which positions follow it, and the drift that is then told where it moves D_I or
+/// D_S by this part of their standard deviation, deg/h an hour.
+const FOLLOWED: f64 = 0.3;
+const DRIFT: f64 = 1e-3;
+const TOLD_FROM: f64 = 0.3;
+
 /// Share of a product's squares from which on residuals show it.
 const LEAST_SEEN: f64 = 0.01;
 
@@ -76,6 +82,8 @@ pub struct BenchCalibration {
     pub gauge: Option<&'static str>,
     /// Products that eq. (5) leaves out here and that these positions do not tell from a coefficient.
     pub aliases: Vec<Alias>,
+    /// Where the positions follow time: by how much a drift of one deg/h an hour moves D_I and D_S, deg/(h g0).
+    by_drift: Option<[f64; 2]>,
     /// Mean of a_I^2 + a_S^2, g0^2.
     squared_force: f64,
     pub chi2: f64,
@@ -354,7 +362,8 @@ impl BenchProblem<'_> {
         let fit = factor.fit(&y);
         let fitted: Vector3<f64> = scale.fitted.iter().zip(fit.estimate.iter()).map(|(axis, k)| axis * *k).sum();
         let aliases = self.aliases(&factor, &axes, (form, first));
-        Ok(BenchSolution { e: held + fitted, axes, form, factor, fit, y, aliases })
+        let by_drift = self.by_drift(&factor, first);
+        Ok(BenchSolution { e: held + fitted, axes, form, factor, fit, y, aliases, by_drift })
     }
 
     /// A product's column fitted by what is fitted: what D_I and D_S take of it, and what the others do where residuals
@@ -377,6 +386,17 @@ impl BenchProblem<'_> {
         found
     }
 
+    /// Time fitted by what is fitted, where little of it is left over: a drift would not show, but in the coefficients.
+    fn by_drift(&self, factor: &Factor, first: usize) -> Option<[f64; 2]> {
+        const HOUR_S: f64 = 3600.0;
+        let dwells = &self.campaign.dwells;
+        let hours = DVector::from_iterator(dwells.len(), dwells.iter().map(|d| d.mid_s() / HOUR_S));
+        let hours = hours.add_scalar(-hours.mean());
+        let taken = factor.fit(&hours);
+        let follow = taken.chi2 < FOLLOWED * hours.component_mul(factor.weights()).norm_squared();
+        follow.then(|| [1, 2].map(|place| taken.estimate[first + place]))
+    }
+
     /// What the station makes of the fit; `g` is G over |E|, deg/(h g0), fixture axes.
     fn station(&self, e: &Vector3<f64>, g: Vector3<f64>, fit: (&Factor, &Fit), has_sem: bool) -> OfOne {
         if !self.campaign.station_uncertainty.is_stated() {
@@ -387,7 +407,7 @@ impl BenchProblem<'_> {
     }
 
     fn finish(&self, scale: &BenchScale, solved: BenchSolution) -> Result<BenchCalibration, NotFitted> {
-        let BenchSolution { e, axes, form, factor, fit, y, aliases } = solved;
+        let BenchSolution { e, axes, form, factor, fit, y, aliases, by_drift } = solved;
         let groups = repeats(&self.campaign.dwells);
         let has_sem = self.campaign.states_errors();
         let k = e.norm() * if e.dot(&self.triad.input()) < 0.0 { -1.0 } else { 1.0 };
@@ -472,6 +492,7 @@ impl BenchProblem<'_> {
             coefficients,
             gauge: (form.squares == Squares::Difference).then_some(GAUGE),
             aliases,
+            by_drift,
             squared_force: self.mean_squared_force(&axes),
             chi2: fit.chi2,
             dof: fit.dof,
@@ -498,6 +519,7 @@ struct BenchSolution {
     fit: Fit,
     y: DVector<f64>,
     aliases: Vec<Alias>,
+    by_drift: Option<[f64; 2]>,
 }
 
 impl BenchCalibration {
@@ -515,6 +537,10 @@ impl BenchCalibration {
         notes.extend(self.errors_scatter.map(|scatter| CampaignNote::ErrorsScatter { scatter }));
         notes.extend(remembers(&self.noise_found));
         notes.extend(self.overstated().map(|times| CampaignNote::ErrorsOverstated { gyros: vec![(self.slot, times)] }));
+        let moved = self.by_drift.map(|by| by.map(|by| DRIFT * by.abs()));
+        let told = |by: f64, name| self.coefficient(name).and_then(|c| c.sd).is_some_and(|sd| by > TOLD_FROM * sd);
+        let told = moved.filter(|[d_i, d_s]| told(*d_i, "D_I") || told(*d_s, "D_S"));
+        notes.extend(told.map(|[d_i, d_s]| CampaignNote::DriftAliased { drift: DRIFT, d_i, d_s }));
         notes.extend(self.gauge.map(|_| CampaignNote::OffsetInGauge { moves: 0.5 * self.squared_force }));
         notes.extend(self.notes.iter().cloned());
         notes

@@ -569,3 +569,27 @@ fn too_few_positions_for_scale_and_squares_are_refused_and_a_gauge_is_said() {
     let tumbled = bench(TestKind::TorqueFeedback, &tumble(), &outputs, Some(1e-3), Some([1.4, 0.0, 0.0]));
     assert!(!code(&held) && code(&fitted(&tumbled)));
 }
+
+#[test]
+fn a_drift_that_positions_follow_is_told_by_what_it_moves() {
+    let faces = [Vector3::x(), -Vector3::x(), Vector3::y(), -Vector3::y(), Vector3::z(), -Vector3::z()];
+    let in_order: Vec<Position> = (0..24)
+        .map(|k| (faces[k / 4].into(), (faces[k / 4] * 8.5 + faces[(k / 4 + 2 + k % 4) % 6] * 12.4).into()))
+        .collect();
+    let mixed: Vec<Position> = (0..24).map(|k| in_order[k * 5 % 24]).collect();
+    let of = |positions: &[Position], drift: f64| {
+        let drifts =
+            |(k, place): (usize, &Position)| output(1.4, &DRIFT, place) + 1.4 * drift * k as f64 * 240.0 / 3600.0;
+        let outputs: Vec<f64> = positions.iter().enumerate().map(drifts).collect();
+        fitted(&bench(TestKind::TorqueFeedback, positions, &outputs, Some(1e-4), Some([1.4, 0.0, 0.0])))
+    };
+    let (still, drifts) = (of(&in_order, 0.0), of(&in_order, 1e-3));
+    let told = |found: &BenchCalibration| found.all_notes().into_iter().find(|note| note.code() == "drift_aliased");
+    let Some(CampaignNote::DriftAliased { drift, d_i, d_s }) = told(&still) else { panic!("{:?}", still.all_notes()) };
+    assert_eq!(drift, 1e-3);
+    for (name, said) in [("D_I", d_i), ("D_S", d_s)] {
+        let moved = drifts.coefficient(name).unwrap().value - still.coefficient(name).unwrap().value;
+        assert!((moved.abs() - said).abs() < 1e-9, "{name}: {moved} {said}");
+    }
+    assert_eq!(told(&of(&mixed, 0.0)), None);
+}

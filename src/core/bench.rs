@@ -56,12 +56,12 @@ pub struct BenchItem {
     pub sent_by: Option<Id>,
 }
 
-/// What a product of specific forces that is not fitted would do to D_I or D_S.
+/// What a product of specific forces that is not fitted would do to a coefficient.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Alias {
     /// D_SI, D_IO or D_OS: of a_S a_I, a_I a_O or a_O a_S.
     pub product: &'static str,
     pub coefficient: &'static str,
-    /// By how much one deg/(h g0^2) of it moves the coefficient, deg/(h g0).
+    /// By how much one deg/(h g0^2) of it moves the coefficient, in the coefficient's unit: deg/(h g0) for D_I and D_S.
     pub moves: f64,
 }

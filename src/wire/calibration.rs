@@ -11,10 +11,11 @@ use super::time;
 use crate::core::calibrate::bench::BenchCalibration;
 use crate::core::calibrate::drift::NotSeparated;
 use crate::core::calibrate::noise::NoiseScale;
+use crate::core::calibrate::noise_found::NoiseFound;
 use crate::core::calibrate::outcome::Outcome;
 use crate::core::calibrate::repeats_between::Repeated;
-use crate::core::calibrate::{Calibration, GyroCalibration, Parameter, ScaleSource, exceeds_noise};
-use crate::core::campaign::{self, Campaign, CampaignNote, StationLack, StationPart, StationUncertainty};
+use crate::core::calibrate::{Calibration, GyroCalibration, Parameter, ScaleSource};
+use crate::core::campaign::{self, Campaign, CampaignNote, StationUncertainty};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::Geometry;
 use crate::core::note::Note;
@@ -274,8 +275,7 @@ impl CampaignAnswer {
         let body = &mut self.calibration;
         body.model = names(calibration.terms);
         body.repeats.clone_from(&calibration.repeats);
-        let found = &calibration.noise_found;
-        body.noise = (!found.is_empty()).then(|| NoiseFoundBody::from(found));
+        body.noise = noise_found(&calibration.noise_found);
         for effect in calibration.gyros.iter().flat_map(|gyro| &gyro.effects).map(|e| e.effect.id()) {
             if !body.effects.iter().any(|known| known == effect) {
                 body.effects.push(effect.to_owned());
@@ -309,20 +309,10 @@ impl CampaignAnswer {
     }
 
     fn tested(&mut self, campaign: &Campaign, bench: &BenchCalibration) {
-        for alias in &bench.aliases {
-            self.note(CampaignNote::ProductAliased(*alias));
+        for note in bench.all_notes() {
+            self.note(note);
         }
-        if exceeds_noise(bench.p_value) {
-            self.note(CampaignNote::ResidualsExceedNoise { gyros: vec![campaign.gyros[0].slot] });
-        }
-        if let Some(scatter) = bench.errors_scatter {
-            self.note(CampaignNote::ErrorsScatter { scatter });
-        }
-        let parts = StationPart::ALL.into_iter().filter(|p| campaign.station_uncertainty.of(*p).is_some());
-        let parts: Vec<StationPart> = parts.collect();
-        if !parts.is_empty() {
-            self.note(CampaignNote::StationLeftOut { parts, why: StationLack::BenchTest });
-        }
+        self.calibration.noise = noise_found(&bench.noise_found);
         self.calibration.repeats.clone_from(&bench.repeats);
         self.calibration.gyros = vec![GyroFitBody::of_bench(campaign, bench)];
         self.bench_result = Some(BenchBody::from(&bench.result(campaign)));
@@ -427,6 +417,10 @@ impl NoiseBody {
             pure_error_dof: noise.pure_error.dof,
         }
     }
+}
+
+fn noise_found(found: &NoiseFound) -> Option<NoiseFoundBody> {
+    (!found.is_empty()).then(|| NoiseFoundBody::from(found))
 }
 
 fn names(terms: Terms) -> Vec<String> {

@@ -13,19 +13,27 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::bench_form::{BenchForm, Squares};
+use super::calibration::remembers;
 use super::drift::LEAST_SCALE_TO_NOISE;
 use super::gyro_fit::standardised;
-use super::memory::FittedGyro;
-use super::noise::{Evidence, NoiseScale, noise};
+use super::law::Course;
+use super::memory::{self, DepartureWeights, FittedGyro};
+use super::noise::{Evidence, NoiseScale, noise, overstated};
+use super::noise_found::NoiseFound;
+use super::noise_report;
 use super::shrunken_errors::ScatteringErrors;
-use super::{ScaleSource, sem_scatter, weights_sd};
+use super::station::{self, OfOne};
+use super::uncertainty::{StationResponse, Uncertainty, UncertaintyBudget};
+use super::{ScaleSource, exceeds_noise, sem_scatter, weights_sd};
 use crate::core::bench::{Alias, BenchMethod, BenchResult};
 use crate::core::campaign::repeats::{PureError, repeats};
-use crate::core::campaign::{Campaign, TestKind};
+use crate::core::campaign::{Campaign, CampaignNote, Dwell, TestKind};
+use crate::core::effects::GyroAxes;
 use crate::core::message::{Message, figure, list};
 use crate::core::model::Term;
-use crate::core::mounting::Triad;
+use crate::core::mounting::{Slot, Triad};
 use crate::core::numerics::least_squares::{Factor, Fit};
+use crate::core::numerics::median::median_of;
 use crate::message;
 
 /// Condition that makes D_F, D_II and D_SS unique in a tumble about the output axis.
@@ -41,14 +49,28 @@ pub struct BenchCoefficient {
     pub unit: &'static str,
     pub value: f64,
     pub sd: Option<f64>,
+    /// What that is made of.
+    pub uncertainty: Option<UncertaintyBudget>,
 }
 
 /// A product that moves a coefficient by less than this share of itself is told from it well enough.
 const LEAST_MOVED: f64 = 0.05;
 
+/// Share of the squares of time below which positions follow it, and the drift that is then told where it moves D_I or
+/// D_S by this part of their standard deviation, deg/h an hour.
+const FOLLOWED: f64 = 0.3;
+const DRIFT: f64 = 1e-3;
+const TOLD_FROM: f64 = 0.3;
+
+/// Share of a product's squares from which on residuals show it.
+const LEAST_SEEN: f64 = 0.01;
+
 /// A bench test, fitted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BenchCalibration {
+    slot: Slot,
+    /// Whether standard errors are stated.
+    has_sem: bool,
     pub method: BenchMethod,
     /// E, pulse/arcsec (arcsec per arcsec in the servo test), fixture axes.
     pub e: Vector3<f64>,
@@ -58,8 +80,10 @@ pub struct BenchCalibration {
     /// D_F, D_I, D_S and, where the positions allow, D_II, D_SS and D_O.
     pub coefficients: Vec<BenchCoefficient>,
     pub gauge: Option<&'static str>,
-    /// Products that eq. (5) leaves out here and that these positions do not tell from D_I or D_S.
+    /// Products that eq. (5) leaves out here and that these positions do not tell from a coefficient.
     pub aliases: Vec<Alias>,
+    /// Where the positions follow time: by how much a drift of one deg/h an hour moves D_I and D_S, deg/(h g0).
+    by_drift: Option<[f64; 2]>,
     /// Mean of a_I^2 + a_S^2, g0^2.
     squared_force: f64,
     pub chi2: f64,
@@ -70,6 +94,10 @@ pub struct BenchCalibration {
     pub noise: NoiseScale,
     /// Scatter of the stated standard errors, where they are shrunk to the law that they scatter about.
     pub errors_scatter: Option<f64>,
+    /// What the noise is beyond white and as stated.
+    pub noise_found: NoiseFound,
+    /// What is left out of the standard deviations.
+    pub notes: Vec<CampaignNote>,
     /// Standard deviation of each output, none without a noise scale.
     pub sigma: Option<DVector<f64>>,
     /// Residuals over their own standard deviations, sigma sqrt(1 - leverage).
@@ -88,7 +116,11 @@ pub enum NotFitted {
     NoAxes(&'static str),
     Undetermined(Vec<&'static str>),
     NoScale,
-    NotATableRate { found: f64 },
+    /// With E there are too few positions for D_II and D_SS.
+    ScaleOrSquares,
+    NotATableRate {
+        found: f64,
+    },
     NoServoSign,
 }
 
@@ -102,6 +134,7 @@ impl NotFitted {
                 message!("bench_undetermined", parameters = list(parameters.iter().copied()))
             }
             Self::NoScale => message!("bench_no_scale"),
+            Self::ScaleOrSquares => message!("bench_scale_or_squares"),
             Self::NoServoSign => message!("no_servo_sign"),
             Self::NotATableRate { found } => message!("not_a_table_rate", found = figure(*found, 4)),
         }
@@ -160,7 +193,10 @@ impl BenchProblem<'_> {
         if self.method == BenchMethod::TorqueFeedback {
             let whole = fit_along(vec![Vector3::x(), Vector3::y(), Vector3::z()]);
             let single = fit_along(vec![input]);
-            return [whole, single].into_iter().find(|scale| self.determines_scale(scale)).ok_or(NotFitted::NoScale);
+            let told: Vec<BenchScale> = [whole, single].into_iter().filter(|s| self.determines_scale(s)).collect();
+            let otherwise = if told.is_empty() { NotFitted::NoScale } else { NotFitted::ScaleOrSquares };
+            let squares = self.squares_beside(&held(input));
+            return told.into_iter().find(|scale| self.squares_beside(scale) == squares).ok_or(otherwise);
         }
         let along_input = fit_along(vec![input]);
         if !self.determines_scale(&along_input) {
@@ -179,6 +215,36 @@ impl BenchProblem<'_> {
         Ok(held(input * answer.signum()))
     }
 
+    /// As for a campaign of an IMU. Errors that are far too large for the residuals say nothing of kinds.
+    fn weigh(
+        &self,
+        factor: &Factor,
+        fit: &Fit,
+        station: &OfOne,
+        coordinates: &mut Option<DMatrix<f64>>,
+    ) -> DepartureWeights {
+        let has_sem = self.campaign.states_errors();
+        if has_sem && overstated(fit.chi2, fit.dof).is_some() {
+            return Vec::new();
+        }
+        let net = station.net.as_ref().map(|(net, taken)| (net.component_div(factor.weights()), *taken));
+        let (residuals, taken) = net.unwrap_or_else(|| (fit.residuals.clone(), 0));
+        let dwells = &self.campaign.dwells;
+        let times: Vec<f64> = dwells.iter().map(Dwell::mid_s).collect();
+        let (durations, rates): (Vec<f64>, Vec<_>) = dwells.iter().map(|d| (d.duration_s, d.rate_arcsec_s)).unzip();
+        let course = Course { times: &times, durations: &durations, rates: &rates };
+        let even = DVector::from_element(dwells.len(), 1.0);
+        let fitted = FittedGyro {
+            basis: factor.basis(),
+            weights: factor.weights(),
+            variances: &even,
+            even: &even,
+            residuals: &residuals,
+            dof: fit.dof.saturating_sub(taken),
+        };
+        memory::weigh(&course, &[fitted], std::slice::from_mut(coordinates), has_sem)
+    }
+
     /// Standard errors shrunk to the law that they scatter about, and their scatter; none where residuals follow them.
     fn shrunken(&self, scale: &BenchScale, as_stated: &BenchCalibration) -> Option<(Vec<f64>, f64)> {
         let errors = ScatteringErrors::of(self.campaign).filter(|_| as_stated.residuals.norm() > 0.0)?;
@@ -195,6 +261,11 @@ impl BenchProblem<'_> {
         let of = |sd: &[Vec<f64>]| Some(fitted.independent(&DVector::from_column_slice(&sd[0]), true)?.0);
         let b = errors.likeliest(of)?;
         Some((errors.shrunken(b).swap_remove(0), errors.scatter))
+    }
+
+    /// Which squares are fitted beside this scale.
+    fn squares_beside(&self, scale: &BenchScale) -> Squares {
+        self.design(scale, &self.axes(self.triad.input())).1.squares
     }
 
     fn determines_scale(&self, scale: &BenchScale) -> bool {
@@ -290,20 +361,24 @@ impl BenchProblem<'_> {
         );
         let fit = factor.fit(&y);
         let fitted: Vector3<f64> = scale.fitted.iter().zip(fit.estimate.iter()).map(|(axis, k)| axis * *k).sum();
-        let aliases = self.aliases(&factor, &axes, first);
-        Ok(BenchSolution { e: held + fitted, axes, form, fit, y, aliases })
+        let aliases = self.aliases(&factor, &axes, (form, first));
+        let by_drift = self.by_drift(&factor, first);
+        Ok(BenchSolution { e: held + fitted, axes, form, factor, fit, y, aliases, by_drift })
     }
 
-    /// A product's column fitted by what is fitted: what D_I and D_S take of it.
-    fn aliases(&self, factor: &Factor, axes: &Matrix3<f64>, first: usize) -> Vec<Alias> {
+    /// A product's column fitted by what is fitted: what D_I and D_S take of it, and what the others do where residuals
+    /// would not show it.
+    fn aliases(&self, factor: &Factor, axes: &Matrix3<f64>, (form, first): (BenchForm, usize)) -> Vec<Alias> {
         let dwells = &self.campaign.dwells;
         let mut found = Vec::new();
         for (product, a, b) in [("D_SI", 1, 0), ("D_IO", 0, 2), ("D_OS", 2, 1)] {
             let forces = dwells.iter().map(|d| axes * d.specific_force_g0);
-            let taken = factor.fit(&DVector::from_iterator(dwells.len(), forces.map(|f| f[a] * f[b]))).estimate;
-            for (coefficient, place) in [("D_I", 1), ("D_S", 2)] {
-                let moves = taken[first + place];
-                if moves.abs() > LEAST_MOVED {
+            let column = DVector::from_iterator(dwells.len(), forces.map(|f| f[a] * f[b]));
+            let taken = factor.fit(&column);
+            let is_hidden = taken.chi2 < LEAST_SEEN * column.component_mul(factor.weights()).norm_squared();
+            for (coefficient, _, place, sign) in form.names() {
+                let moves = sign * taken.estimate[first + place];
+                if moves.abs() > LEAST_MOVED && (is_hidden || ["D_I", "D_S"].contains(&coefficient)) {
                     found.push(Alias { product, coefficient, moves });
                 }
             }
@@ -311,34 +386,73 @@ impl BenchProblem<'_> {
         found
     }
 
+    /// Time fitted by what is fitted, where little of it is left over: a drift would not show, but in the coefficients.
+    fn by_drift(&self, factor: &Factor, first: usize) -> Option<[f64; 2]> {
+        const HOUR_S: f64 = 3600.0;
+        let dwells = &self.campaign.dwells;
+        let hours = DVector::from_iterator(dwells.len(), dwells.iter().map(|d| d.mid_s() / HOUR_S));
+        let hours = hours.add_scalar(-hours.mean());
+        let taken = factor.fit(&hours);
+        let follow = taken.chi2 < FOLLOWED * hours.component_mul(factor.weights()).norm_squared();
+        follow.then(|| [1, 2].map(|place| taken.estimate[first + place]))
+    }
+
+    /// What the station makes of the fit; `g` is G over |E|, deg/(h g0), fixture axes.
+    fn station(&self, e: &Vector3<f64>, g: Vector3<f64>, fit: (&Factor, &Fit), has_sem: bool) -> OfOne {
+        if !self.campaign.station_uncertainty.is_stated() {
+            return OfOne::default();
+        }
+        let nominal = GyroAxes::carried(self.campaign.gyros[0].slot, self.triad.mat_gyro_body(), *e, Vector3::zeros());
+        station::of_one(self.campaign, GyroAxes { input: e.normalize(), g, ..nominal }, fit, has_sem)
+    }
+
     fn finish(&self, scale: &BenchScale, solved: BenchSolution) -> Result<BenchCalibration, NotFitted> {
-        let BenchSolution { e, axes, form, fit, y, aliases } = solved;
+        let BenchSolution { e, axes, form, factor, fit, y, aliases, by_drift } = solved;
         let groups = repeats(&self.campaign.dwells);
         let has_sem = self.campaign.states_errors();
-        let pure_error = PureError::of(&groups, |k| y[k], |k| self.sd[k]);
-        let evidence = Evidence::of(fit.chi2, fit.dof, pure_error);
-        let noise = noise(&[evidence], has_sem)[0];
-        let noise = match self.errors_scatter {
-            Some(_) => noise,
-            None => noise.with_scatter(sem_scatter(&self.campaign.dwells, 0)),
-        };
-        let covariance = noise.covariance_scale().map(|s| &fit.covariance * s);
-        let sigma = noise.factor.map(|f| DVector::from_fn(self.sd.len(), |i, _| self.sd[i] * f));
         let k = e.norm() * if e.dot(&self.triad.input()) < 0.0 { -1.0 } else { 1.0 };
         let first = scale.fitted.len();
-        if let Some(c) = covariance.as_ref().filter(|_| first > 0)
-            && self.method == BenchMethod::TorqueFeedback
-            && k.abs() < LEAST_SCALE_TO_NOISE * c.view((0, 0), (first, first)).trace().max(0.0).sqrt()
-        {
-            return Err(NotFitted::NoScale);
-        }
-        // dK along each fitted direction: the direction's share in E's own.
-        let by_scale: Vec<f64> = scale.fitted.iter().map(|axis| axis.dot(&e) / k).collect();
         let of = |name: &str| {
             let found = form.names().find(|(of, ..)| *of == name);
             found.map_or(0.0, |(_, _, column, sign)| sign * fit.estimate[first + column] / k)
         };
         let [d_i, d_s, d_o] = ["D_I", "D_S", "D_O"].map(of);
+        let g = axes.tr_mul(&Vector3::new(d_i, d_s, d_o));
+        let station = self.station(&e, k.signum() * g, (&factor, &fit), has_sem);
+        let pure_error = PureError::of(&groups, |k| y[k], |k| self.sd[k]);
+        let evidence = match &station.net {
+            Some((net, taken)) => Evidence::of(net.norm_squared(), fit.dof.saturating_sub(*taken), pure_error),
+            None => Evidence::of(fit.chi2, fit.dof, pure_error),
+        };
+        let noise = noise(&[evidence], has_sem)[0];
+        let noise = match self.errors_scatter {
+            Some(_) => noise,
+            None => noise.with_scatter(sem_scatter(&self.campaign.dwells, 0)),
+        };
+        let sigma = noise.factor.map(|f| DVector::from_fn(self.sd.len(), |i, _| self.sd[i] * f));
+        let rank = factor.rank();
+        let mut coordinates = noise.covariance_scale().map(|scale| DMatrix::from_diagonal_element(rank, rank, scale));
+        let kinds = self.weigh(&factor, &fit, &station, &mut coordinates);
+        let uncertainty = coordinates.map(|coordinates| {
+            let identity = DMatrix::identity(fit.estimate.len(), fit.estimate.len());
+            Uncertainty {
+                fit: factor.covariance_of(&coordinates),
+                share: noise.share(&evidence, noise_report::is_other(&kinds)),
+                station: StationResponse::by_part(&station.responses, &identity),
+            }
+        });
+        let slot = self.campaign.gyros[0].slot;
+        let usual = sigma.as_ref().and_then(|sigma| median_of(sigma.iter().copied()));
+        let wander = |power: f64| usual.map(|usual| (slot, power.sqrt() * usual / k.abs())).into_iter().collect();
+        if let Some(parts) = uncertainty.as_ref().filter(|_| first > 0)
+            && self.method == BenchMethod::TorqueFeedback
+            && k.abs() < LEAST_SCALE_TO_NOISE * parts.fit.view((0, 0), (first, first)).trace().max(0.0).sqrt()
+        {
+            return Err(NotFitted::NoScale);
+        }
+        let covariance = uncertainty.as_ref().map(Uncertainty::covariance);
+        // dK along each fitted direction: the direction's share in E's own.
+        let by_scale: Vec<f64> = scale.fitted.iter().map(|axis| axis.dot(&e) / k).collect();
         // The axes follow E: a turn of I towards S takes D_S into D_I, and D_I out of D_S.
         let by_turn = |name: &str, axis: &Vector3<f64>| {
             let [towards_s, towards_o] = [1, 2].map(|row| axes.row(row).dot(&axis.transpose()) / k);
@@ -358,8 +472,10 @@ impl BenchProblem<'_> {
                 for (i, share) in by_scale.iter().enumerate() {
                     gradient[i] = by_turn(name, &scale.fitted[i]) - value * share / k;
                 }
-                let sd = covariance.as_ref().map(|c| gradient.dot(&(c * &gradient)).max(0.0).sqrt());
-                BenchCoefficient { name, unit, value, sd }
+                let variance = |c: &DMatrix<f64>| gradient.dot(&(c * &gradient));
+                let sd = covariance.as_ref().map(|c| variance(c).max(0.0).sqrt());
+                let budget = uncertainty.as_ref().and_then(|parts| parts.budgets(|c| Some([variance(c)])));
+                BenchCoefficient { name, unit, value, sd, uncertainty: budget.map(|[budget]| budget) }
             })
             .collect();
         // Outputs next to nothing have a scale next to nothing, which nothing can be divided by.
@@ -367,6 +483,8 @@ impl BenchProblem<'_> {
             return Err(NotFitted::NoScale);
         }
         Ok(BenchCalibration {
+            slot,
+            has_sem,
             method: self.method,
             e,
             scale_source: scale.source,
@@ -374,15 +492,18 @@ impl BenchProblem<'_> {
             coefficients,
             gauge: (form.squares == Squares::Difference).then_some(GAUGE),
             aliases,
+            by_drift,
             squared_force: self.mean_squared_force(&axes),
             chi2: fit.chi2,
             dof: fit.dof,
-            p_value: noise.p_value(&evidence).filter(|_| fit.dof > 0),
+            p_value: noise.p_value(&evidence).filter(|_| evidence.dof > 0),
             rank: fit.rank,
             standardised: sigma.as_ref().map(|sigma| standardised(&fit.residuals, sigma, &fit.leverage)),
             sigma,
             noise,
             errors_scatter: self.errors_scatter,
+            noise_found: noise_report::of_kinds(&kinds, wander),
+            notes: station.notes,
             residuals: fit.residuals,
             leverage: fit.leverage,
             repeats: groups,
@@ -394,15 +515,40 @@ struct BenchSolution {
     e: Vector3<f64>,
     axes: Matrix3<f64>,
     form: BenchForm,
+    factor: Factor,
     fit: Fit,
     y: DVector<f64>,
     aliases: Vec<Alias>,
+    by_drift: Option<[f64; 2]>,
 }
 
 impl BenchCalibration {
     /// The coefficient of that name, where it was fitted.
     pub fn coefficient(&self, name: &str) -> Option<&BenchCoefficient> {
         self.coefficients.iter().find(|c| c.name == name)
+    }
+
+    /// What a reader should know of the fit, its noise and its standard deviations.
+    pub fn all_notes(&self) -> Vec<CampaignNote> {
+        let mut notes: Vec<CampaignNote> =
+            self.aliases.iter().map(|alias| CampaignNote::ProductAliased(*alias)).collect();
+        let exceeds = exceeds_noise(self.p_value);
+        notes.extend(exceeds.then(|| CampaignNote::ResidualsExceedNoise { gyros: vec![self.slot] }));
+        notes.extend(self.errors_scatter.map(|scatter| CampaignNote::ErrorsScatter { scatter }));
+        notes.extend(remembers(&self.noise_found));
+        notes.extend(self.overstated().map(|times| CampaignNote::ErrorsOverstated { gyros: vec![(self.slot, times)] }));
+        let moved = self.by_drift.map(|by| by.map(|by| DRIFT * by.abs()));
+        let told = |by: f64, name| self.coefficient(name).and_then(|c| c.sd).is_some_and(|sd| by > TOLD_FROM * sd);
+        let told = moved.filter(|[d_i, d_s]| told(*d_i, "D_I") || told(*d_s, "D_S"));
+        notes.extend(told.map(|[d_i, d_s]| CampaignNote::DriftAliased { drift: DRIFT, d_i, d_s }));
+        notes.extend(self.gauge.map(|_| CampaignNote::OffsetInGauge { moves: 0.5 * self.squared_force }));
+        notes.extend(self.notes.iter().cloned());
+        notes
+    }
+
+    /// How many times the stated standard errors are too large for the scatter of the dwells.
+    fn overstated(&self) -> Option<f64> {
+        overstated(self.chi2, self.dof).filter(|_| self.has_sem)
     }
 
     /// The direction that the gauge fixes, a unit vector: what D_F gains, D_II and D_SS can lose.

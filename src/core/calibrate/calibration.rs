@@ -125,6 +125,18 @@ pub fn exceeds_noise(p_value: Option<f64>) -> bool {
     p_value.is_some_and(|p| p < 1e-3)
 }
 
+/// What is noted of a memory of the noise.
+pub(super) fn remembers(found: &NoiseFound) -> Option<CampaignNote> {
+    let memory = found.memory.as_ref()?;
+    Some(CampaignNote::NoiseRemembers { probability: memory.probability, deg_per_h: memory.largest() })
+}
+
+/// Whether repeats scatter more than three times as much as the stated standard errors.
+pub(super) fn by_far(PureError { chi2, dof }: PureError) -> bool {
+    const TIMES: f64 = 3.0;
+    chi2 > TIMES * TIMES * dof as f64 && chi2_tail(chi2, dof).is_some_and(|p| p < 1e-6)
+}
+
 /// Standard deviations used as weights for gyro `j`: its standard errors, or ones.
 pub fn weights_sd(campaign: &Campaign, j: usize) -> Vec<f64> {
     campaign.errors_of(j).unwrap_or_else(|| vec![1.0; campaign.dwells.len()])
@@ -142,10 +154,7 @@ impl Calibration {
         notes.extend(grows.then(|| CampaignNote::NoiseGrows { times: (1.0 + self.growth).sqrt() }));
         let found = &self.noise_found;
         notes.extend(found.largest_correlation().map(|correlation| CampaignNote::NoiseShared { correlation }));
-        notes.extend(found.memory.as_ref().map(|memory| CampaignNote::NoiseRemembers {
-            probability: memory.probability,
-            deg_per_h: memory.largest(),
-        }));
+        notes.extend(remembers(found));
         notes.extend(self.repeats.is_empty().then_some(CampaignNote::NoRepeats));
         let gyros = self.overstated();
         notes.extend((!gyros.is_empty()).then_some(CampaignNote::ErrorsOverstated { gyros }));
@@ -182,13 +191,9 @@ impl Calibration {
     /// Gyros whose repeats scatter more than three times as much as the stated standard errors, and not with time: those
     /// are in another unit, and repeats alone do not make `residuals_exceed_noise` of it.
     fn understated(&self) -> Option<CampaignNote> {
-        const TIMES: f64 = 3.0;
-        let by_far = |g: &&GyroCalibration| {
-            let PureError { chi2, dof } = g.noise.pure_error;
-            chi2 > TIMES * TIMES * dof as f64 && chi2_tail(chi2, dof).is_some_and(|p| p < 1e-6)
-        };
         let is_asked = self.has_sem && self.noise_found.memory.is_none();
-        let gyros: Vec<&GyroCalibration> = self.gyros.iter().filter(|_| is_asked).filter(by_far).collect();
+        let gyros: Vec<&GyroCalibration> =
+            self.gyros.iter().filter(|g| is_asked && by_far(g.noise.pure_error)).collect();
         let all = gyros.iter().map(|g| g.noise.pure_error).reduce(PureError::plus)?;
         let times = (all.chi2 / all.dof as f64).sqrt();
         Some(CampaignNote::ErrorsUnderstated { gyros: gyros.into_iter().map(|g| g.slot).collect(), times })

@@ -328,12 +328,8 @@ impl GyroFit {
     /// Covariance of model (6)'s parameters by what is stated of the station.
     fn of_station(&self, design: &Design) -> Vec<(StationPart, DMatrix<f64>)> {
         let p = design.terms.columns();
-        let of_part = |part: StationPart| {
-            let responses = || self.station.iter().filter(move |response| response.part == part);
-            let whole = || StationResponse::covariance(responses(), &design.expand);
-            responses().next().map(|_| (part, whole().view((0, 0), (p, p)).into_owned()))
-        };
-        StationPart::ALL.into_iter().filter_map(of_part).collect()
+        let whole = StationResponse::by_part(&self.station, &design.expand);
+        whole.into_iter().map(|(part, whole)| (part, whole.view((0, 0), (p, p)).into_owned())).collect()
     }
 
     /// `coordinates` are the covariance on the design's basis.

@@ -25,6 +25,15 @@ pub(super) fn is_other(found: &DepartureWeights) -> bool {
 
 /// What the residuals of a fit say.
 pub(super) fn report(found: &DepartureWeights, gyros: &[GyroCalibration]) -> NoiseFound {
+    let wander = |power| gyros.iter().filter_map(|gyro| Some((gyro.slot, gyro.wander(power)?))).collect();
+    let of_kinds = of_kinds(found, wander);
+    // Gyros that wander each for itself seem to go together, too.
+    let between_gyros = if of_kinds.memory.is_some() { Vec::new() } else { between(gyros) };
+    NoiseFound { between_gyros, ..of_kinds }
+}
+
+/// What is certain of each gyro by itself; `wander` is what a memory of this power makes of them, deg/h.
+pub(super) fn of_kinds(found: &DepartureWeights, wander: impl Fn(f64) -> Vec<(Slot, f64)>) -> NoiseFound {
     let certain = |of_kind: &dyn Fn(&NoiseDeparture) -> bool| {
         let those = found.iter().filter(|(kind, _)| of_kind(kind));
         let probability: f64 = those.clone().map(|(_, weight)| weight).sum();
@@ -32,20 +41,16 @@ pub(super) fn report(found: &DepartureWeights, gyros: &[GyroCalibration]) -> Noi
         likeliest.filter(|_| probability > CERTAIN).map(|kind| (kind, probability))
     };
     let memory = match certain(&|kind| matches!(kind, NoiseDeparture::Memory(..))) {
-        Some((NoiseDeparture::Memory(memory, power), probability)) => Some(MemoryFound {
-            kind: memory.name(),
-            deg_per_h: gyros.iter().filter_map(|gyro| Some((gyro.slot, gyro.wander(power)?))).collect(),
-            probability,
-        }),
+        Some((NoiseDeparture::Memory(memory, power), probability)) => {
+            Some(MemoryFound { kind: memory.name(), deg_per_h: wander(power), probability })
+        }
         _ => None,
     };
     let laws = match certain(&|kind| matches!(kind, NoiseDeparture::Law(_))) {
         Some((NoiseDeparture::Law(law), _)) => vec![law.found()],
         _ => Vec::new(),
     };
-    // Gyros that wander each for itself seem to go together, too.
-    let between_gyros = if memory.is_some() { Vec::new() } else { between(gyros) };
-    NoiseFound { between_gyros, memory, laws }
+    NoiseFound { between_gyros: Vec::new(), memory, laws }
 }
 
 /// Correlations of the standardised residuals of every two gyros, where Bartlett's test of none (Biometrika 41, 1954)

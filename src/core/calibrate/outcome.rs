@@ -51,10 +51,13 @@ pub fn evaluate(campaign: &Campaign, limits: &Plausibility) -> Result<Outcome, F
 pub fn evaluate_with(campaign: &Campaign, model: &Options, limits: &Plausibility) -> Result<Outcome, Faults> {
     let mut faults = Faults::default();
     if campaign.test != TestKind::Imu {
-        return calibrate_bench(campaign).map(Box::new).map(Outcome::Bench).map_err(|why| {
+        let mut bench = calibrate_bench(campaign).map_err(|why| {
             faults.push("/dwells", why.message());
             faults
-        });
+        })?;
+        bench.notes.extend(latitude_sign_on_bench(campaign, &bench));
+        bench.notes.extend(held_on_bench(campaign, &bench));
+        return Ok(Outcome::Bench(Box::new(bench)));
     }
     let terms = model.terms.unwrap_or_else(|| campaign.terms());
     let mut calibration = calibrate_at_station(campaign, terms, model, model.reference_c);
@@ -76,17 +79,33 @@ pub fn evaluate_with(campaign: &Campaign, model: &Options, limits: &Plausibility
 const LARGE_SHIFT: f64 = 8.0;
 const NEAR_SHIFT: f64 = 0.5;
 
+/// What a wrong sign of the latitude adds to D_I, deg/(h g0).
+fn shift_of_latitude_sign(campaign: &Campaign) -> Option<f64> {
+    let site = campaign.site?;
+    Some(-2.0 * site.earth_rate().0.z / site.gravity_g0)
+}
+
 /// Whether all gyros have the D_I that a wrong sign of the latitude makes: rates whose vertical part is Omega sin L
 /// with the wrong sign add -2 Omega sin L/g to it, along the specific force in every dwell. Nothing else in a campaign
 /// shows it.
 fn latitude_sign(campaign: &Campaign, separations: &[Result<Separation, NotSeparated>]) -> Option<CampaignNote> {
-    let site = campaign.site?;
-    let shift = -2.0 * site.earth_rate().0.z / site.gravity_g0;
+    let shift = shift_of_latitude_sign(campaign)?;
     let is_near = |separation: &Result<Separation, NotSeparated>| {
         separation.as_ref().is_ok_and(|own| (own.rigid.d_i / shift - 1.0).abs() < NEAR_SHIFT)
     };
     let all = separations.len() >= 2 && separations.iter().all(is_near);
     (all && shift.abs() > LARGE_SHIFT).then_some(CampaignNote::LatitudeSign { shift })
+}
+
+/// The same of one gyro by itself, where the shift is larger and D_I nearer to it.
+const LARGE_SHIFT_ALONE: f64 = 12.0;
+const NEAR_SHIFT_ALONE: f64 = 0.25;
+
+fn latitude_sign_on_bench(campaign: &Campaign, bench: &BenchCalibration) -> Option<CampaignNote> {
+    let shift = shift_of_latitude_sign(campaign)?;
+    let d_i = bench.coefficient("D_I")?.value;
+    let is_near = shift.abs() > LARGE_SHIFT_ALONE && (d_i / shift - 1.0).abs() < NEAR_SHIFT_ALONE;
+    is_near.then_some(CampaignNote::LatitudeSign { shift })
 }
 
 /// What specific forces that are longer or shorter than the site's gravity make of D_I and D_S, deg/(h g0): both are
@@ -149,6 +168,39 @@ fn held_scale(
     let gyros = campaign.gyros.iter().zip(&turned.gyros).zip(&calibration.gyros);
     let (slot, moves) = gyros.filter_map(moved).max_by(|a, b| a.1.total_cmp(&b.1))?;
     Some(CampaignNote::HeldScale { slot, arcsec: HELD_TO_ARCSEC, moves })
+}
+
+/// What an error of the size of E that is held does on a bench: it is taken for one of this share.
+const HELD_TO_SHARE: f64 = 1e-3;
+
+/// What errors of the direction and of the size of E that is held would do to D_I or D_S of a bench test. The table's
+/// rate is an answer in its own unit.
+fn held_on_bench(campaign: &Campaign, bench: &BenchCalibration) -> Vec<CampaignNote> {
+    let gyro = &campaign.gyros[0];
+    let Some(e) = gyro.known_e else { return Vec::new() };
+    let most = |moves: &dyn Fn(&str) -> Option<f64>| {
+        let told = |name: &str| {
+            let by = moves(name)?.abs();
+            bench.coefficient(name)?.sd.filter(|sd| by > TOLD_FROM * sd).map(|_| by)
+        };
+        ["D_I", "D_S"].into_iter().filter_map(told).reduce(f64::max)
+    };
+    let direction = || {
+        let fixture = Some(radians_from_arcsec(HELD_TO_ARCSEC));
+        let station_uncertainty = StationUncertainty { fixture, ..StationUncertainty::default() };
+        let turned = calibrate_bench(&Campaign { station_uncertainty, ..campaign.clone() }).ok()?;
+        let by = |name: &str| turned.coefficient(name)?.uncertainty?.of_station[StationPart::Fixture as usize];
+        Some(CampaignNote::HeldScale { slot: gyro.slot, arcsec: HELD_TO_ARCSEC, moves: most(&by)? })
+    };
+    let size = || {
+        let gyros = vec![CampaignGyro { known_e: Some(e * (1.0 + HELD_TO_SHARE)), ..gyro.clone() }];
+        let longer = calibrate_bench(&Campaign { gyros, ..campaign.clone() }).ok()?;
+        let by = |name: &str| Some(longer.coefficient(name)?.value - bench.coefficient(name)?.value);
+        Some(CampaignNote::HeldSize { slot: gyro.slot, share: HELD_TO_SHARE, moves: most(&by)? })
+    };
+    let direction = campaign.station_uncertainty.fixture.is_none().then(direction).flatten();
+    let size = (campaign.test == TestKind::TorqueFeedback).then(size).flatten();
+    direction.into_iter().chain(size).collect()
 }
 
 /// None where no effect of temperature moves anything.

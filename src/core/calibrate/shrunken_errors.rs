@@ -22,8 +22,9 @@ use crate::core::campaign::Campaign;
 /// sub-averages.
 const DOUBTED: f64 = 0.2;
 
-/// ln of likelihood by which residuals have to speak against what is stated.
-const LEAST_GAIN: f64 = 1.0;
+/// ln of likelihood by which residuals have to speak against what is stated, for every gyro but one. Those of one alone
+/// are few, and errors shrunk in vain cost it precision only.
+const LEAST_GAIN: f64 = 0.5;
 
 /// b that are tried where errors scatter.
 const TRIED: [f64; 3] = [0.0, 0.25, 0.5];
@@ -74,7 +75,7 @@ impl ScatteringErrors {
     /// The b below 1 whose errors are clearly likeliest; `likelihood` is the logarithm of that of the residuals.
     pub fn likeliest(&self, likelihood: impl Fn(&[Vec<f64>]) -> Option<f64>) -> Option<f64> {
         let likelihood = |b: f64| likelihood(&self.shrunken(b));
-        let least = likelihood(1.0)? + LEAST_GAIN;
+        let least = likelihood(1.0)? + LEAST_GAIN * (self.gyros.len() - 1) as f64;
         let tried = TRIED.into_iter().filter_map(|b| Some((b, likelihood(b)?)));
         Some(tried.filter(|(_, log)| *log > least).max_by(|a, b| a.1.total_cmp(&b.1))?.0)
     }

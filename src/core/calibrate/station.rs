@@ -20,7 +20,7 @@ use super::shared_coefficients::{self, CommonFit, OwnFit};
 use super::uncertainty::StationResponse;
 use crate::core::campaign::{Campaign, CampaignNote, StationLack, StationPart, StationUncertainty};
 use crate::core::effects::{Effect, GyroAxes, Setting, Shape};
-use crate::core::numerics::least_squares::Fit;
+use crate::core::numerics::least_squares::{Factor, Fit};
 use crate::core::numerics::normal_equations::{NormalEquations, Solution};
 
 /// One rotation and its standard uncertainty.
@@ -41,7 +41,12 @@ pub(super) fn spread(
     common: Option<&CommonFit>,
     (has_sem, shared): (bool, &SharedFactors),
 ) -> Vec<CampaignNote> {
-    let (rotations, notes) = rotations(campaign, stated, fits, shared);
+    let axes = campaign.gyros.iter().zip(fits.iter()).map(|(gyro, fit)| {
+        let nominal = campaign.geometry.triad(gyro.slot)?.mat_gyro_body();
+        let (e, g) = fit.e_and_g(shared)?;
+        Some(GyroAxes::carried(gyro.slot, nominal, e, g))
+    });
+    let (rotations, notes) = rotations(campaign, stated, axes.collect());
     for rotation in &rotations {
         let of_gyro = |(fit, column): (&GyroFit, &Option<DVector<f64>>)| {
             let column = column.clone().unwrap_or_else(|| DVector::zeros(campaign.dwells.len()));
@@ -70,25 +75,50 @@ pub(super) fn spread(
             fit.station.extend(column.as_ref().map(|_| response));
         }
     }
-    take_out(fits, has_sem, shared);
+    let seen: Vec<InResiduals> = fits
+        .iter()
+        .map(|fit| InResiduals { factor: fit.factor(shared), fit: &fit.fit, responses: &fit.station })
+        .collect();
+    let net = take_out(&seen, has_sem).unwrap_or_default();
+    for (fit, (net, taken)) in fits.iter_mut().zip(net) {
+        fit.leave(net, taken, shared);
+    }
     notes
+}
+
+/// What a station makes of the fit of one gyro by itself.
+#[derive(Default)]
+pub(super) struct OfOne {
+    pub responses: Vec<StationResponse>,
+    /// Whitened residuals without what the station most likely left in them, and the degrees of freedom that this costs.
+    pub net: Option<(DVector<f64>, usize)>,
+    pub notes: Vec<CampaignNote>,
+}
+
+/// As [`spread`], of the only gyro of a campaign.
+pub(super) fn of_one(campaign: &Campaign, axes: GyroAxes, (factor, fit): (&Factor, &Fit), has_sem: bool) -> OfOne {
+    let stated = &campaign.station_uncertainty;
+    let (rotations, notes) = rotations(campaign, stated, vec![Some(axes)]);
+    let response = |rotation: StationRotation| {
+        let seen = factor.fit(&(rotation.columns.into_iter().flatten().next()? * rotation.sd));
+        Some(StationResponse { part: rotation.part, estimate: seen.estimate, residuals: seen.residuals })
+    };
+    let responses: Vec<StationResponse> = rotations.into_iter().filter_map(response).collect();
+    let net = match responses.as_slice() {
+        [] => None,
+        responses => take_out(&[InResiduals { factor, fit, responses }], has_sem),
+    };
+    OfOne { net: net.map(|mut net| net.swap_remove(0)), responses, notes }
 }
 
 fn rotations(
     campaign: &Campaign,
     stated: &StationUncertainty,
-    fits: &[GyroFit],
-    shared: &SharedFactors,
+    axes: Vec<Option<GyroAxes>>,
 ) -> (Vec<StationRotation>, Vec<CampaignNote>) {
     let parts = || StationPart::ALL.into_iter().filter(|part| stated.of(*part).is_some());
     let left_out = |parts: Vec<StationPart>, why| CampaignNote::StationLeftOut { parts, why };
     let mut notes = Vec::new();
-    let axes = campaign.gyros.iter().zip(fits).map(|(gyro, fit)| {
-        let nominal = campaign.geometry.triad(gyro.slot)?.mat_gyro_body();
-        let (e, g) = fit.e_and_g(shared)?;
-        Some(GyroAxes::carried(gyro.slot, nominal, e, g))
-    });
-    let axes: Vec<Option<GyroAxes>> = axes.collect();
     for (gyro, _) in campaign.gyros.iter().zip(&axes).filter(|(_, axes)| axes.is_none()) {
         notes.push(left_out(parts().collect(), StationLack::Scale(gyro.slot)));
     }
@@ -128,15 +158,23 @@ fn rotations(
 /// Rounds in which the noise, where nothing states it, and what the station leaves in the residuals are told apart.
 const ROUNDS: usize = 4;
 
+/// A fit in whose residuals the rotations may have left something.
+struct InResiduals<'a> {
+    factor: &'a Factor,
+    fit: &'a Fit,
+    responses: &'a [StationResponse],
+}
+
 /// The residuals without what the rotations, each N(0, u^2) and one for all gyros, most likely left in them (ridge
 /// regression): what the station's own uncertainty explains is neither noise nor lack of fit, and not counted twice.
-fn take_out(fits: &mut [GyroFit], has_sem: bool, shared: &SharedFactors) {
-    let m = fits.iter().map(|fit| fit.station.len()).max().unwrap_or(0);
-    let whitened = |fit: &GyroFit, v: &DVector<f64>| v.component_mul(fit.factor(shared).weights());
+/// By gyro, whitened, with the degrees of freedom that it costs.
+fn take_out(fits: &[InResiduals], has_sem: bool) -> Option<Vec<(DVector<f64>, usize)>> {
+    let m = fits.iter().map(|fit| fit.responses.len()).max().unwrap_or(0);
+    let whitened = |fit: &InResiduals, v: &DVector<f64>| v.component_mul(fit.factor.weights());
     let left: Vec<DMatrix<f64>> = fits
         .iter()
         .map(|fit| {
-            let columns: Vec<_> = fit.station.iter().map(|response| whitened(fit, &response.residuals)).collect();
+            let columns: Vec<_> = fit.responses.iter().map(|response| whitened(fit, &response.residuals)).collect();
             if columns.len() == m && m > 0 {
                 DMatrix::from_columns(&columns)
             } else {
@@ -158,10 +196,7 @@ fn take_out(fits: &mut [GyroFit], has_sem: bool, shared: &SharedFactors) {
             normal.matrix += left[j].tr_mul(&left[j]) / variances[j];
             normal.right += left[j].tr_mul(&residuals[j]) / variances[j];
         }
-        let Some(Solution { estimate: likely, covariance }) = normal.solve_beyond(&normal.matrix.diagonal(), 0.0)
-        else {
-            return;
-        };
+        let Solution { estimate: likely, covariance } = normal.solve_beyond(&normal.matrix.diagonal(), 0.0)?;
         let of_gyro = |j: usize| {
             let taken = (&covariance * left[j].tr_mul(&left[j])).trace() / variances[j];
             (&residuals[j] - &left[j] * &likely, taken)
@@ -172,8 +207,5 @@ fn take_out(fits: &mut [GyroFit], has_sem: bool, shared: &SharedFactors) {
         }
     }
     let (net, taken): (Vec<_>, Vec<f64>) = net.into_iter().unzip();
-    let taken = shared_coefficients::in_whole_numbers(taken.into_iter());
-    for ((fit, net), taken) in fits.iter_mut().zip(net).zip(taken) {
-        fit.leave(net, taken, shared);
-    }
+    Some(net.into_iter().zip(shared_coefficients::in_whole_numbers(taken.into_iter())).collect())
 }

@@ -33,6 +33,15 @@ impl StationResponse {
         let columns = of_part.map(|response| expand * &response.estimate);
         columns.fold(DMatrix::zeros(p, p), |sum, s| sum + &s * s.transpose())
     }
+
+    /// The same of every part that has any.
+    pub fn by_part(responses: &[Self], expand: &DMatrix<f64>) -> Vec<(StationPart, DMatrix<f64>)> {
+        let of_part = |part: StationPart| {
+            let those = || responses.iter().filter(move |response| response.part == part);
+            those().next().map(|_| (part, Self::covariance(those(), expand)))
+        };
+        StationPart::ALL.into_iter().filter_map(of_part).collect()
+    }
 }
 
 /// Standard deviations of one figure. `combined` is the root of the sum of the squares of the others.

@@ -56,6 +56,10 @@ pub enum CampaignNote {
     StationLeftOut { parts: Vec<StationPart>, why: StationLack },
     /// A product of specific forces that a bench test does not fit moves a coefficient by so much of itself.
     ProductAliased(Alias),
+    /// The positions of a bench test follow time: a drift of so many deg/h an hour moves D_I and D_S, deg/(h g0).
+    DriftAliased { drift: f64, d_i: f64, d_s: f64 },
+    /// In the gauge of a tumble D_F holds this many deg/h for every deg/(h g0^2) of D_II + D_SS.
+    OffsetInGauge { moves: f64 },
     /// D_I of all gyros is near the shift that a wrong sign of the latitude makes, deg/(h g0).
     LatitudeSign { shift: f64 },
     /// The specific force of static dwells is longer than the site's gravity by this share, and moves D_I or D_S of this
@@ -63,6 +67,8 @@ pub enum CampaignNote {
     GravityOff { share: f64, slot: Slot, moves: f64 },
     /// E is held: so many arcsec of its direction would move D_I or D_S of this gyro, deg/(h g0).
     HeldScale { slot: Slot, arcsec: f64, moves: f64 },
+    /// The same of its size: of this share.
+    HeldSize { slot: Slot, share: f64, moves: f64 },
     /// The campaign does not determine E, whose size along the nominal axis is taken, pulse/arcsec.
     NominalAxis { slot: Slot, scale: f64 },
 }
@@ -73,7 +79,6 @@ pub enum StationLack {
     Attitude,
     /// E is neither held nor determined.
     Scale(Slot),
-    BenchTest,
 }
 
 named! {
@@ -126,9 +131,12 @@ impl CampaignNote {
             Self::EffectsLeftOut { .. } => "effects_left_out",
             Self::StationLeftOut { .. } => "station_left_out",
             Self::ProductAliased(_) => "product_aliased",
+            Self::DriftAliased { .. } => "drift_aliased",
+            Self::OffsetInGauge { .. } => "d_f_in_gauge",
             Self::LatitudeSign { .. } => "latitude_sign",
             Self::GravityOff { .. } => "gravity_off",
             Self::HeldScale { .. } => "held_scale",
+            Self::HeldSize { .. } => "held_scale_size",
             Self::NominalAxis { .. } => "nominal_axis",
         }
     }

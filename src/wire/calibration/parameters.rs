@@ -61,7 +61,8 @@ impl ParameterBody {
 }
 
 bodies! {
-    ParameterBody of BenchCoefficient: name, unit, value, sd, determined: |_| true, uncertainty: |_| None;
+    ParameterBody of BenchCoefficient: name, unit, value, sd, determined: |_| true,
+        uncertainty: |one| one.uncertainty.as_ref().map(UncertaintyBody::from);
     EffectParameterBody of EffectParameter: effect, name = coefficient.name,
         unit: |parameter| unit::of_machines(parameter.coefficient.unit), value, sd;
 }

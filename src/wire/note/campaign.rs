@@ -73,7 +73,6 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             let why = match why {
                 StationLack::Attitude => message!("dwells_without_attitude"),
                 StationLack::Scale(slot) => message!("station_needs_scale", slot = slot.name()),
-                StationLack::BenchTest => message!("station_not_of_bench"),
             };
             message!("station_left_out", parts = list(parts.iter().map(|part| part.name())), why)
         }
@@ -83,6 +82,10 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             coefficient = *coefficient,
             moves = figure(0.01 * moves.abs(), 4),
         ),
+        CampaignNote::DriftAliased { drift, d_i, d_s } => {
+            message!("drift_aliased", drift = text(drift), d_i = significant(*d_i, 2), d_s = significant(*d_s, 2),)
+        }
+        CampaignNote::OffsetInGauge { moves } => message!("d_f_in_gauge", moves = figure(0.01 * moves, 4)),
         CampaignNote::LatitudeSign { shift } => message!("latitude_sign", shift = signed(*shift, 1)),
         CampaignNote::GravityOff { share, slot, moves } => {
             let percent = significant(100.0 * share, 2);
@@ -90,6 +93,10 @@ pub(super) fn message(note: &CampaignNote) -> Message {
         }
         CampaignNote::HeldScale { slot, arcsec, moves } => {
             message!("held_scale", slot = slot.name(), arcsec = text(arcsec), moves = significant(*moves, 2))
+        }
+        CampaignNote::HeldSize { slot, share, moves } => {
+            let percent = text(100.0 * share);
+            message!("held_scale_size", slot = slot.name(), percent, moves = significant(*moves, 2))
         }
         CampaignNote::NominalAxis { slot, scale } => {
             message!("nominal_axis", slot = slot.name(), scale = figure(*scale, 4))
@@ -175,12 +182,19 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
         CampaignNote::ProductAliased(Alias { product, coefficient, moves }) => {
             json!({"product": product, "coefficient": coefficient, "moves": moves})
         }
+        CampaignNote::DriftAliased { drift, d_i, d_s } => {
+            json!({"drift_deg_per_h_h": drift, "d_i_deg_per_h_g0": d_i, "d_s_deg_per_h_g0": d_s})
+        }
+        CampaignNote::OffsetInGauge { moves } => json!({"moves": moves}),
         CampaignNote::LatitudeSign { shift } => json!({"shift_deg_per_h_g0": shift}),
         CampaignNote::GravityOff { share, slot, moves } => {
             json!({"share": share, "slot": Slot::name(*slot), "moves_deg_per_h_g0": moves})
         }
         CampaignNote::HeldScale { slot, arcsec, moves } => {
             json!({"slot": Slot::name(*slot), "arcsec": arcsec, "moves_deg_per_h_g0": moves})
+        }
+        CampaignNote::HeldSize { slot, share, moves } => {
+            json!({"slot": Slot::name(*slot), "share": share, "moves_deg_per_h_g0": moves})
         }
         CampaignNote::NominalAxis { slot, scale } => json!({"slot": Slot::name(*slot), "pulse_per_arcsec": scale}),
     };

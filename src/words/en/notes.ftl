@@ -21,7 +21,14 @@ output_stuck = { $slot }: the output is exactly { $value } pulse/s in { $count }
 outputs_coarse = { $slot }: the outputs come in steps of { $step } pulse/s; these alone make { $times } times the noise of a dwell, and repeats fall on the same step. Measure longer, or count finer
 no_standard_errors = no standard errors: all dwells have equal weight and the residuals give the noise
 no_repeats = no repeated dwells: nothing but the fit itself tells noise from what the model leaves out
-product_aliased = { $product } is not fitted, and these positions do not tell it from { $coefficient }: 0.01 deg/(h g0²) of it would move { $coefficient } by { $moves } deg/(h g0)
+product_aliased = { $product } is not fitted, and these positions do not tell it from { $coefficient }: 0.01 deg/(h g0²) of it would move { $coefficient } by { $moves } { $coefficient ->
+        [D_F] deg/h
+        [D_II] deg/(h g0²)
+        [D_SS] deg/(h g0²)
+       *[other] deg/(h g0)
+    }
+drift_aliased = the positions follow time: a drift of { $drift } deg/h an hour would hide in the coefficients and move D_I by { $d_i }, D_S by { $d_s } deg/(h g0). Take the positions in random order
+d_f_in_gauge = D_F is that of D_II + D_SS = 0, which a tumble about the output axis cannot tell: 0.01 deg/(h g0²) of their sum would move D_F by { $moves } deg/h, which is in no sigma
 noise_grows_with_rate = the residuals at the fastest rate are { $times } times those at rest; sigmas follow them
 residuals_shared = the residuals of the gyros go together: their correlation is up to { $correlation }. They share noise, or an effect that the model leaves out
 residuals_remember = residuals near in time go together (probability { $probability }), by about { $size } deg/h: noise with a memory, or an effect that the model leaves out; sigmas hold it
@@ -35,16 +42,16 @@ effect_left_out_of_gyro = { $slot }: { $effect } is left out of the fit: { $why 
 effect_at_reference = { $effect } is not zero at the reference temperature, and no drift of model (6) there: D_I and D_S leave that out
 station_left_out = the stated uncertainty of { $parts } is not in the sigmas: { $why }
 station_needs_scale = { $slot } has no E that is held or determined
-station_not_of_bench = it is computed for campaigns of an IMU, not for bench tests
 effects_left_out = the effects of the model are left out: { $why }
 held_as_in_model = it is taken as in the model, which knows it better than these dwells tell it
 any_temperature = no temperature is stated, and the model knows what it does: the sigmas hold what any from -40 to 85 deg C would do. State temperature_c
 any_temperature_of_record = no temperature is stated, and the IMU's model states D_I and D_S at one: the sigmas hold what any from -40 to 85 deg C would do. State temperature_c
 not_restated = { $slot }: D_I and D_S stay as measured: the IMU's model knows { $effect } of another gyro, or of all gyros in common
 not_told_apart = these dwells cannot tell it from the other terms
-latitude_sign = D_I of all gyros is near { $shift } deg/(h g0), which a wrong sign of the latitude makes: is the station north (+) or south (-) of the equator?
+latitude_sign = D_I of every gyro is near { $shift } deg/(h g0), which a wrong sign of the latitude makes: is the station north (+) or south (-) of the equator?
 gravity_off = |specific_force_g0| of static dwells is { $percent } % off the site's gravity (- is less): D_I and D_S are off by as much the other way, up to { $moves } deg/(h g0) ({ $slot })
 held_scale = E is held, and taken as exact: { $arcsec } arcsec of its direction would move D_I or D_S by { $moves } deg/(h g0) ({ $slot }). State how well it is known in station_uncertainty.fixture_arcsec
+held_scale_size = |E| is held, and taken as exact: { $percent } % of it would move D_I or D_S by { $moves } deg/(h g0) ({ $slot }), which is in no sigma
 nominal_axis = { $slot }: the campaign does not determine E; the nominal input axis and { $scale } pulse/arcsec are used
 
 ## Of a record beside the history of its IMU and gyros

@@ -19,7 +19,14 @@ output_stuck = { $slot }：自{ $first }起连续{ $count }个测点的输出完
 outputs_coarse = { $slot }：输出以{ $step } pulse/s为步长，仅此即为测点噪声的{ $times }倍，重复测点会落在同一步上。请加长测量或细化计数
 no_standard_errors = 没有标准误差：各测点等权，噪声由残差给出
 no_repeats = 没有重复测点：只能凭拟合本身区分噪声与模型未含的部分
-product_aliased = 未拟合{ $product }，且这些位置无法将其与{ $coefficient }区分：0.01 (°)/(h·g0²)的该项会使{ $coefficient }变化{ $moves } (°)/(h·g0)
+product_aliased = 未拟合{ $product }，且这些位置无法将其与{ $coefficient }区分：0.01 (°)/(h·g0²)的该项会使{ $coefficient }变化{ $moves } { $coefficient ->
+        [D_F] (°)/h
+        [D_II] (°)/(h·g0²)
+        [D_SS] (°)/(h·g0²)
+       *[other] (°)/(h·g0)
+    }
+drift_aliased = 位置顺序随时间变化：每小时{ $drift } (°)/h的漂移会隐藏在各系数中，使D_I变化{ $d_i }、D_S变化{ $d_s } (°)/(h·g0)。请按随机顺序测量
+d_f_in_gauge = D_F以D_II + D_SS = 0为前提，绕输出轴的翻滚无法检验：两者之和每有0.01 (°)/(h·g0²)，D_F即变化{ $moves } (°)/h，标准差未计入
 noise_grows_with_rate = 最高角速度下的残差为静止时的{ $times }倍；标准差随之变化
 residuals_shared = 各陀螺残差相关：相关系数最高{ $correlation }。它们共有噪声，或有模型遗漏的效应
 residuals_remember = 时间相近的残差相关（概率{ $probability }），幅度约{ $size }度每小时：噪声有记忆，或有模型遗漏的效应；标准差已计入
@@ -33,16 +40,16 @@ effect_left_out_of_gyro = { $slot }：{ $effect }未参与拟合：{ $why }
 effect_at_reference = { $effect }在参考温度下不为零，且不属于模型(6)的漂移：D_I、D_S未计入这一部分
 station_left_out = 标准差未计入给定的测试站不确定度（{ $parts }）：{ $why }
 station_needs_scale = { $slot }的E既未给定也不能确定
-station_not_of_bench = 只对IMU试验计算，不适用于单表试验
 effects_left_out = 模型中的附加效应未计入：{ $why }
 held_as_in_model = 取模型中的值，这些测点不能更准确地确定它
 any_temperature = 未给出温度，而模型已知其影响：标准差已计入-40至85 °C间任一温度的影响。请给出temperature_c
 any_temperature_of_record = 未给出温度，而IMU模型将D_I、D_S归算到一个温度：标准差已计入-40至85 °C间任一温度的影响。请给出temperature_c
 not_restated = { $slot }：D_I、D_S保持测量值：IMU模型中的{ $effect }属于另一陀螺，或为各陀螺共有
 not_told_apart = 这些测点不能将其与其他项区分
-latitude_sign = 全部陀螺的D_I都接近{ $shift } (°)/(h·g0)，恰为纬度正负号有误所致：测试站在北纬（+）还是南纬（-）？
+latitude_sign = 各陀螺的D_I均接近{ $shift } (°)/(h·g0)，恰为纬度正负号有误所致：测试站在北纬（+）还是南纬（-）？
 gravity_off = 静态测点的|specific_force_g0|与测试站重力相差{ $percent } %（负号为偏小）：D_I、D_S反向差同样比例，最大{ $moves } (°)/(h·g0)（{ $slot }）
 held_scale = E取给定值，视为准确：其方向若差{ $arcsec } arcsec，D_I或D_S即变化{ $moves } (°)/(h·g0)（{ $slot }）。请在station_uncertainty.fixture_arcsec中给出其不确定度
+held_scale_size = |E|取给定值，视为准确：若差{ $percent } %，D_I或D_S即变化{ $moves } (°)/(h·g0)（{ $slot }），标准差未计入
 nominal_axis = { $slot }：本次试验不能确定E；采用标称输入轴与{ $scale } pulse/arcsec
 
 time_near_epoch = 时间接近{ $epoch }，即未校时时钟的起点：暂不计入，待确认时间

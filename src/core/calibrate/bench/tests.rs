@@ -1,9 +1,15 @@
 //! Outputs made from eq. (5) by hand: y = K I.w + K (D_F + D_I a_I + D_S a_S + D_II a_I^2 + D_SS a_S^2 + D_O a_O).
 
+use nalgebra::Rotation3;
+
 use super::*;
+use crate::core::calibrate::outcome::{Outcome, evaluate};
 use crate::core::campaign::made_for_tests::{self, name};
-use crate::core::campaign::{CampaignGyro, Dwell};
+use crate::core::campaign::{CampaignGyro, Dwell, Site, StationUncertainty};
+use crate::core::frames::Rotation;
+use crate::core::model::Terms;
 use crate::core::mounting::Slot;
+use crate::core::record::Plausibility;
 
 /// D_F, D_I, D_S, D_II, D_SS, D_O.
 type Drift = [f64; 6];
@@ -374,4 +380,216 @@ fn errors_that_scatter_are_shrunk_to_their_law_unless_residuals_follow_them() {
     }
     assert_eq!(of(&by_turns, &by_turns).errors_scatter, None);
     assert_eq!(of(&|_| 1.0, &|_| 1.0).errors_scatter, None);
+}
+
+/// Products of forces across a skewed fixture are, over balanced faces, combinations of 1 and the squares.
+#[test]
+fn a_product_that_hides_in_the_squares_is_said_unless_residuals_show_it() {
+    let skewed = Matrix3::from_rows(&[
+        Vector3::new(0.577350, -0.408248, 0.707107).normalize().transpose(),
+        Vector3::new(0.577350, -0.408248, -0.707107).normalize().transpose(),
+        Vector3::new(0.577350, 0.816497, 0.0).normalize().transpose(),
+    ]);
+    let faces = [Vector3::x(), -Vector3::x(), Vector3::y(), -Vector3::y(), Vector3::z(), -Vector3::z()];
+    let faces: Vec<Position> = (0..24)
+        .map(|k| {
+            let along = |v: Vector3<f64>| <[f64; 3]>::from(skewed * v);
+            (along(faces[k % 6]), along(faces[(k + 2 + k / 6) % 6] * EARTH))
+        })
+        .collect();
+    let aliases = |positions: &[Position]| {
+        let outputs = outputs(1.5, &DRIFT, positions);
+        fitted(&bench(TestKind::TorqueFeedback, positions, &outputs, Some(1e-3), Some([1.5, 0.0, 0.0]))).aliases
+    };
+    let found = aliases(&faces);
+    assert!(found.iter().any(|alias| alias.coefficient == "D_II" && alias.moves.abs() > 0.5), "{found:?}");
+    // What is said is what a product does.
+    for (product, [a, b]) in [("D_SI", [1, 0]), ("D_IO", [0, 2]), ("D_OS", [2, 1])] {
+        let with = |size: f64| {
+            let add = |position: &Position| output(1.5, &DRIFT, position) + 1.5 * size * position.0[a] * position.0[b];
+            let outputs: Vec<f64> = faces.iter().map(add).collect();
+            fitted(&bench(TestKind::TorqueFeedback, &faces, &outputs, Some(1e-3), Some([1.5, 0.0, 0.0])))
+        };
+        let (without, with) = (with(0.0), with(0.01));
+        for alias in found.iter().filter(|alias| alias.product == product) {
+            let [before, after] = [&without, &with].map(|fit| fit.coefficient(alias.coefficient).unwrap().value);
+            assert!((after - before - 0.01 * alias.moves).abs() < 1e-9, "{alias:?}");
+        }
+    }
+    // All over the sphere residuals show any product.
+    assert!(aliases(&all_over()).iter().all(|alias| ["D_I", "D_S"].contains(&alias.coefficient)));
+}
+
+/// Attitudes all over, and positions as a table shows them that is turned by `nav` (rad; east, north, up), the gyro by
+/// `body` in its fixture.
+fn turned(nav: Vector3<f64>, body: Vector3<f64>) -> Vec<(Rotation3<f64>, Position)> {
+    let (force, earth) = (Vector3::new(0.0, 0.0, 1.0), Vector3::new(0.0, 12.4, 8.5));
+    let of_dwell = |k: usize| {
+        let k = k as f64;
+        let attitude = Rotation3::from_euler_angles(1.3 * k, 0.4 * k * k, 2.1 * k + 0.5);
+        let turned = Rotation3::new(body) * attitude * Rotation3::new(nav);
+        (attitude, ((turned * force).into(), (turned * earth).into()))
+    };
+    (0..24).map(of_dwell).collect()
+}
+
+/// Fitted as if nothing were turned.
+fn on_table(nav: Vector3<f64>, body: Vector3<f64>, known_e: Option<[f64; 3]>, stated: StationUncertainty) -> Campaign {
+    let drift = [0.4, 2.5, -3.5, 0.0, 0.0, 0.8];
+    let positions: Vec<Position> = turned(nav, body).into_iter().map(|(_, position)| position).collect();
+    let outputs = outputs(1.4, &drift, &positions);
+    let commanded = turned(Vector3::zeros(), Vector3::zeros());
+    let positions: Vec<Position> = commanded.iter().map(|(_, position)| *position).collect();
+    let mut campaign = bench(TestKind::TorqueFeedback, &positions, &outputs, Some(1e-4), known_e);
+    for (dwell, (attitude, _)) in campaign.dwells.iter_mut().zip(commanded) {
+        dwell.attitude = Some(Rotation::stated_as(attitude));
+    }
+    Campaign { station_uncertainty: stated, ..campaign }
+}
+
+#[test]
+fn what_is_stated_of_the_station_moves_coefficients_as_the_sd_says() {
+    let stated = StationUncertainty { levelling: Some(1e-4), azimuth: Some(2e-4), fixture: Some(5e-5) };
+    let none = Vector3::zeros();
+    for known_e in [Some([1.4, 0.0, 0.0]), None] {
+        let of = |nav, body, stated| fitted(&on_table(nav, body, known_e, stated));
+        let (level, plain) = (of(none, none, stated), of(none, none, StationUncertainty::default()));
+        for name in ["D_F", "D_I", "D_S", "D_O"] {
+            let moved = |nav, body| {
+                of(nav, body, stated).coefficient(name).unwrap().value - plain.coefficient(name).unwrap().value
+            };
+            let rss = |moved: &[f64]| moved.iter().map(|by| by * by).sum::<f64>().sqrt();
+            let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()];
+            let parts = [
+                rss(&[x, y].map(|axis| moved(axis * 1e-4, none))),
+                rss(&[moved(z * 2e-4, none)]),
+                rss(&[x, y, z].map(|axis| moved(none, axis * 5e-5))),
+            ];
+            let coefficient = level.coefficient(name).unwrap();
+            let budget = coefficient.uncertainty.unwrap();
+            for (part, said) in parts.into_iter().zip(budget.of_station) {
+                assert!((said.unwrap() - part).abs() < 1e-3 * part + 1e-7, "{name} {known_e:?}: {said:?} {part}");
+            }
+            let [sd, of_fit] = [coefficient, plain.coefficient(name).unwrap()].map(|c| c.sd.unwrap());
+            assert!((sd / of_fit.hypot(rss(&parts)) - 1.0).abs() < 1e-3, "{name}: {sd}");
+        }
+    }
+    // What it leaves in the residuals is no lack of fit, and what nothing tells is said.
+    let tilted = on_table(Vector3::new(1e-4, 1e-4, 0.0), none, None, stated);
+    assert!(fitted(&tilted).p_value.unwrap() > 0.05);
+    let mut blind = tilted;
+    blind.dwells.iter_mut().for_each(|dwell| dwell.attitude = None);
+    let codes: Vec<&str> = fitted(&blind).all_notes().iter().map(CampaignNote::code).collect();
+    assert!(codes.contains(&"station_left_out"), "{codes:?}");
+}
+
+#[test]
+fn a_drift_between_dwells_is_found_and_widens_what_it_moves() {
+    let positions = [tumble(), tumble()].concat();
+    let of = |drift: f64, sem: Option<f64>| {
+        let noise = |k: usize| 1e-3 * if k * k % 7 % 2 == 0 { 1.0 } else { -1.0 } + drift * k as f64;
+        let outputs = positions.iter().enumerate().map(|(k, place)| output(1.4, &DRIFT, place) + noise(k));
+        fitted(&bench(TestKind::TorqueFeedback, &positions, &outputs.collect::<Vec<_>>(), sem, Some([1.4, 0.0, 0.0])))
+    };
+    for sem in [None, Some(1e-3)] {
+        let (still, drifts) = (of(0.0, sem), of(1e-3, sem));
+        let remembers = |found: &BenchCalibration| found.all_notes().iter().any(|n| n.code() == "residuals_remember");
+        assert_eq!([remembers(&still), remembers(&drifts)], [false, true], "{:?}", drifts.noise_found);
+        let off = |name| {
+            let found = drifts.coefficient(name).unwrap();
+            (found.value - still.coefficient(name).unwrap().value).abs() / found.sd.unwrap()
+        };
+        assert!(["D_I", "D_S", "D_II"].iter().all(|name| off(name) < 3.0), "{:?}", drifts.coefficients);
+    }
+}
+
+#[test]
+fn errors_that_are_far_too_large_are_noted() {
+    let positions = [tumble(), tumble()].concat();
+    let noise = |k: usize| 1e-3 * if k * k % 7 % 2 == 0 { 1.0 } else { -1.0 };
+    let outputs = positions.iter().enumerate().map(|(k, place)| output(1.4, &DRIFT, place) + noise(k));
+    let outputs: Vec<f64> = outputs.collect();
+    for (sem, said) in [(Some(1e-3), false), (Some(5e-3), true), (None, false)] {
+        let found = fitted(&bench(TestKind::TorqueFeedback, &positions, &outputs, sem, Some([1.4, 0.0, 0.0])));
+        assert_eq!(found.all_notes().iter().any(|note| note.code() == "standard_errors_overstated"), said, "{sem:?}");
+    }
+}
+
+#[test]
+fn what_is_held_and_what_the_latitude_may_be_are_told_by_what_they_move() {
+    let none = Vector3::zeros();
+    let notes = |campaign: &Campaign| match evaluate(campaign, &Plausibility::ever()) {
+        Ok(Outcome::Bench(bench)) => bench.notes,
+        other => panic!("{other:?}"),
+    };
+    let held = on_table(none, none, Some([1.4, 0.0, 0.0]), StationUncertainty::default());
+    let [CampaignNote::HeldScale { arcsec, moves: turned, .. }, CampaignNote::HeldSize { share, moves: sized, .. }] =
+        notes(&held)[..]
+    else {
+        panic!("{:?}", notes(&held))
+    };
+    let of = |e: Vector3<f64>| {
+        let found = fitted(&on_table(none, none, Some(e.into()), StationUncertainty::default()));
+        ["D_I", "D_S"].map(|name| found.coefficient(name).unwrap().value)
+    };
+    let ([d_i, d_s], longer) = (of(Vector3::x() * 1.4), of(Vector3::x() * 1.4 * (1.0 + share)));
+    let most = (longer[0] - d_i).abs().max((longer[1] - d_s).abs());
+    assert!((most / sized - 1.0).abs() < 1e-9 && arcsec == 20.0 && turned > 1e-5, "{most} {sized} {turned}");
+    let free = on_table(none, none, None, StationUncertainty::default());
+    assert_eq!(notes(&free), []);
+    // North taken for south: the vertical part of the Earth's rate has the other sign, and the site with it.
+    let mut south = free;
+    south.site = Some(Site { latitude: -34.4_f64.to_radians(), gravity_g0: 1.0, magnetic_field_nav: None });
+    assert_eq!(notes(&south), [], "D_I is 2.5");
+    let shift = 2.0 * 8.5;
+    for dwell in &mut south.dwells {
+        let up = dwell.specific_force_g0;
+        dwell.output_pulse_s[0] += 1.4 * (shift - 2.0) * up.x;
+    }
+    assert_eq!(notes(&south).iter().map(CampaignNote::code).collect::<Vec<_>>(), ["latitude_sign"]);
+}
+
+#[test]
+fn too_few_positions_for_scale_and_squares_are_refused_and_a_gauge_is_said() {
+    let faces = [Vector3::x(), -Vector3::x(), Vector3::y(), -Vector3::y(), Vector3::z(), -Vector3::z()];
+    let positions: Vec<Position> = faces
+        .into_iter()
+        .enumerate()
+        .map(|(k, up)| (up.into(), (up * 8.5 + faces[(k + 2) % 6] * 12.4).into()))
+        .collect();
+    let outputs = outputs(1.4, &DRIFT, &positions);
+    let test = |known_e| bench(TestKind::TorqueFeedback, &positions, &outputs, Some(1e-3), known_e);
+    assert_eq!(calibrate_bench(&test(None)), Err(NotFitted::ScaleOrSquares));
+    let linear = Campaign { model: Some(Terms::of(&[Term::Bias, Term::GLinear, Term::Scale])), ..test(None) };
+    assert!(calibrate_bench(&linear).is_ok(), "it asks for no squares");
+    let held = fitted(&test(Some([1.4, 0.0, 0.0])));
+    assert!(held.coefficient("D_SS").is_some() && held.gauge.is_none());
+    let code = |found: &BenchCalibration| found.all_notes().iter().any(|note| note.code() == "d_f_in_gauge");
+    let outputs = self::outputs(1.4, &DRIFT, &tumble());
+    let tumbled = bench(TestKind::TorqueFeedback, &tumble(), &outputs, Some(1e-3), Some([1.4, 0.0, 0.0]));
+    assert!(!code(&held) && code(&fitted(&tumbled)));
+}
+
+#[test]
+fn a_drift_that_positions_follow_is_told_by_what_it_moves() {
+    let faces = [Vector3::x(), -Vector3::x(), Vector3::y(), -Vector3::y(), Vector3::z(), -Vector3::z()];
+    let in_order: Vec<Position> = (0..24)
+        .map(|k| (faces[k / 4].into(), (faces[k / 4] * 8.5 + faces[(k / 4 + 2 + k % 4) % 6] * 12.4).into()))
+        .collect();
+    let mixed: Vec<Position> = (0..24).map(|k| in_order[k * 5 % 24]).collect();
+    let of = |positions: &[Position], drift: f64| {
+        let drifts =
+            |(k, place): (usize, &Position)| output(1.4, &DRIFT, place) + 1.4 * drift * k as f64 * 240.0 / 3600.0;
+        let outputs: Vec<f64> = positions.iter().enumerate().map(drifts).collect();
+        fitted(&bench(TestKind::TorqueFeedback, positions, &outputs, Some(1e-4), Some([1.4, 0.0, 0.0])))
+    };
+    let (still, drifts) = (of(&in_order, 0.0), of(&in_order, 1e-3));
+    let told = |found: &BenchCalibration| found.all_notes().into_iter().find(|note| note.code() == "drift_aliased");
+    let Some(CampaignNote::DriftAliased { drift, d_i, d_s }) = told(&still) else { panic!("{:?}", still.all_notes()) };
+    assert_eq!(drift, 1e-3);
+    for (name, said) in [("D_I", d_i), ("D_S", d_s)] {
+        let moved = drifts.coefficient(name).unwrap().value - still.coefficient(name).unwrap().value;
+        assert!((moved.abs() - said).abs() < 1e-9, "{name}: {moved} {said}");
+    }
+    assert_eq!(told(&of(&mixed, 0.0)), None);
 }

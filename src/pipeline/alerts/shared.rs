@@ -83,6 +83,12 @@ impl<'a> SharedAlerts<'a> {
         self.alerts.get(&of).is_some_and(|rows| rows.iter().any(|row| row.coefficient == coefficient))
     }
 
+    /// Since when the last that there is fires, or fired.
+    pub fn began(&self, of: AlertOf, coefficient: Coefficient) -> Option<UtcMicros> {
+        let mut rows = self.alerts.get(&of)?.iter();
+        rows.find(|row| row.rule.explains_others() && row.coefficient == coefficient).map(|row| row.alert.since)
+    }
+
     pub fn since(&self, of: AlertOf, coefficient: Coefficient) -> Option<UtcMicros> {
         self.firing_of(of, coefficient).map(|row| row.alert.since)
     }

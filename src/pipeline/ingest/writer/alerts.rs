@@ -56,7 +56,8 @@ impl WriterState {
         self.alerts.learn_mates(&shifts);
         {
             let naming = Naming { tables: &self.store.names().read(), new: Some(changes) };
-            let mut context = AlertContext { now, writer: &mut self.writer, naming, cause: None, late: causes.late() };
+            let (writer, late) = (&mut self.writer, causes.late());
+            let mut context = AlertContext { now, writer, naming, cause: None, late, in_order: None };
             for SharedVerdict { of, verdict, origin, .. } in &shifts {
                 self.alerts.follow(*of, verdict, origin, &mut context);
             }
@@ -73,7 +74,8 @@ impl WriterState {
         work: impl FnOnce(&mut AlertCache, &mut AlertContext<'_>) -> T,
     ) -> T {
         let naming = Naming { tables: &self.store.names().read(), new: None };
-        work(&mut self.alerts, &mut AlertContext { now, writer: &mut self.writer, naming, cause: None, late })
+        let writer = &mut self.writer;
+        work(&mut self.alerts, &mut AlertContext { now, writer, naming, cause: None, late, in_order: None })
     }
 
     /// Enters what has become of alerts into a transaction, with a delivery for each hook that is to be told.
@@ -143,7 +145,8 @@ impl WriterState {
         let out_of_use = heads::out_of_use(self, gyros).await?;
         let newest = store::histories::last(&self.store, gyros).await?;
         let naming = Naming { tables: &self.store.names().read(), new: None };
-        let mut context = AlertContext { now, writer: &mut self.writer, naming, cause: None, late };
+        let writer = &mut self.writer;
+        let mut context = AlertContext { now, writer, naming, cause: None, late, in_order: None };
         for (gyro, newest) in newest {
             let in_use = |newest: &Figures| out_of_use.get(&gyro).is_none_or(|(at, _)| *at < newest.at);
             match newest.filter(in_use) {

@@ -405,7 +405,7 @@ async fn an_imu_of_which_every_gyro_moves_is_one_alert_and_what_one_does_later_a
 
 #[tokio::test]
 async fn an_imu_that_is_calibrated_again_before_anybody_looks_is_one_alert_since_it_moved() {
-    let lab = lab().await;
+    let lab = lab_whose_clock_looks_every(0.5).await;
     let dropped = |slot: i64| [0.02, -0.03, 0.045][slot as usize];
     let again = |imu: i64, from: usize| {
         let moved = move |at: i64, slot: i64| if (at - 28) / 7 >= slot * from as i64 { dropped(slot) } else { 0.0 };
@@ -432,11 +432,32 @@ async fn an_imu_that_is_calibrated_again_before_anybody_looks_is_one_alert_since
     let ended = become_so(&lab, |alerts| alerts.iter().any(is_over)).await;
     let id = ended.iter().find(|alert| is_over(alert)).unwrap()["id"].as_str().unwrap().to_owned();
     sent(&lab, &[calibrated(3, 49, "ST-2", |_| 0.0)]).await;
-    tokio::time::sleep(Duration::from_millis(300)).await;
+    tokio::time::sleep(Duration::from_millis(1200)).await;
     let history = lab.get(&format!("/v1/alerts/{id}")).await.ok()["history"].clone();
     let steps: Vec<&Value> = history.as_array().unwrap().iter().map(|step| &step["action"]).collect();
     assert_eq!(steps.iter().filter(|step| **step == "fire").count(), 1, "{steps:?}");
     assert_eq!(**steps.last().unwrap(), "resolve", "{steps:?}");
+}
+
+#[tokio::test]
+async fn the_alert_of_an_imu_begins_with_a_record_that_comes_late_and_goes_on_to_explain_its_gyros() {
+    let lab = lab().await;
+    let dropped = |at: i64| calibrated(1, at, "ST-2", |slot| [0.02, -0.03, 0.045][slot as usize]);
+    lab.clock_shows(&day(43));
+    sent(&lab, &[dropped(42)]).await;
+    let of_imu = |alert: &Value| alert["subject"] == "imu" && alert["state"] == "firing";
+    let is_since = |alert: &Value, at: i64| alert["since"] == day(at);
+    become_so(&lab, |alerts| alerts.iter().any(|alert| of_imu(alert) && is_since(alert, 42))).await;
+    for late in [28, 35] {
+        sent(&lab, &[dropped(late)]).await;
+    }
+    let is_held = |alert: &Value| alert["rule"] == "baseline" && alert["state"] == "inhibited" && is_since(alert, 28);
+    let found = become_so(&lab, |alerts| {
+        let held = alerts.iter().filter(|alert| is_held(alert)).count();
+        held == 3 && alerts.iter().any(|alert| of_imu(alert) && is_since(alert, 28))
+    })
+    .await;
+    assert_eq!(found.iter().find(|alert| of_imu(alert)).unwrap()["severity"], "critical", "{found:#?}");
 }
 
 #[tokio::test]

@@ -233,6 +233,19 @@ impl AlertCache {
         self.enter((of, place), decision, began, (None, None), context);
     }
 
+    /// Follows what has been found that gyros share.
+    pub fn follow_shared(&mut self, found: &SharedVerdict, context: &mut AlertContext<'_>) {
+        let SharedVerdict { of, verdict, origin, since, .. } = found;
+        let fires = |row: &AlertRow| row.coefficient == verdict.coefficient && row.alert.status == Status::Firing;
+        let place =
+            self.alerts.get(of).and_then(|rows| rows.iter().position(|row| row.rule == verdict.rule && fires(row)));
+        let (Some(since), Some(place)) = (since, place) else { return self.follow(*of, verdict, origin, context) };
+        if let Some(row) = self.alerts.get_mut(of).and_then(|rows| rows.get_mut(place)) {
+            row.alert.since = *since;
+            self.changed.insert((*of, place));
+        }
+    }
+
     /// Ends what fires where `ends` says so: a rule that does not judge any more, or whose history an event has cut
     /// off.
     pub fn reset(&mut self, of: impl Into<AlertOf>, ends: impl Fn(&AlertRow) -> bool, context: &mut AlertContext<'_>) {

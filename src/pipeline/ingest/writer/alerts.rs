@@ -4,9 +4,7 @@ use super::heads::{self, touched};
 use super::shared_shifts::{SharedLook, SharedShifts};
 use super::state::WriterState;
 use crate::core::alert_decision::{Action, Alert, Late};
-use crate::pipeline::alerts::{
-    AlertCache, AlertContext, Causes, Naming, News, SharedVerdict, follow_clock, follow_group,
-};
+use crate::pipeline::alerts::{AlertCache, AlertContext, Causes, Naming, News, follow_clock, follow_group};
 use crate::pipeline::hooks::OutboxContext;
 use crate::pipeline::ingest::judge::Judged;
 use crate::pipeline::prelude::*;
@@ -58,9 +56,7 @@ impl WriterState {
             let naming = Naming { tables: &self.store.names().read(), new: Some(changes) };
             let (writer, late) = (&mut self.writer, causes.late());
             let mut context = AlertContext { now, writer, naming, cause: None, late, in_order: None };
-            for SharedVerdict { of, verdict, origin, .. } in &shifts {
-                self.alerts.follow(*of, verdict, origin, &mut context);
-            }
+            shifts.iter().for_each(|one| self.alerts.follow_shared(one, &mut context));
             follow_group(&mut self.alerts, &self.judge, found, sent, agreements, causes, &mut context);
         }
         self.note(changes, now).await

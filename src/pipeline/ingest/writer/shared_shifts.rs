@@ -4,7 +4,7 @@
 //! A file's writer asks with every group in which a gyro begins to exceed a limit, so that the group's other gyros are
 //! told of as one; the clock asks at every tick. Among several servers only the clock does, which holds every cell.
 
-use crate::core::alert_decision::Alert;
+use crate::core::alert_decision::{Alert, Status};
 use crate::core::judge::{
     Coefficient, Finding, Group, ImuQuestion, LATELY, LimitKind, Measured, Need, NewestCalibration, Older, Outlook,
     Severity, ShiftQuestion, State, group_shift, imu_shift, in_common, shift_began,
@@ -23,13 +23,13 @@ const DATED_GYROS: usize = 200;
 const DATED_RECORDS: usize = 64;
 
 /// IMUs of one look of which an earlier calibration is judged, those that began last.
-const BEGUN_BEFORE: usize = 64;
+const BEGUN_BEFORE: usize = 32;
 
 /// Of the alert of a gyro, what tells whether others exceed the limit too; none where none can by its rule.
 fn excess(row: &AlertRow) -> Option<ExcessRow> {
-    let AlertRow { coefficient, rule, alert: Alert { severity, since, .. }, .. } = *row;
+    let AlertRow { coefficient, rule, alert: Alert { severity, since, .. }, inhibited_by, .. } = *row;
     let gyro = row.of.gyro().filter(|_| rule.can_be_shared())?;
-    Some(ExcessRow { gyro, coefficient, rule, severity, since })
+    Some(ExcessRow { gyro, coefficient, rule, severity, since, inhibited_by })
 }
 
 /// Who only drifts keeps its budget.
@@ -88,9 +88,13 @@ impl SharedShifts<'_> {
             exceed.extend(firing().filter_map(excess));
             for verdict in verdicts(newest).into_iter().flatten().filter(|verdict| verdict.rule.can_be_shared()) {
                 let is_its = |row: &&AlertRow| (row.coefficient, row.rule) == (verdict.coefficient, verdict.rule);
-                let since = firing().find(is_its).map_or(newest.figures.at, |row| row.alert.since);
                 let Verdict { coefficient, rule, .. } = *verdict;
-                let of = |severity| ExcessRow { gyro: newest.gyro, coefficient, rule, severity, since };
+                let known = firing().find(is_its);
+                let in_order = found.in_order(newest.gyro).and_then(|fires| fires.get(&(coefficient, rule)));
+                let began = || in_order.map_or(newest.figures.at, |left| left.since);
+                let since = known.map_or_else(began, |row| row.alert.since);
+                let (gyro, inhibited_by) = (newest.gyro, known.and_then(|row| row.inhibited_by));
+                let of = |severity| ExcessRow { gyro, coefficient, rule, severity, since, inhibited_by };
                 exceed.extend(verdict.severity().map(of));
             }
         }
@@ -277,7 +281,7 @@ impl SharedShifts<'_> {
             let (at, gyros) = (its().map(|one| one.at).max().unwrap_or(self.now), its().map(|one| one.gyro).collect());
             let batch = if let Group::Batch(batch) = group { Some(batch.clone()) } else { None };
             let origin = Origin { station: of.station(), batch, ..Origin::at(at) };
-            found.push(SharedVerdict { of, verdict, origin, gyros });
+            found.push(SharedVerdict { of, verdict, origin, since: None, gyros });
         }
         found
     }
@@ -322,6 +326,10 @@ impl SharedShifts<'_> {
         let (at, station) = last.map_or((self.now, None), |one| (one.at, Some(one.station)));
         let its = || gyros.iter().filter_map(|one| beside.exceeding.get(&(one.gyro, coefficient))).flatten();
         let since = told.unwrap_or(at);
+        let alert = self.shift_of((imu, column)).map(|row| row.id);
+        // What is explained may be dated otherwise since: by a late record.
+        let is_told_of =
+            |one: &&ExcessRow| one.since == since || one.inhibited_by.is_some() && one.inhibited_by == alert;
         let shared = |one: &NewestCalibration| {
             let is_its = |(of, gyros, _): &&Shift| *of == coefficient && gyros.contains(&one.gyro);
             beside.shifts.iter().filter(is_its).map(|(.., shift)| *shift).collect()
@@ -331,15 +339,16 @@ impl SharedShifts<'_> {
             confidence: limits.confidence,
             shared: &shared,
             one_did_before: told.is_none() && its().copied().filter(exceeds).any(|one| one.since < at),
-            confirmed: its().any(|one| one.since == since && one.severity == Severity::Critical),
+            confirmed: its().any(|one| is_told_of(one) && one.severity == Severity::Critical),
         };
         let verdict = imu_shift(gyros, column, &asked);
         let origin = Origin { imu: Some(imu), station, ..Origin::at(at) };
-        Some(SharedVerdict { of: AlertOf::Imu(imu), verdict, origin, gyros: Vec::new() })
+        Some(SharedVerdict { of: AlertOf::Imu(imu), verdict, origin, since: None, gyros: Vec::new() })
     }
 
     /// IMUs that were calibrated again before anybody looked, by the calibration with which all that exceed their budgets
-    /// began to: where that shows that the IMU has shifted, and it is not back since, its alert begins with it.
+    /// began to: where that shows that the IMU has shifted, and it is not back since, its alert begins with it. So does
+    /// one that fires, where a late record has told that what it explains began at another time.
     async fn begun_before(
         &self,
         newest: &[NewestCalibration],
@@ -359,7 +368,7 @@ impl SharedShifts<'_> {
         let at_once = |(of, all): ((u32, usize), BTreeSet<UtcMicros>)| {
             let since = all.first().copied().filter(|_| all.len() == 1)?;
             // Not one that was told of before, and is over.
-            let is_new = self.alerts.shared().began(AlertOf::Imu(of.0), COEFFICIENTS[of.1]) != Some(since);
+            let is_new = self.shift_of(of).is_none_or(|row| row.alert.since != since);
             is_new.then_some((since, of))
         };
         let mut began: Vec<(UtcMicros, (u32, usize))> = began.into_iter().filter_map(at_once).collect();
@@ -368,11 +377,15 @@ impl SharedShifts<'_> {
         let its = newest.iter().filter(|one| imus.contains(&one.imu));
         its.for_each(|one| gyros.entry(one.imu).or_default().push(one));
         began.retain(|(since, of)| {
-            let is_told = self.alerts.shared().since(AlertOf::Imu(of.0), COEFFICIENTS[of.1]).is_some();
             let its = &gyros[&of.0];
+            let told = self.shift_of(*of).filter(|row| row.alert.status == Status::Firing);
+            let explains = |row: &AlertRow| {
+                let rows = its.iter().filter_map(|one| beside.exceeding.get(&(one.gyro, row.coefficient))).flatten();
+                rows.into_iter().any(|excess| excess.inhibited_by == Some(row.id))
+            };
             let is_back = |one: SharedVerdict| one.verdict.value.is_none() || one.verdict.state == State::Within;
             let stays = || self.of_imu(*of, its, Some(*since), &beside).is_some_and(|one| !is_back(one));
-            !is_told && its.iter().any(|one| one.at > *since) && stays()
+            told.is_none_or(explains) && its.iter().any(|one| one.at > *since) && stays()
         });
         began.sort_unstable_by_key(|(since, _)| std::cmp::Reverse(*since));
         began.truncate(BEGUN_BEFORE);
@@ -380,9 +393,15 @@ impl SharedShifts<'_> {
         for (since, of) in began {
             let then = self.calibrated_at(since, of.0, &gyros[&of.0]).await?;
             let judged = self.of_imu(of, &then.iter().collect::<Vec<_>>(), Some(since), &beside);
-            found.extend(judged.filter(|one| one.verdict.severity().is_some()));
+            let judged = judged.filter(|one| one.verdict.severity().is_some());
+            found.extend(judged.map(|one| SharedVerdict { since: Some(since), ..one }));
         }
         Ok(found)
+    }
+
+    /// The alert that an IMU shifts, whether it fires or not.
+    fn shift_of(&self, (imu, column): (u32, usize)) -> Option<&AlertRow> {
+        self.alerts.shared().of_imu(imu, COEFFICIENTS[column])
     }
 
     /// How gyros of an IMU lay when that was calibrated at `at`, in the place of their newest calibrations.

@@ -152,6 +152,47 @@ async fn a_late_record_that_explains_a_step_resolves_it_and_one_that_changes_not
 }
 
 #[tokio::test]
+async fn an_alert_says_since_when_and_how_grave_it_is_as_though_its_records_had_come_in_order() {
+    let history = [(120, 1.02), (160, 1.02), (200, 1.02)];
+    for order in [[0, 1, 2], [2, 0, 1], [2, 1, 0], [1, 2, 0]] {
+        let lab = Lab::holding(&LEVEL).await;
+        for k in order {
+            lab.posts_history("IMU-1", "A", &history[k..=k]).await;
+        }
+        let alert = alert_of(&lab, "baseline").await;
+        assert_eq!(
+            [&alert["state"], &alert["severity"], &alert["since"]],
+            [&json!("firing"), &json!("critical"), &json!(day(120))],
+            "{order:?}"
+        );
+        assert_eq!(lab.get("/v1/gyros/A").await.ok()["since"], day(120), "{order:?}");
+        assert_eq!(lab.verified().await.faults, []);
+    }
+    // One that comes late parts what went on from what goes on.
+    let lab = Lab::holding(&LEVEL).await;
+    lab.posts_history("IMU-1", "A", &[(120, 1.02), (200, 1.02), (160, 1.001)]).await;
+    assert_eq!(alert_of(&lab, "baseline").await["since"], day(200));
+    assert_eq!(story_of(&lab, "baseline").await, ["fire", "escalate", "lower"], "nothing has confirmed it");
+}
+
+#[tokio::test]
+async fn what_late_records_tell_of_an_alert_that_goes_on_though_its_figure_is_within_holds() {
+    let lab = Lab::holding(&LEVEL).await;
+    lab.posts_history("IMU-1", "A", &[(120, 1.02), (200, 1.009)]).await;
+    assert_eq!(story_of(&lab, "baseline").await, ["fire"]);
+    lab.posts_history("IMU-1", "A", &[(160, 1.02)]).await;
+    assert_eq!(story_of(&lab, "baseline").await, ["fire", "escalate"], "it was confirmed before it came back");
+    let held = alert_of(&lab, "baseline").await;
+    assert_eq!([&held["state"], &held["severity"]], ["firing", "critical"]);
+    lab.posts_history("IMU-1", "A", &[(180, 1.001)]).await;
+    assert_eq!(
+        story_of(&lab, "baseline").await,
+        ["fire", "escalate", "resolve"],
+        "it had ended before its newest record"
+    );
+}
+
+#[tokio::test]
 async fn an_engineer_acknowledges_and_the_alert_says_who_and_why() {
     let lab = Lab::holding(&[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02)]).await;
     let id = alert_of(&lab, "baseline").await["id"].as_str().unwrap().to_owned();

@@ -404,6 +404,63 @@ async fn an_imu_of_which_every_gyro_moves_is_one_alert_and_what_one_does_later_a
 }
 
 #[tokio::test]
+async fn an_imu_that_is_calibrated_again_before_anybody_looks_is_one_alert_since_it_moved() {
+    let lab = lab_whose_clock_looks_every(0.5).await;
+    let dropped = |slot: i64| [0.02, -0.03, 0.045][slot as usize];
+    let again = |imu: i64, from: usize| {
+        let moved = move |at: i64, slot: i64| if (at - 28) / 7 >= slot * from as i64 { dropped(slot) } else { 0.0 };
+        [28, 35, 42].map(|at| calibrated(imu, at, "ST-2", move |slot| moved(at, slot)))
+    };
+    lab.clock_shows(&day(43));
+    // Of the second each gyro has moved in a week of its own.
+    sent(&lab, &[again(1, 0), again(2, 1)].concat()).await;
+    let of_imu = |alert: &&Value| alert["subject"] == "imu";
+    let is_held = |alert: &Value| alert["state"] == "inhibited" && alert["rule"] == "baseline";
+    let found = become_so(&lab, |alerts| alerts.iter().filter(|alert| is_held(alert)).count() == 3).await;
+    let shifts: Vec<&Value> = found.iter().filter(of_imu).collect();
+    let [shift] = shifts[..] else { panic!("{shifts:#?}") };
+    assert_eq!(
+        [&shift["imu"], &shift["rule"], &shift["state"], &shift["severity"], &shift["since"]],
+        [&json!("IMU-1"), &json!("imu_shift"), &json!("firing"), &json!("critical"), &json!(day(28))]
+    );
+    assert!(of_gyros(&found, "inhibited").all(|alert| alert["inhibited_by"] == shift["id"]), "{found:#?}");
+
+    // What is over is not told again, though two of its gyros are not back.
+    lab.clock_shows(&day(50));
+    sent(&lab, &[calibrated(1, 49, "ST-2", |slot| if slot == 0 { 0.0 } else { dropped(slot) })]).await;
+    let is_over = |alert: &Value| of_imu(&alert) && alert["state"] == "resolved";
+    let ended = become_so(&lab, |alerts| alerts.iter().any(is_over)).await;
+    let id = ended.iter().find(|alert| is_over(alert)).unwrap()["id"].as_str().unwrap().to_owned();
+    sent(&lab, &[calibrated(3, 49, "ST-2", |_| 0.0)]).await;
+    tokio::time::sleep(Duration::from_millis(1200)).await;
+    let history = lab.get(&format!("/v1/alerts/{id}")).await.ok()["history"].clone();
+    let steps: Vec<&Value> = history.as_array().unwrap().iter().map(|step| &step["action"]).collect();
+    assert_eq!(steps.iter().filter(|step| **step == "fire").count(), 1, "{steps:?}");
+    assert_eq!(**steps.last().unwrap(), "resolve", "{steps:?}");
+}
+
+#[tokio::test]
+async fn the_alert_of_an_imu_begins_with_a_record_that_comes_late_and_goes_on_to_explain_its_gyros() {
+    let lab = lab().await;
+    let dropped = |at: i64| calibrated(1, at, "ST-2", |slot| [0.02, -0.03, 0.045][slot as usize]);
+    lab.clock_shows(&day(43));
+    sent(&lab, &[dropped(42)]).await;
+    let of_imu = |alert: &Value| alert["subject"] == "imu" && alert["state"] == "firing";
+    let is_since = |alert: &Value, at: i64| alert["since"] == day(at);
+    become_so(&lab, |alerts| alerts.iter().any(|alert| of_imu(alert) && is_since(alert, 42))).await;
+    for late in [28, 35] {
+        sent(&lab, &[dropped(late)]).await;
+    }
+    let is_held = |alert: &Value| alert["rule"] == "baseline" && alert["state"] == "inhibited" && is_since(alert, 28);
+    let found = become_so(&lab, |alerts| {
+        let held = alerts.iter().filter(|alert| is_held(alert)).count();
+        held == 3 && alerts.iter().any(|alert| of_imu(alert) && is_since(alert, 28))
+    })
+    .await;
+    assert_eq!(found.iter().find(|alert| of_imu(alert)).unwrap()["severity"], "critical", "{found:#?}");
+}
+
+#[tokio::test]
 async fn an_imu_of_which_one_gyro_has_drifted_within_its_budget_moves_at_once_all_the_same() {
     let lab = lab().await;
     let drifts = |slot: i64| if slot == 0 { 0.005 } else { 0.0 };

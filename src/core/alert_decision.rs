@@ -180,35 +180,74 @@ pub fn follow(
 
 /// As [`follow`], where what is found late is not told like the rest.
 pub fn hear(earlier: Option<&Alert>, verdict: &Verdict, arrival: &Arrival, policy: &Policy) -> Decision {
-    let Arrival { now, muted_until, inhibited, .. } = *arrival;
     let firing = earlier.filter(|alert| alert.status == Status::Firing);
     let alert = match (firing, verdict.severity()) {
         (Some(alert), _) => go_on(alert, verdict, arrival, policy),
         (None, Some(severity)) => begin(earlier, verdict, severity, arrival),
         (None, None) => return Decision { alert: earlier.copied(), action: Action::Silent },
     };
-    let hushed = hush(&alert, verdict, arrival, policy);
+    come_to(alert, verdict, arrival, policy)
+}
+
+/// As [`hear`], where records have come late, or count no more: an alert that fires is as it comes out of all that
+/// there are, followed in the order of time; `left`: as it then fires, none where it does not.
+pub fn hear_again(
+    earlier: Option<&Alert>,
+    left: Option<&Alert>,
+    verdict: &Verdict,
+    arrival: &Arrival,
+    policy: &Policy,
+) -> Decision {
+    let firing = earlier.filter(|alert| alert.status == Status::Firing);
+    let alert = match (firing, verdict.severity()) {
+        (Some(alert), None) => settled(alert, left, arrival.now),
+        (Some(alert), _) if left.is_some() => settled(alert, left, arrival.now),
+        (None, Some(severity)) if left.is_some() => {
+            settled(&begin(earlier, verdict, severity, arrival), left, arrival.now)
+        }
+        _ => return hear(earlier, verdict, arrival, policy),
+    };
+    come_to(alert, verdict, arrival, policy)
+}
+
+/// As [`hear_again`], of an alert that fires, where the verdict on the newest record stands as it was.
+pub fn settle(alert: &Alert, rule: Rule, left: Option<&Alert>, arrival: &Arrival, policy: &Policy) -> Decision {
+    let alert = settled(alert, left, arrival.now);
+    let hushed = hush(&alert, (rule, alert.within == 0), arrival, policy);
+    announce(Alert { hushed, ..alert }, arrival.now)
+}
+
+/// An alert that fires, as it is by what is left.
+pub fn settled(alert: &Alert, left: Option<&Alert>, now: UtcMicros) -> Alert {
+    let Some(&Alert { severity, since, record_at, within, .. }) = left else { return end(*alert, now) };
+    let acknowledged = alert.acknowledged && severity <= alert.severity;
+    Alert { severity, since, record_at, within, acknowledged, ..*alert }
+}
+
+/// An alert as a verdict has made it, and what is told of it.
+fn come_to(alert: Alert, verdict: &Verdict, arrival: &Arrival, policy: &Policy) -> Decision {
+    let Arrival { now, muted_until, inhibited, .. } = *arrival;
+    let hushed = hush(&alert, (verdict.rule, verdict.severity().is_some()), arrival, policy);
     // What does not exceed is explained by nothing: it stays as it was.
     let inhibited = if verdict.state == State::Exceeded { inhibited } else { alert.inhibited };
     announce(Alert { muted_until, inhibited: inhibited && alert.status == Status::Firing, hushed, ..alert }, now)
 }
 
-/// Whether nobody is told what a verdict has made of an alert.
-fn hush(alert: &Alert, verdict: &Verdict, arrival: &Arrival, policy: &Policy) -> Option<Hushed> {
+/// Whether nobody is told what a verdict by `rule`, which exceeds or does not, has made of an alert.
+fn hush(alert: &Alert, (rule, exceeds): (Rule, bool), arrival: &Arrival, policy: &Policy) -> Option<Hushed> {
     let is_news = alert.told.is_none_or(|told| alert.severity > told.severity);
     if alert.status == Status::Resolved || !is_news {
         return None;
     }
     let old = |at: UtcMicros| arrival.now.days_since(at) > policy.backfill_days;
-    let did = if verdict.rule == Rule::Overdue { alert.since } else { arrival.record_at };
+    let did = if rule == Rule::Overdue { alert.since } else { arrival.record_at };
     let began = if alert.told.is_some() { did } else { alert.since };
-    let exceeds = verdict.severity().is_some();
     let (hush, digest) = match arrival.late {
         Late::Told => (false, false),
         Late::Clock => (alert.hushed.is_some(), false),
         Late::Quiet => (old(did) || !exceeds && alert.hushed.is_some(), false),
         // What nobody has calibrated is no news of a record: it waits with all else that the import has found.
-        Late::Digest => (verdict.rule == Rule::Overdue || old(began), true),
+        Late::Digest => (rule == Rule::Overdue || old(began), true),
         Late::Never => (old(began), false),
     };
     let waits = alert.hushed.is_some_and(|hushed| hushed.digest);

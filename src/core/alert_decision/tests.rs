@@ -347,6 +347,25 @@ fn what_ended_by_a_record_that_counts_no_more_goes_on_as_it_was() {
 }
 
 #[test]
+fn an_alert_is_as_all_records_make_it_where_some_come_late() {
+    let fires = heard(None, &exceeded(), 10.0, 10.0, Late::Told).alert.unwrap();
+    let again = |alert: Option<&Alert>, left: Option<&Alert>, verdict: &Verdict| {
+        hear_again(alert, left, verdict, &Arrival { now: day(30.0), ..on(20.0) }, &POLICY)
+    };
+    let left = Alert { since: day(5.0), severity: Severity::Critical, record_at: day(20.0), within: 1, ..fires };
+    let graver = again(Some(&acknowledge(&fires)), Some(&left), &within(0.0095));
+    let alert = graver.alert.unwrap();
+    assert_eq!((graver.action, alert.since, alert.within), (Action::Escalate, day(5.0), 1));
+    assert!(!alert.acknowledged);
+    assert_eq!(again(Some(&fires), None, &within(0.0095)).action, Action::Resolve, "nothing bears it out");
+    assert_eq!(again(None, None, &within(0.0095)), Decision { alert: None, action: Action::Silent });
+    let begun = again(None, Some(&left), &exceeded());
+    assert_eq!((begun.action, begun.alert.unwrap().since), (Action::Fire, day(5.0)));
+    let settled = settle(&alert, Rule::Baseline, Some(&Alert { since: day(7.0), ..left }), &on(20.0), &POLICY);
+    assert_eq!((settled.action, settled.alert.unwrap().since), (Action::Silent, day(7.0)));
+}
+
+#[test]
 fn a_hook_hears_the_end_of_what_it_heard_fire_and_nothing_of_what_it_did_not() {
     let fires = heard(None, &exceeded(), 0.0, 0.0, Late::Told).alert.unwrap();
     let critical = Alert { severity: Severity::Critical, ..fires };

@@ -5,7 +5,7 @@ use super::shared::{Explained, SharedAlerts, SharedVerdict};
 use super::silences::Silences;
 use crate::core::alert_decision::{self, Action, Arrival, Decision, Late, Policy, Status};
 use crate::core::judge::Severity;
-use crate::pipeline::ingest::judge::Undone;
+use crate::pipeline::ingest::judge::{Firing, Undone};
 use crate::pipeline::prelude::*;
 use crate::store::{AlertOf, AlertRow, Remark, StepRow, Writer};
 use crate::wire::alert::{AlertBody, AlertFindingBody};
@@ -47,6 +47,14 @@ pub(crate) struct AlertContext<'a> {
     pub naming: Naming<'a>,
     pub cause: Option<Id>,
     pub late: Late,
+    /// What fires by all records of the gyro, followed in the order of time, where not all came in that order.
+    pub in_order: Option<&'a Firing>,
+}
+
+impl AlertContext<'_> {
+    fn arrival(&self, record_at: UtcMicros, muted_until: Option<UtcMicros>, inhibited: bool) -> Arrival {
+        Arrival { record_at, now: self.now, late: self.late, muted_until, inhibited }
+    }
 }
 
 /// Something has become of an alert that hooks may have to be told, or how it stands.
@@ -169,13 +177,18 @@ impl AlertCache {
         let naming = context.naming;
         let muting = self.silences.of(of, verdict, origin, &naming, context.now);
         let (muted, muted_until) = muting.map(|(muted, until)| (Some(muted), Some(until))).unwrap_or_default();
-        let since = earlier.filter(|row| row.alert.status == Status::Firing).map_or(origin.at, |row| row.alert.since);
+        let left = context.in_order.map(|fires| fires.get(&(verdict.coefficient, verdict.rule)));
+        let began = left.flatten().map_or(origin.at, |left| left.since);
+        let since = earlier.filter(|row| row.alert.status == Status::Firing).map_or(began, |row| row.alert.since);
         let fires = earlier.filter(|row| row.alert.status == Status::Firing);
         let explained = of.gyro().map(|gyro| self.shared().explaining(gyro, verdict, origin, since, fires));
         let Explained { by: inhibited_by, with_imu } = explained.unwrap_or_default();
         let inhibited = inhibited_by.is_some();
-        let arrival = Arrival { record_at: origin.at, now: context.now, late: context.late, muted_until, inhibited };
-        let decision = alert_decision::hear(earlier.map(|row| &row.alert), verdict, &arrival, &self.policy);
+        let (arrival, known) = (context.arrival(origin.at, muted_until, inhibited), earlier.map(|row| &row.alert));
+        let decision = match left {
+            None => alert_decision::hear(known, verdict, &arrival, &self.policy),
+            Some(left) => alert_decision::hear_again(known, left, verdict, &arrival, &self.policy),
+        };
         let Some(alert) = decision.alert else { return };
         let is_held = alert.status == Status::Firing && verdict.severity().is_none();
         let Policy { resolve_below, resolve_after, .. } = self.policy;
@@ -220,6 +233,19 @@ impl AlertCache {
         self.enter((of, place), decision, began, (None, None), context);
     }
 
+    /// Follows what has been found that gyros share.
+    pub fn follow_shared(&mut self, found: &SharedVerdict, context: &mut AlertContext<'_>) {
+        let SharedVerdict { of, verdict, origin, since, .. } = found;
+        let fires = |row: &AlertRow| row.coefficient == verdict.coefficient && row.alert.status == Status::Firing;
+        let place =
+            self.alerts.get(of).and_then(|rows| rows.iter().position(|row| row.rule == verdict.rule && fires(row)));
+        let (Some(since), Some(place)) = (since, place) else { return self.follow(*of, verdict, origin, context) };
+        if let Some(row) = self.alerts.get_mut(of).and_then(|rows| rows.get_mut(place)) {
+            row.alert.since = *since;
+            self.changed.insert((*of, place));
+        }
+    }
+
     /// Ends what fires where `ends` says so: a rule that does not judge any more, or whose history an event has cut
     /// off.
     pub fn reset(&mut self, of: impl Into<AlertOf>, ends: impl Fn(&AlertRow) -> bool, context: &mut AlertContext<'_>) {
@@ -251,6 +277,21 @@ impl AlertCache {
             };
             let said = (Some(undone.author.clone()), Some(undone.reason.clone()));
             self.enter(at, decision, false, said, context);
+        }
+    }
+
+    /// Lets what fires of a gyro, and follows its records, come to what all of them say, followed in the order of time.
+    pub fn settle(&mut self, gyro: u32, fires: &Firing, context: &mut AlertContext<'_>) {
+        for at in self.places([gyro.into()]) {
+            let AlertRow { coefficient, rule, alert, .. } = self.alerts[&at.0][at.1];
+            let follows_records = !matches!(rule, Rule::Agreement | Rule::Overdue);
+            let left = fires.get(&(coefficient, rule));
+            let stands = || alert_decision::settled(&alert, left, context.now) == alert;
+            if follows_records && alert.status == Status::Firing && !stands() {
+                let arrival = context.arrival(alert.record_at, alert.muted_until, alert.inhibited);
+                let decision = alert_decision::settle(&alert, rule, left, &arrival, &self.policy);
+                self.enter(at, decision, false, (None, None), context);
+            }
         }
     }
 

@@ -16,6 +16,8 @@ pub(crate) struct SharedVerdict {
     pub verdict: Verdict,
     /// The newest calibration by the station, or of the batch or the IMU.
     pub origin: Origin,
+    /// When it began, where the alert is to say so though it fires already.
+    pub since: Option<UtcMicros>,
     /// Of a batch.
     pub gyros: Vec<u32>,
 }
@@ -83,6 +85,12 @@ impl<'a> SharedAlerts<'a> {
         self.alerts.get(&of).is_some_and(|rows| rows.iter().any(|row| row.coefficient == coefficient))
     }
 
+    /// The alert that an IMU shifts, whether it fires or not.
+    pub fn of_imu(&self, imu: u32, coefficient: Coefficient) -> Option<&'a AlertRow> {
+        let mut rows = self.alerts.get(&AlertOf::Imu(imu))?.iter();
+        rows.find(|row| row.rule == Rule::ImuShift && row.coefficient == coefficient)
+    }
+
     pub fn since(&self, of: AlertOf, coefficient: Coefficient) -> Option<UtcMicros> {
         self.firing_of(of, coefficient).map(|row| row.alert.since)
     }
@@ -118,6 +126,10 @@ impl<'a> SharedAlerts<'a> {
         };
         let (coefficient, suspected) = (verdict.coefficient, Suspected::of(verdict));
         let Origin { station, imu, .. } = *origin;
+        // Where late records have told that it began at another time, the clock sees whether its IMU's shift did, too.
+        let by_imu = imu.and_then(|imu| self.firing_of(AlertOf::Imu(imu), coefficient));
+        let held = by_imu.filter(|by| row.is_some_and(|row| row.inhibited_by == Some(by.id)));
+        let since = held.map_or(since, |by| by.alert.since);
         self.explaining_excess(&CoefficientExcess { gyro, station, imu, coefficient, severity, since, suspected, row })
     }
 
@@ -163,9 +175,10 @@ impl<'a> SharedAlerts<'a> {
 
     /// Whether a verdict changes the alert of its station, batch or IMU.
     pub fn is_moved_by(&self, found: &SharedVerdict, naming: &Naming<'_>) -> bool {
-        let SharedVerdict { of, verdict, origin, .. } = found;
+        let SharedVerdict { of, verdict, origin, since, .. } = found;
         match self.firing_of(*of, verdict.coefficient) {
             None => verdict.severity().is_some(),
+            Some(row) if since.is_some_and(|since| since != row.alert.since) => true,
             Some(_) if verdict.value.is_none() || verdict.state == State::Within => true,
             Some(row) => verdict.state == State::Exceeded && row.finding != naming.finding(verdict, origin).kept(),
         }

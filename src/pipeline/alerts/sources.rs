@@ -44,14 +44,14 @@ impl Causes {
 /// Lets the alerts follow what a group's judging has found.
 ///
 /// `sent` are the calibrations of the group by their identifiers: verdicts that need no history are with them.
-pub(crate) fn follow_group(
+pub(crate) fn follow_group<'a>(
     alerts: &mut AlertCache,
     judge: &Judge,
-    judged: &Judged,
+    judged: &'a Judged,
     sent: &HashMap<Id, &Calibration>,
     agreements: &[Agreement],
     causes: &Causes,
-    context: &mut AlertContext<'_>,
+    context: &mut AlertContext<'a>,
 ) {
     for (gyro, undone) in &judged.undone {
         causes.sign(*gyro, None, context);
@@ -94,13 +94,13 @@ pub(crate) fn follow_group(
     }
 }
 
-fn follow_newest(
+fn follow_newest<'a>(
     alerts: &mut AlertCache,
     judge: &Judge,
-    judged: &Judged,
+    judged: &'a Judged,
     newest: &HistoryRow,
     sent: &HashMap<Id, &Calibration>,
-    context: &mut AlertContext<'_>,
+    context: &mut AlertContext<'a>,
 ) {
     let HistoryRow { gyro, figures } = newest;
     let by_history = judged.verdicts.get(&(figures.record, *gyro)).map(Vec::as_slice);
@@ -117,9 +117,11 @@ fn follow_newest(
     let origin = Origin::from(figures);
     // An event since the newest record has cut it off from what comes: its verdict is of the past.
     let is_past = |rule: Rule| rule != Rule::Overdue && judge.is_reset_since(*gyro, figures.at, rule);
+    context.in_order = judged.in_order(*gyro);
     for verdict in verdicts().filter(|verdict| !is_past(verdict.rule)) {
         alerts.follow(*gyro, verdict, &origin, context);
     }
+    let in_order = context.in_order.take();
     let is_switched_off = |row: &AlertRow| {
         let was_asked = match row.rule {
             Rule::Agreement | Rule::Overdue => false,
@@ -129,6 +131,9 @@ fn follow_newest(
         was_asked && !verdicts().any(|verdict| (verdict.coefficient, verdict.rule) == (row.coefficient, row.rule))
     };
     alerts.reset(*gyro, |row| is_past(row.rule) || is_switched_off(row), context);
+    if let Some(fires) = in_order {
+        alerts.settle(*gyro, fires, context);
+    }
     follow_clock(alerts, judge, *gyro, figures.at, figures.imu, context);
 }
 

@@ -94,6 +94,8 @@ pub struct ExcessRow {
     pub rule: Rule,
     pub severity: Severity,
     pub since: UtcMicros,
+    /// The alert that explains it.
+    pub inhibited_by: Option<Id>,
 }
 
 /// Something became of an alert.
@@ -112,7 +114,7 @@ pub struct StepRow {
 }
 
 columns! {
-    ExcessRow in "alert" { gyro, coefficient, rule, severity, since }
+    ExcessRow in "alert" { gyro, coefficient, rule, severity, since, inhibited_by }
 }
 
 columns! {
@@ -377,7 +379,8 @@ pub async fn excesses(store: &Store) -> Result<Vec<ExcessRow>> {
         store,
         all,
         AssertSqlSafe(format!(
-            "SELECT gyro, coefficient, rule, severity, coalesce(since, fired_at) AS since FROM alert WHERE {}",
+            "SELECT gyro, coefficient, rule, severity, coalesce(since, fired_at) AS since, inhibited_by
+             FROM alert WHERE {}",
             may_be_shared()
         ))
     )

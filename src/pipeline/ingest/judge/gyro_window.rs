@@ -207,6 +207,11 @@ impl GyroWindow {
         self.repeats.iter().filter(move |[_, of]| *of == at).map(|[repeat, _]| *repeat)
     }
 
+    /// Whether the record of `at` repeats another.
+    pub fn is_repeat(&self, at: UtcMicros) -> bool {
+        self.repeats.iter().any(|[repeat, _]| *repeat == at)
+    }
+
     /// Records that are kept one by one.
     pub fn len(&self) -> usize {
         self.samples.len()

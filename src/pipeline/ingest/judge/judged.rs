@@ -18,6 +18,16 @@ pub(crate) struct Judged {
     pub newest: Vec<HistoryRow>,
     /// Gyros of which something counts no more.
     pub undone: BTreeMap<u32, Undone>,
+    /// Of others records have come late; what fires by all of them, where that was [asked](super::Judge::follow_late).
+    pub late: BTreeMap<u32, Option<Firing>>,
+}
+
+impl Judged {
+    /// What fires of a gyro by all its records, followed in the order of time, where not all came in that order.
+    pub fn in_order(&self, gyro: u32) -> Option<&Firing> {
+        let undone = || self.undone.get(&gyro)?.fires.as_ref();
+        self.late.get(&gyro).and_then(Option::as_ref).or_else(undone)
+    }
 }
 
 pub(crate) type Firing = HashMap<(Coefficient, Rule), Alert>;

@@ -17,7 +17,7 @@ use crate::pipeline::ingest::judge::withdrawal::Replay;
 use crate::pipeline::prelude::*;
 use crate::store::{HistoryRow, StoredVerdict};
 
-pub(crate) use judged::{Judged, Undone, Verdicts};
+pub(crate) use judged::{Firing, Judged, Undone, Verdicts};
 
 /// A gyro with more than this part of the records that are remembered is remembered shortened from the first.
 const LARGE_PART: usize = 100;
@@ -72,9 +72,31 @@ impl Judge {
         changes.rejudged.sheets = sheets.into_iter().collect();
         enter(&judged.verdicts, changes);
         changes.heads.outlooks = judged.verdicts.iter().map(|(of, verdicts)| (*of, Outlook::of(verdicts))).collect();
-        Replay { store: &self.store, policy: &self.policy }.undo(changes, &mut judged).await?;
+        self.replay().undo(changes, &mut judged).await?;
         withdrawal::mark(changes);
         Ok(judged)
+    }
+
+    /// Notes what fires of the gyros of which records have come late, where an alert fires or is to.
+    pub async fn follow_late(
+        &self,
+        changes: &Changes,
+        judged: &mut Judged,
+        fires: impl Fn(u32) -> bool,
+    ) -> Result<(), StoreError> {
+        let Judged { late, newest, verdicts, .. } = judged;
+        for (gyro, firing) in late {
+            let of_newest = newest.iter().filter(|row| row.gyro == *gyro);
+            let mut verdicts = of_newest.filter_map(|row| verdicts.get(&(row.figures.record, *gyro))).flatten();
+            if fires(*gyro) || verdicts.any(|verdict| verdict.severity().is_some()) {
+                *firing = Some(self.replay().replay(*gyro, changes).await?);
+            }
+        }
+        Ok(())
+    }
+
+    fn replay(&self) -> Replay<'_> {
+        Replay { store: &self.store, policy: &self.policy, lines: &self.lines }
     }
 
     /// Forgets everything: what was remembered is not what was committed.

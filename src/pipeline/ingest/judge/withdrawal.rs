@@ -1,9 +1,11 @@
-//! What would fire if what counts no more had never come: the verdicts on what is left, followed again from the first.
+//! What would fire if what counts no more had never come, and what came late had come in time: the verdicts on what there
+//! is, followed again.
 
+use super::gyro_window::GyroWindow;
 use super::judged::{Firing, Judged, Undone};
 use crate::core::alert_decision::{self, Alert, Policy, Status};
 use crate::core::correction::CorrectionItem;
-use crate::core::judge::Coefficient;
+use crate::core::judge::{Coefficient, Mark, Severity};
 use crate::pipeline::prelude::*;
 use crate::store::HistoryRow;
 
@@ -11,6 +13,7 @@ use crate::store::HistoryRow;
 pub(super) struct Replay<'a> {
     pub store: &'a Store,
     pub policy: &'a Policy,
+    pub lines: &'a HashMap<u32, GyroWindow>,
 }
 
 impl Replay<'_> {
@@ -45,26 +48,82 @@ impl Replay<'_> {
         Ok(())
     }
 
-    async fn replay(&self, gyro: u32, changes: &Changes) -> Result<Firing, StoreError> {
+    /// What fires of a gyro by all its records that count. No more of them are read than tell: before a verdict that
+    /// ends an alert, whatever it was, it does not matter what that was.
+    pub async fn replay(&self, gyro: u32, changes: &Changes) -> Result<Firing, StoreError> {
         let gone: HashSet<Id> = changes.withdrawn.records.iter().copied().collect();
-        let stored = store::history::oldest(self.store, gyro, Span::EVER, usize::MAX).await?;
-        let new = changes.history.iter().filter(|row| row.gyro == gyro).map(|row| row.figures);
-        let left = stored.into_iter().filter(|figures| !gone.contains(&figures.record)).chain(new);
-        let mut records: Vec<(UtcMicros, Id)> = left.map(|figures| (figures.at, figures.record)).collect();
-        records.sort_unstable();
+        let mut ahead = READ_AHEAD;
+        loop {
+            let stored = store::history::newest(self.store, gyro, Span::EVER, ahead).await?;
+            let from = stored.first().map(|first| first.at).filter(|_| stored.len() == ahead);
+            let new = changes.history.iter().filter(|row| row.gyro == gyro).map(|row| row.figures);
+            let left = stored.into_iter().filter(|figures| !gone.contains(&figures.record)).chain(new);
+            let left = left.filter(|figures| from.is_none_or(|from| figures.at >= from));
+            let mut records: Vec<(UtcMicros, Id)> = left.map(|figures| (figures.at, figures.record)).collect();
+            records.sort_unstable();
+            let earlier = from.map(at_worst);
+            let fires = self.follow(gyro, &records, earlier, changes).await?;
+            if !fires.values().any(|alert| earlier.is_some_and(|earlier| alert.since == earlier.since)) {
+                return Ok(fires);
+            }
+            ahead *= 4;
+        }
+    }
+
+    /// What fires after these records, oldest first, where every alert was `earlier` before.
+    async fn follow(
+        &self,
+        gyro: u32,
+        records: &[(UtcMicros, Id)],
+        earlier: Option<Alert>,
+        changes: &Changes,
+    ) -> Result<Firing, StoreError> {
         let mut sheets = store::record::verdict_sheets(self.store, records.iter().map(|(_, id)| *id)).await?;
-        sheets.extend(changes.rejudged.sheets.iter().map(|(record, again)| (*record, again.sheet.clone())));
-        sheets.extend(changes.records.iter().map(|record| (record.id, record.verdicts.clone())));
-        let mut alerts: HashMap<(Coefficient, Rule), Alert> = HashMap::new();
-        for (at, id) in records {
-            for verdict in sheets.get(&id).map_or(&[][..], |sheet| sheet.of(gyro)) {
-                let key = (verdict.coefficient, verdict.rule);
-                let decision = alert_decision::follow(alerts.get(&key), &verdict.without_words(), at, at, self.policy);
-                alerts.extend(decision.alert.map(|alert| (key, alert)));
+        let asked: HashSet<Id> = records.iter().map(|(_, id)| *id).collect();
+        let rejudged = changes.rejudged.sheets.iter().map(|(record, again)| (*record, &again.sheet));
+        let changed = rejudged.chain(changes.records.iter().map(|record| (record.id, &record.verdicts)));
+        sheets.extend(changed.filter(|(id, _)| asked.contains(id)).map(|(id, sheet)| (id, sheet.clone())));
+        let line = self.lines.get(&gyro);
+        let mut alerts: HashMap<(Coefficient, Rule), Option<Alert>> = HashMap::new();
+        let mut before = None;
+        for (at, id) in records.iter().filter(|(at, _)| !line.is_some_and(|line| line.is_repeat(*at))) {
+            let marks = line.map_or(&[][..], GyroWindow::marks);
+            let marks: Vec<&Mark> =
+                marks.iter().filter(|mark| before.is_some_and(|before| mark.at > before) && mark.at <= *at).collect();
+            before = Some(*at);
+            for verdict in sheets.get(id).map_or(&[][..], |sheet| sheet.of(gyro)) {
+                let alert = alerts.entry((verdict.coefficient, verdict.rule)).or_insert(earlier);
+                let goes_on = alert.filter(|_| !marks.iter().any(|mark| mark.event.resets(verdict.rule)));
+                let followed =
+                    alert_decision::follow(goes_on.as_ref(), &verdict.without_words(), *at, *at, self.policy);
+                *alert = followed.alert;
             }
         }
-        alerts.retain(|_, alert| alert.status == Status::Firing);
-        Ok(alerts)
+        let firing = alerts.into_iter().filter_map(|(key, alert)| Some((key, alert?)));
+        Ok(firing.filter(|(_, alert)| alert.status == Status::Firing).collect())
+    }
+}
+
+/// Records that are read at first; nearly always all that tell.
+const READ_AHEAD: usize = 64;
+
+/// An alert before a record of `from` that ends no sooner than any other.
+fn at_worst(from: UtcMicros) -> Alert {
+    let since = UtcMicros(from.0 - 1);
+    Alert {
+        status: Status::Firing,
+        severity: Severity::Critical,
+        since,
+        fired_at: since,
+        resolved_at: None,
+        record_at: since,
+        within: 0,
+        acknowledged: false,
+        silenced_until: None,
+        muted_until: None,
+        inhibited: false,
+        hushed: None,
+        told: None,
     }
 }
 

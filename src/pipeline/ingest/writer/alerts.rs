@@ -4,9 +4,7 @@ use super::heads::{self, touched};
 use super::shared_shifts::{SharedLook, SharedShifts};
 use super::state::WriterState;
 use crate::core::alert_decision::{Action, Alert, Late};
-use crate::pipeline::alerts::{
-    AlertCache, AlertContext, Causes, Naming, News, SharedVerdict, follow_clock, follow_group,
-};
+use crate::pipeline::alerts::{AlertCache, AlertContext, Causes, Naming, News, follow_clock, follow_group};
 use crate::pipeline::hooks::OutboxContext;
 use crate::pipeline::ingest::judge::Judged;
 use crate::pipeline::prelude::*;
@@ -56,10 +54,9 @@ impl WriterState {
         self.alerts.learn_mates(&shifts);
         {
             let naming = Naming { tables: &self.store.names().read(), new: Some(changes) };
-            let mut context = AlertContext { now, writer: &mut self.writer, naming, cause: None, late: causes.late() };
-            for SharedVerdict { of, verdict, origin, .. } in &shifts {
-                self.alerts.follow(*of, verdict, origin, &mut context);
-            }
+            let (writer, late) = (&mut self.writer, causes.late());
+            let mut context = AlertContext { now, writer, naming, cause: None, late, in_order: None };
+            shifts.iter().for_each(|one| self.alerts.follow_shared(one, &mut context));
             follow_group(&mut self.alerts, &self.judge, found, sent, agreements, causes, &mut context);
         }
         self.note(changes, now).await
@@ -73,7 +70,8 @@ impl WriterState {
         work: impl FnOnce(&mut AlertCache, &mut AlertContext<'_>) -> T,
     ) -> T {
         let naming = Naming { tables: &self.store.names().read(), new: None };
-        work(&mut self.alerts, &mut AlertContext { now, writer: &mut self.writer, naming, cause: None, late })
+        let writer = &mut self.writer;
+        work(&mut self.alerts, &mut AlertContext { now, writer, naming, cause: None, late, in_order: None })
     }
 
     /// Enters what has become of alerts into a transaction, with a delivery for each hook that is to be told.
@@ -143,7 +141,8 @@ impl WriterState {
         let out_of_use = heads::out_of_use(self, gyros).await?;
         let newest = store::histories::last(&self.store, gyros).await?;
         let naming = Naming { tables: &self.store.names().read(), new: None };
-        let mut context = AlertContext { now, writer: &mut self.writer, naming, cause: None, late };
+        let writer = &mut self.writer;
+        let mut context = AlertContext { now, writer, naming, cause: None, late, in_order: None };
         for (gyro, newest) in newest {
             let in_use = |newest: &Figures| out_of_use.get(&gyro).is_none_or(|(at, _)| *at < newest.at);
             match newest.filter(in_use) {

@@ -4,7 +4,6 @@ use super::alerts::gyros_of;
 use super::shared_shifts::{NothingShared, shared_and_explicable};
 use super::state::WriterState;
 use crate::core::alert_decision::Late;
-use crate::pipeline::alerts::SharedVerdict;
 use crate::pipeline::prelude::*;
 use crate::store::{AlertOf, Cells};
 
@@ -109,9 +108,7 @@ async fn follow_shared_in_turn(state: &mut WriterState, now: UtcMicros) -> Resul
     state.change_alerts(now, Late::Quiet, |alerts, context| {
         let off: Vec<(AlertOf, Id)> = alerts.shared().not_judged(&found).map(|row| (row.of, row.id)).collect();
         off.into_iter().for_each(|(of, id)| alerts.reset(of, |row| row.id == id, context));
-        for SharedVerdict { of, verdict, origin, .. } in &found {
-            alerts.follow(*of, verdict, origin, context);
-        }
+        found.iter().for_each(|one| alerts.follow_shared(one, context));
         let anew = alerts.shared().explained_anew(&rows, &context.naming);
         alerts.explain(&anew, context);
     });

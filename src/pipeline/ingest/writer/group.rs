@@ -38,11 +38,13 @@ pub(super) async fn prepare(state: &mut WriterState, items: &[Item<'_>]) -> Resu
     let judging = Instant::now();
     group.audit_sendings(now);
     let mut changes = group.changes;
-    let found = state.judge.judge(&mut changes).await?;
+    let mut found = state.judge.judge(&mut changes).await?;
     let agreements = state.agreements(&changes).await?;
     let touched = found.newest.iter().map(|newest| newest.gyro).chain(found.undone.keys().copied());
     let touched = touched.chain(agreements.iter().map(|agreement| agreement.gyro));
     state.alerts.recall(&state.store, touched, now).await?;
+    let fires = |gyro| state.alerts.firing(gyro).next().is_some();
+    state.judge.follow_late(&changes, &mut found, fires).await?;
     let new = || items.iter().zip(&replies).filter_map(|(item, reply)| Some((stored_as(reply)?, item)));
     let sent = new().filter_map(|(id, item)| Some((id, item.sent.calibration()?))).collect();
     forecasts::withdraw(state, &changes, now).await?;

@@ -4,14 +4,14 @@
 //! A file's writer asks with every group in which a gyro begins to exceed a limit, so that the group's other gyros are
 //! told of as one; the clock asks at every tick. Among several servers only the clock does, which holds every cell.
 
-use crate::core::alert_decision::Alert;
+use crate::core::alert_decision::{Alert, Status};
 use crate::core::judge::{
-    Coefficient, Finding, Group, ImuQuestion, LATELY, LimitKind, Measured, NewestCalibration, Severity, ShiftQuestion,
-    State, group_shift, imu_shift, in_common, shift_began,
+    Coefficient, Finding, Group, ImuQuestion, LATELY, LimitKind, Measured, Need, NewestCalibration, Older, Outlook,
+    Severity, ShiftQuestion, State, group_shift, imu_shift, in_common, shift_began,
 };
 use crate::pipeline::alerts::{AlertCache, Naming, Origin, SharedVerdict};
 use crate::pipeline::ingest::judge::Judged;
-use crate::pipeline::ingest::judge::gyro_window::sample_of;
+use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, sample_of};
 use crate::pipeline::prelude::*;
 use crate::store::{AlertOf, AlertRow, ExcessRow, HistoryRow};
 
@@ -22,11 +22,33 @@ const COEFFICIENTS: [Coefficient; 2] = [Coefficient::DI, Coefficient::DS];
 const DATED_GYROS: usize = 200;
 const DATED_RECORDS: usize = 64;
 
+/// IMUs of one look of which an earlier calibration is judged, those that began last.
+const BEGUN_BEFORE: usize = 32;
+
 /// Of the alert of a gyro, what tells whether others exceed the limit too; none where none can by its rule.
 fn excess(row: &AlertRow) -> Option<ExcessRow> {
-    let AlertRow { coefficient, rule, alert: Alert { severity, since, .. }, .. } = *row;
+    let AlertRow { coefficient, rule, alert: Alert { severity, since, .. }, inhibited_by, .. } = *row;
     let gyro = row.of.gyro().filter(|_| rule.can_be_shared())?;
-    Some(ExcessRow { gyro, coefficient, rule, severity, since })
+    Some(ExcessRow { gyro, coefficient, rule, severity, since, inhibited_by })
+}
+
+/// Who only drifts keeps its budget.
+fn exceeds(row: &&ExcessRow) -> bool {
+    row.rule.limit_kind() == LimitKind::Specification
+}
+
+/// Beside what an IMU is judged: what its gyros exceed, and what they have moved by with others.
+struct Beside<'a> {
+    exceeding: HashMap<(u32, Coefficient), Vec<&'a ExcessRow>>,
+    shifts: Vec<Shift>,
+}
+
+impl<'a> Beside<'a> {
+    fn of(of_groups: &[SharedVerdict], exceed: &'a [ExcessRow]) -> Self {
+        let mut exceeding: HashMap<_, Vec<&ExcessRow>> = HashMap::new();
+        exceed.iter().for_each(|row| exceeding.entry((row.gyro, row.coefficient)).or_default().push(row));
+        Self { exceeding, shifts: shifts(of_groups) }
+    }
 }
 
 /// What gyros share, by station, by batch and by IMU.
@@ -66,9 +88,13 @@ impl SharedShifts<'_> {
             exceed.extend(firing().filter_map(excess));
             for verdict in verdicts(newest).into_iter().flatten().filter(|verdict| verdict.rule.can_be_shared()) {
                 let is_its = |row: &&AlertRow| (row.coefficient, row.rule) == (verdict.coefficient, verdict.rule);
-                let since = firing().find(is_its).map_or(newest.figures.at, |row| row.alert.since);
                 let Verdict { coefficient, rule, .. } = *verdict;
-                let of = |severity| ExcessRow { gyro: newest.gyro, coefficient, rule, severity, since };
+                let known = firing().find(is_its);
+                let in_order = found.in_order(newest.gyro).and_then(|fires| fires.get(&(coefficient, rule)));
+                let began = || in_order.map_or(newest.figures.at, |left| left.since);
+                let since = known.map_or_else(began, |row| row.alert.since);
+                let (gyro, inhibited_by) = (newest.gyro, known.and_then(|row| row.inhibited_by));
+                let of = |severity| ExcessRow { gyro, coefficient, rule, severity, since, inhibited_by };
                 exceed.extend(verdict.severity().map(of));
             }
         }
@@ -201,7 +227,8 @@ impl SharedShifts<'_> {
         let mut judged = self.of_stations(&lately, &stations);
         judged.extend(self.of_batches(&lately, None));
         let of_imus = self.of_imus(&newest, &imus, &judged, firing);
-        judged.extend(of_imus);
+        let begun = self.begun_before(&newest, &judged, firing).await?;
+        judged.extend(begun.into_iter().chain(of_imus));
         self.date(&mut judged, &newest, &[]).await?;
         Ok(judged)
     }
@@ -254,7 +281,7 @@ impl SharedShifts<'_> {
             let (at, gyros) = (its().map(|one| one.at).max().unwrap_or(self.now), its().map(|one| one.gyro).collect());
             let batch = if let Group::Batch(batch) = group { Some(batch.clone()) } else { None };
             let origin = Origin { station: of.station(), batch, ..Origin::at(at) };
-            found.push(SharedVerdict { of, verdict, origin, gyros });
+            found.push(SharedVerdict { of, verdict, origin, since: None, gyros });
         }
         found
     }
@@ -267,45 +294,140 @@ impl SharedShifts<'_> {
         of_groups: &[SharedVerdict],
         exceed: &[ExcessRow],
     ) -> Vec<SharedVerdict> {
-        let mut exceeding: HashMap<(u32, Coefficient), Vec<&ExcessRow>> = HashMap::new();
-        exceed.iter().for_each(|row| exceeding.entry((row.gyro, row.coefficient)).or_default().push(row));
+        let beside = Beside::of(of_groups, exceed);
         let mut gyros: BTreeMap<u32, Vec<&NewestCalibration>> = imus.iter().map(|imu| (*imu, Vec::new())).collect();
         newest.iter().for_each(|one| gyros.get_mut(&one.imu).into_iter().for_each(|gyros| gyros.push(one)));
-        let shifts = shifts(of_groups);
         let mut found = Vec::new();
         for (imu, gyros) in gyros {
-            let of = AlertOf::Imu(imu);
-            let limits = self.config.judging.limits(&self.name_of(imu), "");
-            let last = gyros.iter().max_by_key(|one| one.at);
-            let (at, station) = last.map_or((self.now, None), |one| (one.at, Some(one.station)));
             for (column, coefficient) in COEFFICIENTS.into_iter().enumerate() {
-                let Some(limit) = [&limits.d_i, &limits.d_s][column].of(Rule::ImuShift) else { continue };
-                let its = || gyros.iter().filter_map(|one| exceeding.get(&(one.gyro, coefficient))).flatten();
-                let told = self.alerts.shared().since(of, coefficient);
-                let since = told.unwrap_or(at);
-                // Who only drifts keeps its budget.
-                let exceeds = |one: &&ExcessRow| one.rule.limit_kind() == LimitKind::Specification;
-                let shared = |one: &NewestCalibration| {
-                    let is_its = |(of, gyros, _): &&Shift| *of == coefficient && gyros.contains(&one.gyro);
-                    shifts.iter().filter(is_its).map(|(.., shift)| *shift).collect()
-                };
-                let asked = ImuQuestion {
-                    limit,
-                    confidence: limits.confidence,
-                    shared: &shared,
-                    one_did_before: told.is_none() && its().copied().filter(exceeds).any(|one| one.since < at),
-                    confirmed: its().any(|one| one.since == since && one.severity == Severity::Critical),
-                };
-                let verdict = imu_shift(&gyros, column, &asked);
+                let shared = self.alerts.shared();
+                let told = shared.since(AlertOf::Imu(imu), coefficient);
+                let judged = self.of_imu((imu, column), &gyros, told, &beside);
                 // Nearly every IMU says nothing, and never has.
-                if verdict.severity().is_none() && !self.alerts.shared().knows(of, coefficient) {
-                    continue;
-                }
-                let origin = Origin { imu: Some(imu), station, ..Origin::at(at) };
-                found.push(SharedVerdict { of, verdict, origin, gyros: Vec::new() });
+                let says = |one: &SharedVerdict| one.verdict.severity().is_some() || shared.knows(one.of, coefficient);
+                found.extend(judged.filter(says));
             }
         }
         found
+    }
+
+    /// What the gyros of one IMU have done by these calibrations of theirs; `told`: since when, where that is known.
+    fn of_imu(
+        &self,
+        (imu, column): (u32, usize),
+        gyros: &[&NewestCalibration],
+        told: Option<UtcMicros>,
+        beside: &Beside<'_>,
+    ) -> Option<SharedVerdict> {
+        let coefficient = COEFFICIENTS[column];
+        let limits = self.config.judging.limits(&self.name_of(imu), "");
+        let limit = [&limits.d_i, &limits.d_s][column].of(Rule::ImuShift)?;
+        let last = gyros.iter().max_by_key(|one| one.at);
+        let (at, station) = last.map_or((self.now, None), |one| (one.at, Some(one.station)));
+        let its = || gyros.iter().filter_map(|one| beside.exceeding.get(&(one.gyro, coefficient))).flatten();
+        let since = told.unwrap_or(at);
+        let alert = self.shift_of((imu, column)).map(|row| row.id);
+        // What is explained may be dated otherwise since: by a late record.
+        let is_told_of =
+            |one: &&ExcessRow| one.since == since || one.inhibited_by.is_some() && one.inhibited_by == alert;
+        let shared = |one: &NewestCalibration| {
+            let is_its = |(of, gyros, _): &&Shift| *of == coefficient && gyros.contains(&one.gyro);
+            beside.shifts.iter().filter(is_its).map(|(.., shift)| *shift).collect()
+        };
+        let asked = ImuQuestion {
+            limit,
+            confidence: limits.confidence,
+            shared: &shared,
+            one_did_before: told.is_none() && its().copied().filter(exceeds).any(|one| one.since < at),
+            confirmed: its().any(|one| is_told_of(one) && one.severity == Severity::Critical),
+        };
+        let verdict = imu_shift(gyros, column, &asked);
+        let origin = Origin { imu: Some(imu), station, ..Origin::at(at) };
+        Some(SharedVerdict { of: AlertOf::Imu(imu), verdict, origin, since: None, gyros: Vec::new() })
+    }
+
+    /// IMUs that were calibrated again before anybody looked, by the calibration with which all that exceed their budgets
+    /// began to: where that shows that the IMU has shifted, and it is not back since, its alert begins with it. So does
+    /// one that fires, where a late record has told that what it explains began at another time.
+    async fn begun_before(
+        &self,
+        newest: &[NewestCalibration],
+        of_groups: &[SharedVerdict],
+        exceed: &[ExcessRow],
+    ) -> Result<Vec<SharedVerdict>, StoreError> {
+        let beside = Beside::of(of_groups, exceed);
+        // Of each gyro that exceeds its budget since when it does, by IMU.
+        let mut began: BTreeMap<(u32, usize), BTreeSet<UtcMicros>> = BTreeMap::new();
+        for one in newest {
+            for (column, coefficient) in COEFFICIENTS.into_iter().enumerate() {
+                let rows = beside.exceeding.get(&(one.gyro, coefficient)).into_iter().flatten().copied();
+                let since = rows.filter(exceeds).map(|row| row.since).min();
+                since.map(|since| began.entry((one.imu, column)).or_default().insert(since));
+            }
+        }
+        let at_once = |(of, all): ((u32, usize), BTreeSet<UtcMicros>)| {
+            let since = all.first().copied().filter(|_| all.len() == 1)?;
+            // Not one that was told of before, and is over.
+            let is_new = self.shift_of(of).is_none_or(|row| row.alert.since != since);
+            is_new.then_some((since, of))
+        };
+        let mut began: Vec<(UtcMicros, (u32, usize))> = began.into_iter().filter_map(at_once).collect();
+        let imus: BTreeSet<u32> = began.iter().map(|(_, (imu, _))| *imu).collect();
+        let mut gyros: HashMap<u32, Vec<&NewestCalibration>> = HashMap::new();
+        let its = newest.iter().filter(|one| imus.contains(&one.imu));
+        its.for_each(|one| gyros.entry(one.imu).or_default().push(one));
+        began.retain(|(since, of)| {
+            let its = &gyros[&of.0];
+            let told = self.shift_of(*of).filter(|row| row.alert.status == Status::Firing);
+            let explains = |row: &AlertRow| {
+                let rows = its.iter().filter_map(|one| beside.exceeding.get(&(one.gyro, row.coefficient))).flatten();
+                rows.into_iter().any(|excess| excess.inhibited_by == Some(row.id))
+            };
+            let is_back = |one: SharedVerdict| one.verdict.value.is_none() || one.verdict.state == State::Within;
+            let stays = || self.of_imu(*of, its, Some(*since), &beside).is_some_and(|one| !is_back(one));
+            told.is_none_or(explains) && its.iter().any(|one| one.at > *since) && stays()
+        });
+        began.sort_unstable_by_key(|(since, _)| std::cmp::Reverse(*since));
+        began.truncate(BEGUN_BEFORE);
+        let mut found = Vec::new();
+        for (since, of) in began {
+            let then = self.calibrated_at(since, of.0, &gyros[&of.0]).await?;
+            let judged = self.of_imu(of, &then.iter().collect::<Vec<_>>(), Some(since), &beside);
+            let judged = judged.filter(|one| one.verdict.severity().is_some());
+            found.extend(judged.map(|one| SharedVerdict { since: Some(since), ..one }));
+        }
+        Ok(found)
+    }
+
+    /// The alert that an IMU shifts, whether it fires or not.
+    fn shift_of(&self, (imu, column): (u32, usize)) -> Option<&AlertRow> {
+        self.alerts.shared().of_imu(imu, COEFFICIENTS[column])
+    }
+
+    /// How gyros of an IMU lay when that was calibrated at `at`, in the place of their newest calibrations.
+    async fn calibrated_at(
+        &self,
+        at: UtcMicros,
+        imu: u32,
+        gyros: &[&NewestCalibration],
+    ) -> Result<Vec<NewestCalibration>, StoreError> {
+        let then: Vec<_> = gyros.iter().map(|one| (one.gyro, Span { from: at, to: at })).collect();
+        let rows = store::histories::oldest(self.store, &then, 1).await?;
+        let mut calibrated = Vec::with_capacity(gyros.len());
+        for (one, figures) in gyros.iter().zip(rows.into_iter().map(|mut rows| rows.pop())) {
+            let Some(figures) = figures.filter(|figures| figures.imu == imu) else { continue };
+            let limits = {
+                let tables = self.store.names().read();
+                self.config.judging.limits(tables.imus.text(imu), tables.gyros.text(one.gyro))
+            };
+            let (need, method) = (Need::of(&limits), self.config.judging.method);
+            let line = GyroWindow::load(self.store, one.gyro, at, need, method).await?;
+            let load = Outlook::of(&line.judge_newest(&limits, Older::NONE)).load;
+            let budgets = limits.budgets();
+            let deviation = [0, 1].map(|column| times(load[column], budgets[column]));
+            calibrated.push(NewestCalibration { station: figures.station, at, deviation, ..(*one).clone() });
+        }
+        Ok(calibrated)
     }
 
     fn name_of(&self, imu: u32) -> String {

@@ -174,7 +174,11 @@ impl HookHandler<'_> {
             }
         }
         store::hook::hide(self.store, &mut changes.hooks)?;
-        Ok(self.writer.commit(&changes).await?)
+        self.writer.commit(&changes).await?;
+        for HookRow { id, name, .. } in &changes.hooks {
+            tracing::error!(hook = %id, name, "the target of a hook is gone (410): the hook is disabled and told nothing until somebody enables it, at /hooks or by PATCH /v1/hooks/ID");
+        }
+        Ok(())
     }
 
     async fn create(&mut self, new: &NewHook, changes: &mut Changes) -> Result<Id, OrderError> {
@@ -345,15 +349,18 @@ impl HookHandler<'_> {
             self.tell_anew(attempted.hook, &mut changes.outbox).await?;
         }
         let Some(url) = &attempted.gone else { return Ok(()) };
-        // Who has changed the address meanwhile has heard already.
-        if let Some(hook) = store::hook::get(self.store, attempted.hook).await?.filter(|hook| hook.url == *url) {
+        // Who has changed or disabled the hook meanwhile has heard already.
+        let is_news =
+            |hook: &HookRow| hook.url == *url && hook.enabled && changes.hooks.iter().all(|it| it.id != hook.id);
+        if let Some(hook) = store::hook::get(self.store, attempted.hook).await?.filter(is_news) {
             let because = to_stored(&message!("target_gone", at = time::format(attempted.at)));
-            changes.hooks.push(HookRow {
-                enabled: false,
-                disabled_because: Some(because),
-                changed_at: self.now,
-                ..hook
-            });
+            let (disabled_because, changed_at) = (Some(because), self.now);
+            let disabled = HookRow { enabled: false, disabled_because, changed_at, ..hook.clone() };
+            let (before, after) = (AuditedHook::from(&hook), AuditedHook::from(&disabled));
+            let what = ("disable hook", format!("hooks/{}", hook.id));
+            let line = self.writer.next_id(self.now);
+            changes.access.audit.push(Actor::by_caller().line(line, self.now, what, Some(&before), Some(&after)));
+            changes.hooks.push(disabled);
         }
         Ok(())
     }

@@ -108,6 +108,13 @@ pub async fn get(store: &Store, id: Id) -> Result<Option<HookRow>> {
     Ok(hook)
 }
 
+/// The hooks that the service itself has disabled, oldest first: which, its name, and why.
+pub async fn disabled(store: &Store) -> Result<Vec<(Id, String, String)>> {
+    let sql = "SELECT id, name, disabled_because FROM hook
+               WHERE deleted_at IS NULL AND enabled = 0 AND disabled_because IS NOT NULL ORDER BY id";
+    read!(store, all, sql)
+}
+
 /// What hooks have heard last of these alerts, where that is that they fire: hook, alert, severity.
 pub async fn heard_of(store: &Store, alerts: &[Id]) -> Result<Vec<(Id, Id, String)>> {
     let those = store.readers.list("$1");

@@ -28,6 +28,7 @@ pub const ATTEMPTS: &str = "gyrowatch_delivery_attempts_total";
 pub const ATTEMPT_TIME: &str = "gyrowatch_delivery_attempt_duration_seconds";
 pub const OUTBOX_AGE: &str = "gyrowatch_outbox_age_seconds";
 pub const OUTBOX: &str = "gyrowatch_outbox_deliveries";
+pub const HOOKS_DISABLED: &str = "gyrowatch_hooks_disabled";
 pub const DIAGNOSES: &str = "gyrowatch_diagnoses_total";
 pub const DIAGNOSIS_TIME: &str = "gyrowatch_diagnosis_duration_seconds";
 pub const FORECAST_RMS: &str = "gyrowatch_forecast_rms_over_sd";
@@ -146,6 +147,7 @@ fn describe() {
     describe_histogram!(ATTEMPT_TIME, Unit::Seconds, "One attempt to tell a hook, by kind.");
     describe_gauge!(OUTBOX_AGE, Unit::Seconds, "Age of the oldest delivery that enabled hooks are still to be told.");
     describe_gauge!(OUTBOX, "Deliveries, by state: open, dead.");
+    describe_gauge!(HOOKS_DISABLED, "Hooks that the service has disabled: their targets are gone.");
     describe_counter!(
         DIAGNOSES,
         "Diagnoses that came to an end, by outcome: made, refused (the campaign leaves nothing to diagnose), failed."

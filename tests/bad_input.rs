@@ -9,7 +9,7 @@ use crate::{lab, spoken};
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use tokio::io::AsyncReadExt;
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
 /// Tables 3 and 4 of the paper.
 fn paper() -> Value {
@@ -182,6 +182,7 @@ fn records() -> Vec<Row> {
         at("offset +99:99", "/calibrated_at", json!("2026-03-01T08:00:00+99:99")),
         at("30 February", "/calibrated_at", json!("2026-02-30T08:00:00Z")),
         at("a leap second where there is none", "/calibrated_at", json!("2026-03-01T08:00:60Z")),
+        at("a leap second that was never inserted", "/calibrated_at", json!("2025-12-31T23:59:60Z")),
         at("the year 9999", "/calibrated_at", json!("9999-12-31T23:59:59Z")),
         at("the year mistyped", "/calibrated_at", json!("0206-03-01T08:00:00Z")),
         at("far future", "/calibrated_at", json!("2140-01-01T00:00:00Z")),
@@ -407,12 +408,48 @@ async fn a_body_of_the_wrong_kind_is_415() {
         ("/v1/records", ""),
         ("/v1/bench-results", "multipart/form-data; boundary=x"),
         ("/v1/import", "application/json"),
+        ("/v1/records", "application/json; charset=iso-8859-1"),
+        ("/v1/import", "application/x-ndjson; Charset=\"GBK\""),
     ] {
         let answer = server.post(route, kind, paper().to_string()).await;
         assert_eq!(problem(&answer).0, 415, "{route} {kind}: {answer:?}");
     }
-    let kind = "application/json; charset=utf-8";
-    assert_eq!(server.post("/v1/records", kind, paper().to_string()).await.status, 201);
+    for (kind, status) in [("application/json; charset=utf-8", 201), ("application/json;charset=\"UTF-8\"", 200)] {
+        assert_eq!(server.post("/v1/records", kind, paper().to_string()).await.status, status, "{kind}");
+    }
+}
+
+/// Python's http.client sends the head and the body by themselves, and goes on with the connection.
+#[tokio::test]
+async fn a_refusal_that_comes_before_the_body_leaves_the_connection_usable_or_says_that_it_closes() {
+    let server = Server::start().await;
+    let body = paper().to_string();
+    let head = |route: &str, kind: &str, bytes: usize| {
+        format!("POST {route} HTTP/1.1\r\nhost: localhost\r\ncontent-type: {kind}\r\ncontent-length: {bytes}\r\n\r\n")
+    };
+    for (route, kind, status) in [
+        ("/v1/records", "text/plain", "415"),
+        ("/v1/nowhere", "application/json", "404"),
+        ("/v1/records", "application/json", "201"),
+    ] {
+        let mut stream = server.open_and_send(&head(route, kind, body.len())).await;
+        tokio::time::sleep(Duration::from_millis(30)).await;
+        for (sent, expected) in [(&*body, status), ("GET /healthz HTTP/1.1\r\nhost: localhost\r\n\r\n", "200")] {
+            stream.write_all(sent.as_bytes()).await.unwrap();
+            let mut answer = Vec::new();
+            while !answer.ends_with(b"}") && stream.read_buf(&mut answer).await.unwrap_or(0) > 0 {}
+            let answer = String::from_utf8_lossy(&answer).to_lowercase();
+            assert!(answer.starts_with(&format!("http/1.1 {expected} ")), "{route} {kind}: {answer}");
+            assert!(!answer.contains("connection: close"), "{answer}");
+        }
+    }
+    for bytes in [1000, 1_000_000] {
+        let mut stream = server.open_and_send(&head("/v1/records", "text/plain", bytes)).await;
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).await.unwrap();
+        assert!(answer.starts_with("HTTP/1.1 415 "), "{bytes}: {answer}");
+        assert!(answer.to_lowercase().contains("connection: close"), "{bytes}: {answer}");
+    }
 }
 
 #[tokio::test]

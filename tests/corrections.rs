@@ -585,6 +585,29 @@ async fn two_of_one_instant_that_come_together_into_a_suspect_window_are_both_ke
     assert_eq!(statuses, [201, 201, 200, 200], "{answers:?}");
 }
 
+/// Nobody could tell which is right: the sender hears of it, and so does whoever trusts the window again.
+#[tokio::test]
+async fn of_two_of_one_instant_in_a_suspect_window_the_second_names_the_first_and_trust_what_it_leaves_aside() {
+    let lab = Lab::open().await;
+    station_posts(&lab, &[(0, 1.0), (40, 1.0)]).await;
+    lab.post("/v1/stations/ST-1/suspect", &of_window(50, 90)).await.ok();
+    let [first, second] = [lab.posts(&of_a(60, 1.5)).await, lab.posts(&of_a(60, 1.0)).await];
+    let beside = |stored: &Value| {
+        let notes = stored["notes"].as_array().unwrap();
+        notes.iter().find(|note| note["code"] == "same_time_set_aside").map(|note| note["records"].clone())
+    };
+    assert_eq!((beside(&first), beside(&second)), (None, Some(json!([first["id"]]))));
+    let read = lab.get(&format!("/v1/records/{}", id_of(&second))).await.ok();
+    assert_eq!((&read["state"], beside(&read)), (&json!("set_aside"), beside(&second)));
+    let trusted = lab.post("/v1/stations/ST-1/trust", &of_window(50, 90)).await.ok();
+    assert_eq!(trusted["records"], json!([first["id"]]));
+    assert_eq!(trusted["refused"][0]["record"], second["id"], "{trusted}");
+    // What is voided is beside nothing.
+    engineer_voids(&lab, &id_of(&first)).await;
+    engineer_voids(&lab, &id_of(&second)).await;
+    assert_eq!(beside(&lab.posts(&of_a(60, 1.1)).await), None);
+}
+
 #[tokio::test]
 async fn what_comes_later_into_a_suspect_window_does_not_count_either() {
     let lab = Lab::open().await;

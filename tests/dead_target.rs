@@ -186,3 +186,35 @@ async fn a_target_that_is_down_for_longer_leaves_a_dead_letter_that_can_be_sent_
     assert_eq!(Scene::alerts_told(&scene.sound).len(), 1, "the other target was told once");
     assert!(scene.deliveries(&scene.troubled_hook, "state=dead").await.is_empty());
 }
+
+/// A hook hears the end of what it heard fire, even where that message was given up.
+#[tokio::test]
+async fn a_target_that_is_back_is_told_the_end_that_it_missed_once() {
+    let lab = Lab::with(|config| config.hooks.retry_waits_s = vec![0.05]).await;
+    let (target, up) = Receiver::switched(true, StatusCode::BAD_GATEWAY).await;
+    let hook = lab.tells(&target, json!({"filter": {"rules": ["step"]}})).await;
+    lab.posts_history("IMU-A", "A", &[(0, 1.0), (40, 1.03)]).await;
+    lab.all_told(&hook).await;
+    assert_eq!(types(&target.told()), ["alert.fired"]);
+
+    up.store(false, Ordering::SeqCst);
+    lab.posts_history("IMU-A", "A", &[(80, 1.03), (120, 1.03)]).await;
+    let dead = async || {
+        lab.clock.set(UtcMicros(lab.clock.now().0 + 100_000));
+        lab.get(&format!("/v1/hooks/{hook}/deliveries?state=dead")).await.ok()["deliveries"].clone()
+    };
+    let given_up = once(dead, |dead| dead.as_array().unwrap().len() == 2).await;
+    assert_eq!(given_up[0]["event"], "alert.resolved", "{given_up}");
+
+    up.store(true, Ordering::SeqCst);
+    let failed = target.told().len();
+    lab.posts_history("IMU-B", "B", &[(0, 1.0), (40, 1.03)]).await;
+    let told = target.has_been_told(failed + 2).await;
+    assert_eq!(types(&told[failed..]), ["alert.fired", "alert.resolved"]);
+    let of = |place: usize| told[place].json()["data"]["serial"].clone();
+    assert_eq!([of(failed), of(failed + 1)], ["B", "A"]);
+    lab.all_told(&hook).await;
+    lab.posts_history("IMU-C", "C", &[(0, 1.0), (40, 1.03)]).await;
+    lab.all_told(&hook).await;
+    assert_eq!(types(&target.told()[failed..]), ["alert.fired", "alert.resolved", "alert.fired"], "and no more");
+}

@@ -106,6 +106,32 @@ async fn a_full_disk_is_answered_507_while_reading_goes_on_and_there_is_room_aga
     assert!(lost == 0 && slowest < Duration::from_secs(5));
 }
 
+/// A balancer that asks sends no more there, so that no write could tell that there is room again.
+#[tokio::test]
+async fn a_service_whose_disk_is_full_is_not_ready_until_there_is_room_written_to_or_not() {
+    if !small_disks_work() {
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let inside = dir.path().to_owned();
+    let under = [on_a_small_disk("size=16m"), vec![inside.to_str().unwrap().to_owned()]].concat();
+    let under: Vec<&str> = under.iter().map(String::as_str).collect();
+    let server = Server::start_under(&under, dir, &[]);
+    let filler = PathBuf::from(format!("/proc/{}/root{}/filler", server.pid(), inside.display()));
+    fill(&filler);
+    let (refused, stored) = until_refused(&server).await;
+    assert_eq!(refused.status, 507, "{}", refused.text());
+    for _ in 0..3 {
+        let ready = server.get("/readyz").await;
+        assert_eq!((ready.status, &ready.json()["code"]), (503, &json!("not_writing")), "{}", ready.text());
+        assert_eq!(post(&server, stored).await.status, 507);
+    }
+    assert_eq!(server.get("/healthz").await.status, 200);
+    std::fs::remove_file(&filler).unwrap();
+    assert_eq!(server.get("/readyz").await.status, 200, "nobody has written");
+    assert_eq!(post(&server, stored).await.status, 201);
+}
+
 #[tokio::test]
 async fn a_log_that_cannot_be_written_ends_nothing() {
     gyrowatch::system::install_crypto();

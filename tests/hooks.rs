@@ -399,8 +399,26 @@ async fn a_target_that_is_gone_disables_its_hook_until_somebody_enables_it() {
         assert_eq!(refused.status, 409, "{path}");
         assert!(refused.text().contains("disabled"), "{}", refused.text());
     }
+    // Whoever looks at the service sees it, wherever that is.
+    let gauge = async |value: u32| {
+        let text = server.get("/metrics").await.text();
+        assert!(text.contains(&format!("\ngyrowatch_hooks_disabled {value}\n")), "{text}");
+    };
+    gauge(1).await;
+    let page = server.get("/").await.text();
+    assert!(page.contains("It is told nothing until somebody enables it."), "{page}");
+    let trail = server.get("/v1/audit").await.json();
+    let line = trail["lines"].as_array().unwrap().iter().find(|line| line["action"] == "disable hook");
+    let line = line.unwrap_or_else(|| panic!("{trail}"));
+    assert_eq!(
+        (&line["who"], &line["before"]["enabled"], &line["after"]["enabled"]),
+        (&json!("service"), &json!(true), &json!(false))
+    );
+    assert!(server.log().contains("the target of a hook is gone (410)"), "{}", server.log());
     let enabled = server.changes(&hook, json!({ "enabled": true })).await.json();
     assert_eq!((&enabled["enabled"], &enabled["disabled_because"]), (&json!(true), &Value::Null));
+    gauge(0).await;
+    assert!(!server.get("/").await.text().contains("It is told nothing until"));
     let delivery = server.tests(&hook).await;
     server.sees(&delivery, &["delivered"]).await;
     assert_eq!(target.told().len(), 2);

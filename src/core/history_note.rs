@@ -15,6 +15,8 @@ pub enum HistoryNote {
     OthersSetAside { records: Vec<NamedRecord> },
     /// Somebody suspects what its station measured at that time: it is set aside until somebody confirms it.
     Suspect { station: String, author: String, reason: String },
+    /// Others of its IMU and time are set aside with other content: one of them all can count.
+    SameTimeSetAside { records: Vec<String> },
     /// Ahead of the service's clock, hours.
     AheadOfNow { hours: f64 },
     /// Far before its gyros' newest record, and with this year just after it.
@@ -88,6 +90,7 @@ impl HistoryNote {
             Self::TimeInDoubt(_) => "time_in_doubt",
             Self::OthersSetAside { .. } => "others_set_aside",
             Self::Suspect { .. } => "suspect",
+            Self::SameTimeSetAside { .. } => "same_time_set_aside",
             Self::AheadOfNow { .. } => "ahead_of_now",
             Self::YearInDoubt { .. } => "year_in_doubt",
             Self::NewSerial { .. } => "new_serial",

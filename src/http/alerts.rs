@@ -116,7 +116,7 @@ struct StepBody {
     /// `fire`, `escalate`, `lower`, `repeat`, `resolve`, `digest` (told at the end of an import); or what somebody did:
     /// `acknowledge`, `unacknowledge`, `silence`.
     action: String,
-    /// Whether hooks were told.
+    /// Whether it is told to the hooks that are enabled, if there are any.
     told: bool,
     #[schema(required)]
     by: Option<String>,

@@ -64,7 +64,8 @@ pub fn outcome(accepted: &Accepted) -> (StatusCode, Id) {
     }
 }
 
-/// Which of `accepted` a body is sent as; one that is none of them, or of another coding than gzip, is refused.
+/// Which of `accepted` a body is sent as; one that is none of them, or of another coding than
+/// gzip, is refused, and so is JSON in another charset than UTF-8.
 pub fn check_media_type(headers: &HeaderMap, accepted: &[&'static str]) -> Answer<&'static str> {
     let text = |name: HeaderName| headers.get(name).map(|value| value.to_str().unwrap_or("?").trim().to_owned());
     let media_type = text(CONTENT_TYPE);
@@ -76,10 +77,22 @@ pub fn check_media_type(headers: &HeaderMap, accepted: &[&'static str]) -> Answe
             None => message!("content_type_missing", wanted),
         }));
     };
+    if let Some(charset) = media_type.as_deref().filter(|_| sent.contains("json")).and_then(other_charset) {
+        return Err(unsupported(message!("content_type_charset", charset)));
+    }
     match text(CONTENT_ENCODING).filter(|encoding| !encoding.eq_ignore_ascii_case("identity")) {
         None => Ok(sent),
         Some(encoding) => Err(unsupported(message!("content_encoding", encoding))),
     }
+}
+
+/// The charset that a media type names, where that is another than JSON's.
+fn other_charset(media_type: &str) -> Option<String> {
+    let named = media_type.split(';').skip(1).filter_map(|parameter| parameter.split_once('='));
+    let charsets = named.filter(|(name, _)| name.trim().eq_ignore_ascii_case("charset"));
+    let is_utf8 = |charset: &&str| ["utf-8", "utf8", "us-ascii"].iter().any(|same| charset.eq_ignore_ascii_case(same));
+    let mut charsets = charsets.map(|(_, charset)| charset.trim().trim_matches('"'));
+    charsets.find(|charset| !is_utf8(charset)).map(str::to_owned)
 }
 
 fn unsupported(message: Message) -> Problem {

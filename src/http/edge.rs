@@ -6,6 +6,7 @@
 
 mod forwarded;
 mod trace;
+mod unread;
 
 use std::net::SocketAddr;
 use std::time::Instant;
@@ -25,6 +26,7 @@ use crate::config::Server;
 use crate::http::prelude::*;
 use forwarded::Way;
 use trace::{REQUEST_ID, TRACEPARENT, Trace};
+use unread::Unread;
 
 /// Browsers that came over TLS come over nothing else for a year.
 const ONLY_TLS: &str = "max-age=31536000";
@@ -67,8 +69,10 @@ impl Edge {
         let told = tracing::enabled!(tracing::Level::DEBUG);
         let asked = told.then(|| (request.method().clone(), request.uri().path().to_owned()));
         let begun = Instant::now();
+        let (request, unread) = Unread::of(request);
         let served = router.oneshot(request).instrument(span.clone()).await;
         let mut response = served.unwrap_or_else(|never| match never {});
+        unread.settle(response.headers_mut()).await;
         if let Some((method, path)) = asked {
             let (status, took_ms) = (response.status().as_u16(), begun.elapsed().as_secs_f64() * 1e3);
             span.in_scope(|| tracing::debug!(%method, path, status, took_ms, client = %way.client, "answered"));

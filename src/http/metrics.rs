@@ -25,6 +25,7 @@ pub async fn get_metrics(app: App) -> Answer<Response> {
     gauge!(telemetry::OUTBOX_AGE).set(age);
     gauge!(telemetry::OUTBOX, "state" => "open").set(outbox.open as f64);
     gauge!(telemetry::OUTBOX, "state" => "dead").set(outbox.dead as f64);
+    gauge!(telemetry::HOOKS_DISABLED).set(app.pipeline.hooks.disabled().await?.len() as f64);
     let (stored, ordered) = app.pipeline.diagnoses.waiting().await?;
     gauge!(telemetry::DIAGNOSES_WAITING, "for" => "stored").set(stored as f64);
     gauge!(telemetry::DIAGNOSES_WAITING, "for" => "ordered").set(ordered as f64);

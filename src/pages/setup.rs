@@ -11,7 +11,7 @@ use crate::core::mounting::Slot;
 const LINES: u32 = 50;
 
 /// What the audit trail calls what was done, and the code of its words.
-const ACTIONS: [(&str, &str); 30] = [
+const ACTIONS: [(&str, &str); 31] = [
     ("store", "audit_store"),
     ("revise", "audit_revise"),
     ("void", "audit_void"),
@@ -31,6 +31,7 @@ const ACTIONS: [(&str, &str); 30] = [
     ("end silence", "audit_end_silence"),
     ("create hook", "audit_create_hook"),
     ("change hook", "audit_change_hook"),
+    ("disable hook", "audit_disable_hook"),
     ("delete hook", "audit_delete_hook"),
     ("test hook", "audit_test_hook"),
     ("redeliver", "audit_redeliver"),

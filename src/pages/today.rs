@@ -65,6 +65,7 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &TodayQuery) -> Result<Pag
     let queries = &pages.pipeline.queries;
     let today = today(&queries.fleet, since).await?;
     let fleet = queries.fleet.page(&FleetFilter::default(), 0, LINES).await?;
+    let hooks = pages.pipeline.hooks.disabled().await?;
     let shown = fleet.gyros.iter().chain(&today.worse.first);
     let known = known_of(pages, viewer, shown, since).await?;
     let stations = queries.fleet.station_figures_within(PATIENCE).await?;
@@ -96,6 +97,7 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &TodayQuery) -> Result<Pag
         h1 { (t.today_title) }
         (done_to_alerts(viewer, &asked.deed, &asked.done, "/"))
         (Filters::default().tiles(t, &fleet))
+        (disabled(viewer, &hooks))
         (misspelt(t, &today.misspelt))
         div.blocks {
             (worse(viewer, &today.worse, since, &known, &names))
@@ -110,6 +112,21 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &TodayQuery) -> Result<Pag
         }
     };
     Ok(Page { title: t.today_title.into(), section: Section::Today, body })
+}
+
+/// Hooks that the service has disabled: what fires is not told there.
+fn disabled(viewer: &Viewer, hooks: &[(Id, String, Message)]) -> Markup {
+    let t = viewer.text();
+    html! {
+        @for (id, name, why) in hooks {
+            p.note {
+                (badges::said(Some(Status::OutOfTolerance), t.disabled)) " " (t.hook) " "
+                @if viewer.may(Role::Engineer) { a translate="no" href={ "/hooks/" (id) } { (name) } }
+                @else { span translate="no" { (name) } }
+                (t.colon) " " (t.words(why)) (t.stop) " " (t.hook_told_nothing)
+            }
+        }
+    }
 }
 
 /// Gyros that may be known ones.

@@ -44,7 +44,7 @@ pub use crate::store::tables::event::EventRow;
 pub use crate::store::tables::gyro_attribute::GyroAttributeRow;
 pub use crate::store::tables::head::{HeadChanges, HeadRow, HeadsMade, NewestRow};
 pub use crate::store::tables::histories::Stretch;
-pub use crate::store::tables::hook::HookRow;
+pub use crate::store::tables::hook::{DeadLetters, HookRow};
 pub use crate::store::tables::hypothesis::HypothesisRow;
 pub use crate::store::tables::keys::KeyRow;
 pub use crate::store::tables::model::ModelRow;

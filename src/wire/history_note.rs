@@ -18,6 +18,7 @@ enum Coded {
     TimeInDoubt { set_aside: bool, epoch: Option<String>, nearest: Option<String> },
     OthersSetAside { records: Vec<NamedBody> },
     Suspect { station: String, author: String, reason: String },
+    SameTimeSetAside { records: Vec<String> },
     AheadOfNow { hours: f64 },
     YearInDoubt { year: i64 },
     NewSerial { slot: Slot, serial: String, had: String, nearest: Option<String> },
@@ -80,6 +81,7 @@ impl From<HistoryNote> for Coded {
                 Self::OthersSetAside { records: records.into_iter().map(named).collect() }
             }
             HistoryNote::Suspect { station, author, reason } => Self::Suspect { station, author, reason },
+            HistoryNote::SameTimeSetAside { records } => Self::SameTimeSetAside { records },
             HistoryNote::AheadOfNow { hours } => Self::AheadOfNow { hours },
             HistoryNote::YearInDoubt { year } => Self::YearInDoubt { year },
             HistoryNote::NewSerial { slot, serial, had, nearest } => Self::NewSerial { slot, serial, had, nearest },
@@ -192,6 +194,7 @@ impl Coded {
                 message!("others_set_aside", records = list(records.into_iter().map(one)))
             }
             Self::Suspect { station, author, reason } => message!("suspect", station, author, reason),
+            Self::SameTimeSetAside { records } => message!("same_time_set_aside", records = list(records)),
             Self::AheadOfNow { hours } => message!("ahead_of_now", hours = figure(hours, 1)),
             Self::YearInDoubt { year } => message!("year_in_doubt", year = format_args!("{year}")),
             Self::NewSerial { slot, serial, had, nearest } => {
@@ -273,6 +276,7 @@ mod tests {
             unit(Quantity::G, 0.625),
             HistoryNote::UncertaintyFactor { serials: vec!["A".to_owned()], factor: 1000.2 },
             HistoryNote::UncertaintyFactor { serials: vec!["A".to_owned()], factor: 1.0 / 3600.0 },
+            HistoryNote::SameTimeSetAside { records: vec!["r1".to_owned(), "r2".to_owned()] },
         ];
         kinds.into_iter().map(Note::History).collect()
     }
@@ -317,6 +321,7 @@ mod tests {
             (19, "G of A is 1/1.6 times what it was before: is it in deg/(h g0)?"),
             (20, "the stated standard deviations of A are 1000 times those before"),
             (21, "the stated standard deviations of A are 1/3600 times those before"),
+            (22, "only one of them can count: r1, r2"),
         ] {
             assert!(said[place].contains(words), "{}", said[place]);
         }

@@ -4,9 +4,10 @@ use crate::wire::prelude::*;
 use std::fmt::{self, Display, Formatter};
 
 use jiff::Timestamp;
+use jiff::civil::DateTime;
 
 /// Reads an RFC 3339 time (section 5.6): date, `T`, time with seconds, `Z` or `+hh:mm`. Digits beyond
-/// microseconds are cut off. A leap second (`:60`) is read as the second after it, as POSIX time counts.
+/// microseconds are cut off. A leap second (`:60`) that there was is read as the second after it, as POSIX time counts.
 pub fn parse(text: &str) -> Result<UtcMicros, Message> {
     let shape = StampShape::of(text).ok_or(message!("not_rfc3339"))?;
     if !shape.has_offset {
@@ -15,7 +16,10 @@ pub fn parse(text: &str) -> Result<UtcMicros, Message> {
     if shape.offset_hours > 23 || shape.offset_minutes > 59 {
         return Err(message!("utc_offset_range"));
     }
-    let instant: Timestamp = text.parse().map_err(|_| message!("not_in_calendar"))?;
+    let instant: Timestamp = text.parse().map_err(|_| match text[..19].parse::<DateTime>() {
+        Ok(_) => message!("after_last_time", last = format(UtcMicros(i64::MAX))),
+        Err(_) => message!("not_in_calendar"),
+    })?;
     let instant = if shape.leap_second { after_leap_second(instant)? } else { UtcMicros(instant.as_microsecond()) };
     // It is written in UTC, and RFC 3339 has no year before 0.
     if instant.date().year < 0 {
@@ -59,13 +63,22 @@ impl Display for Stamp {
     }
 }
 
-/// Leap seconds are inserted at the end of a UTC month; elsewhere `:60` is an error of the sender.
+/// The leap seconds that there were (IERS Bulletin C): at the ends of these Junes and Decembers. None has been announced
+/// since; a further one comes with a later version.
+const JUNES: [i16; 11] = [1972, 1981, 1982, 1983, 1985, 1992, 1993, 1994, 1997, 2012, 2015];
+const DECEMBERS: [i16; 16] =
+    [1972, 1973, 1974, 1975, 1976, 1977, 1978, 1979, 1987, 1989, 1990, 1995, 1998, 2005, 2008, 2016];
+
+/// Elsewhere `:60` is an error of the sender.
 fn after_leap_second(read_as_59: Timestamp) -> Result<UtcMicros, Message> {
-    let next = UtcMicros(read_as_59.as_second().saturating_add(1).saturating_mul(UtcMicros::SECOND));
-    let starts_month = Timestamp::from_microsecond(next.0)
-        .map(|t| t.to_zoned(jiff::tz::TimeZone::UTC))
-        .is_ok_and(|t| t.day() == 1 && t.hour() == 0 && t.minute() == 0);
-    if starts_month { Ok(next) } else { Err(message!("no_leap_second")) }
+    let second = read_as_59.to_zoned(jiff::tz::TimeZone::UTC);
+    let is_leap = match (second.month(), second.day(), second.hour(), second.minute()) {
+        (6, 30, 23, 59) => JUNES.contains(&second.year()),
+        (12, 31, 23, 59) => DECEMBERS.contains(&second.year()),
+        _ => false,
+    };
+    let next = UtcMicros((read_as_59.as_second() + 1) * UtcMicros::SECOND);
+    if is_leap { Ok(next) } else { Err(message!("no_leap_second")) }
 }
 
 /// What the digits do not show: whether there is an offset, whether the second is the 60th.
@@ -143,6 +156,9 @@ mod tests {
             ("2026-02-30T08:00:00Z", "not_in_calendar"),
             ("2026-03-01T24:00:00Z", "not_in_calendar"),
             ("2026-03-01T08:00:60Z", "no_leap_second"),
+            ("2026-06-30T23:59:60Z", "no_leap_second"),
+            ("2016-06-30T23:59:60Z", "no_leap_second"),
+            ("9999-12-31T23:59:59Z", "after_last_time"),
             ("2026-03-01T08:00:00[UTC]", "not_rfc3339"),
             ("0000-01-01T08:00:00+08:01", "before_year_0"),
         ] {
@@ -171,5 +187,6 @@ mod tests {
     fn a_real_leap_second_counts_as_the_second_after_it() {
         assert_eq!(written("2016-12-31T23:59:60Z"), "2017-01-01T00:00:00Z");
         assert_eq!(written("2017-01-01T07:59:60+08:00"), "2017-01-01T00:00:00Z");
+        assert_eq!(written("2015-06-30T23:59:60.5Z"), "2015-07-01T00:00:00Z");
     }
 }

@@ -130,7 +130,7 @@ words_of_pages! {
     too_many_tokens
 
     // Today, and the fleet on one scale.
-    today_title counted_apart worse_since since_day show_word still_out nothing_else_out nothing_worse will_cross nothing_crosses calibrate_by calibrate_now reached_by_course dates_of_others reach_note
+    today_title counted_apart hook_told_nothing worse_since since_day show_word still_out nothing_else_out nothing_worse will_cross nothing_crosses calibrate_by calibrate_now reached_by_course dates_of_others reach_note
     never overdue_and_due nothing_due none_selected due_word due_more in_days days_word several_at_once
     nothing_together several_note stations_not_compared outside_forecast_title outside_note forecast forecasts forecasts_note
     forecast_error forecast_ladder model_6 as_foretold forecast_indeterminate outside_forecast not_foretold

@@ -11,7 +11,7 @@ use crate::core::judge::Severity;
 use crate::pipeline::alerts::News;
 use crate::pipeline::hooks::registry::{OutboxContext, Subscription, introduce};
 use crate::pipeline::prelude::*;
-use crate::store::{AttemptRow, DeliverySubject, HookRow, NewDelivery, OutboxChanges, Progress, Writer};
+use crate::store::{AttemptRow, DeadLetters, DeliverySubject, HookRow, NewDelivery, OutboxChanges, Progress, Writer};
 use crate::wire::json;
 use crate::wire::message::to_stored;
 use crate::wire::time;
@@ -91,7 +91,7 @@ pub struct Attempted {
     pub gone: Option<String>,
     /// The target is back: what waits is due now.
     pub hasten: bool,
-    /// The target takes messages: it is told anew what fires and it never took.
+    /// The target takes messages: it is told anew of the alerts whose beginning or end it never took.
     pub tell_anew: bool,
     /// It was written down already, but whether that came about is not known.
     pub perhaps_written: bool,
@@ -174,7 +174,11 @@ impl HookHandler<'_> {
             }
         }
         store::hook::hide(self.store, &mut changes.hooks)?;
-        Ok(self.writer.commit(&changes).await?)
+        self.writer.commit(&changes).await?;
+        for HookRow { id, name, .. } in &changes.hooks {
+            tracing::error!(hook = %id, name, "the target of a hook is gone (410): the hook is disabled and told nothing until somebody enables it, at /hooks or by PATCH /v1/hooks/ID");
+        }
+        Ok(())
     }
 
     async fn create(&mut self, new: &NewHook, changes: &mut Changes) -> Result<Id, OrderError> {
@@ -223,24 +227,33 @@ impl HookHandler<'_> {
     async fn take_up(&mut self, row: &HookRow, outbox: &mut OutboxChanges) -> Result<(), StoreError> {
         outbox.dropped.push((row.id, self.now));
         outbox.forgotten.push(row.id);
-        let taken = store::hook::delivered_firing(self.store, row.id).await?;
-        let ended = |id: &Id| self.alerts.iter().any(|one| one.id == *id && one.alert.status == Status::Resolved);
         // Of what fires it is told again, whatever it has heard.
-        let heard = taken.into_iter().filter(ended).map(|id| (id, Severity::Warning)).collect();
+        let heard = self.heard_firing(store::hook::delivered_firing(self.store, row.id).await?);
         self.introduce(row, &heard, outbox)
     }
 
-    /// Of what fires and was never taken the hook is told again, where nothing that waits does so.
+    /// Of what fires and was never taken the hook is told again, and of the end of what it took to fire, where nothing
+    /// that waits does so.
     async fn tell_anew(&mut self, hook: Id, outbox: &mut OutboxChanges) -> Result<(), StoreError> {
         let Some(row) = store::hook::get(self.store, hook).await?.filter(|row| row.enabled) else { return Ok(()) };
-        let never_taken = store::hook::never_taken(self.store, hook).await?;
-        self.tell_of(&row, |alert| never_taken.contains(&alert), outbox).await
+        let DeadLetters { fires, ends } = store::hook::dead_letters(self.store, hook).await?;
+        let heard = self.heard_firing(ends);
+        self.tell_of(&row, &heard, |alert| fires.contains(&alert) || heard.contains_key(&alert), outbox).await
     }
 
-    /// The hook is told of those alerts that fire, whatever it has heard, where nothing that waits does so.
+    /// Those of these alerts that have ended, as a hook has heard of them that took no more than that they fire.
+    fn heard_firing(&self, alerts: impl IntoIterator<Item = Id>) -> HashMap<Id, Severity> {
+        let is_over = |one: &&News| one.alert.status == Status::Resolved;
+        let over: HashSet<Id> = self.alerts.iter().filter(is_over).map(|one| one.id).collect();
+        alerts.into_iter().filter(|id| over.contains(id)).map(|id| (id, Severity::Warning)).collect()
+    }
+
+    /// The hook, which has `heard` so of alerts that have ended, is told of those alerts that fire, whatever it has
+    /// heard, and of those ends, where nothing that waits does so.
     async fn tell_of(
         &mut self,
         row: &HookRow,
+        heard: &HashMap<Id, Severity>,
         is_told: impl Fn(Id) -> bool,
         outbox: &mut OutboxChanges,
     ) -> Result<(), StoreError> {
@@ -249,7 +262,7 @@ impl HookHandler<'_> {
         let queued: HashSet<Id> = queued.map(|part| part.alert).chain(waiting).collect();
         let told = self.alerts.iter().filter(|one| is_told(one.id) && !queued.contains(&one.id));
         let mut context = OutboxContext { now: self.now, ids: self.writer.ids(), outbox };
-        introduce(&Subscription::of(row)?, &HashMap::new(), told, &mut context)
+        introduce(&Subscription::of(row)?, heard, told, &mut context)
     }
 
     async fn change(&mut self, id: Id, patch: &HookPatch, changes: &mut Changes) -> Result<Id, OrderError> {
@@ -290,7 +303,7 @@ impl HookHandler<'_> {
                 changes.outbox.hastened.push((id, self.now));
                 if is_elsewhere {
                     // Nobody there has heard anything.
-                    self.tell_of(&hook, |_| true, &mut changes.outbox).await?;
+                    self.tell_of(&hook, &HashMap::new(), |_| true, &mut changes.outbox).await?;
                 } else if patch.filter.is_some() {
                     let heard = std::mem::take(&mut self.heard);
                     self.introduce(&hook, &heard, &mut changes.outbox)?;
@@ -345,15 +358,18 @@ impl HookHandler<'_> {
             self.tell_anew(attempted.hook, &mut changes.outbox).await?;
         }
         let Some(url) = &attempted.gone else { return Ok(()) };
-        // Who has changed the address meanwhile has heard already.
-        if let Some(hook) = store::hook::get(self.store, attempted.hook).await?.filter(|hook| hook.url == *url) {
+        // Who has changed or disabled the hook meanwhile has heard already.
+        let is_news =
+            |hook: &HookRow| hook.url == *url && hook.enabled && changes.hooks.iter().all(|it| it.id != hook.id);
+        if let Some(hook) = store::hook::get(self.store, attempted.hook).await?.filter(is_news) {
             let because = to_stored(&message!("target_gone", at = time::format(attempted.at)));
-            changes.hooks.push(HookRow {
-                enabled: false,
-                disabled_because: Some(because),
-                changed_at: self.now,
-                ..hook
-            });
+            let (disabled_because, changed_at) = (Some(because), self.now);
+            let disabled = HookRow { enabled: false, disabled_because, changed_at, ..hook.clone() };
+            let (before, after) = (AuditedHook::from(&hook), AuditedHook::from(&disabled));
+            let what = ("disable hook", format!("hooks/{}", hook.id));
+            let line = self.writer.next_id(self.now);
+            changes.access.audit.push(Actor::by_caller().line(line, self.now, what, Some(&before), Some(&after)));
+            changes.hooks.push(disabled);
         }
         Ok(())
     }

@@ -22,8 +22,10 @@ use super::write_queue::{Job, WriteQueue};
 use crate::alert::sign::Secret;
 use crate::core::delivery::{DeliveryState, QueueState};
 use crate::core::fault::Faults;
+use crate::core::message::Message;
 use crate::pipeline::prelude::*;
 use crate::wire::hook::{DeliveryBody, HookBody, HookPatchBody, NewHookBody};
+use crate::wire::message::from_stored;
 use delivery::pulse::Pulse;
 
 /// What is told to whom. Cheap to clone.
@@ -84,6 +86,12 @@ impl Hooks {
         let queue = store::delivery::queue_state(&self.store, id).await?;
         let body = show::hook(row, queue, self.clock.now())?;
         Ok(Some(HookBody { secret: drawn.map(Secret::reveal), ..body }))
+    }
+
+    /// The hooks that the service itself has disabled, oldest first: which, its name, and why.
+    pub async fn disabled(&self) -> Result<Vec<(Id, String, Message)>, StorageError> {
+        let disabled = store::hook::disabled(&self.store).await?.into_iter();
+        Ok(disabled.map(|(id, name, why)| (id, name, from_stored(&why))).collect())
     }
 
     /// Deliveries of a hook older than `before`, newest first, with all their attempts.

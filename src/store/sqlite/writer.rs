@@ -3,12 +3,15 @@
 //! Whoever calls waits for the disk. The connection is SQLite's own and not a driver's with a thread of its own:
 //! handing a group over to that thread and back would take as long as a commit's flush.
 
+use std::path::Path;
+
 use tokio::runtime::{Handle, RuntimeFlavor};
 
 use super::checkpoint::{self, Checkpoints};
 use super::checksum::Summing;
 use super::halt::Halt;
-use super::lock::Lock;
+use super::lock::{Lock, beside};
+use super::private;
 use crate::store::changes::batch_of;
 use crate::store::name_tables::Names;
 use crate::store::sqlite::write_behind::WriteBehind;
@@ -23,8 +26,8 @@ pub(crate) struct FileWriter {
     write_behind: WriteBehind,
     checkpoints: Checkpoints,
     halt: Halt,
-    /// The last write failed: whether writing works again, only writing can tell.
-    in_doubt: bool,
+    /// Pages, about, of a write that failed: whether writing works again, only as large a one can tell.
+    in_doubt: Option<u32>,
     _lock: Lock,
 }
 
@@ -37,14 +40,16 @@ impl FileWriter {
         halt: Halt,
         lock: Lock,
     ) -> Self {
-        Self { connection, names, write_behind, checkpoints, halt, in_doubt: false, _lock: lock }
+        Self { connection, names, write_behind, checkpoints, halt, in_doubt: None, _lock: lock }
     }
 
     /// See [`crate::store::Writer::commit`].
     pub fn commit(&mut self, changes: &Changes) -> Result<()> {
         self.halt.check()?;
         let finished = self.checkpoints.finish(&self.connection);
-        self.in_doubt |= finished.is_err();
+        if finished.is_err() {
+            self.in_doubt = self.in_doubt.or(Some(0));
+        }
         self.halt.heed(finished)?;
         let mut batch = batch_of(changes);
         let fold = {
@@ -63,7 +68,12 @@ impl FileWriter {
         };
         let pages = batch.pages();
         let committed = batch.commit(&self.connection);
-        self.in_doubt = matches!(&committed, Err(error) if !matches!(error, StoreError::Refused(_)));
+        match &committed {
+            Ok(()) => self.in_doubt = self.in_doubt.filter(|failed| pages < *failed),
+            // It says nothing of the disk.
+            Err(StoreError::Refused(_)) => {}
+            Err(_) => self.in_doubt = self.in_doubt.max(Some(pages)),
+        }
         self.halt.heed(committed)?;
         // First, so that whoever finds a row knows its names.
         self.names.learn(changes.new_names());
@@ -77,17 +87,21 @@ impl FileWriter {
     pub fn probe(&mut self) -> Result<()> {
         self.halt.check()?;
         self.halt.heed(self.checkpoints.begin(&self.connection))?;
-        // The number is of no use to anyone else; setting it writes the first page.
-        let sql = if self.in_doubt {
-            "BEGIN IMMEDIATE; PRAGMA user_version = 0; COMMIT"
-        } else {
-            "BEGIN IMMEDIATE; ROLLBACK"
+        let sql = match self.in_doubt {
+            Some(pages) => {
+                // What the failed write has left of the log would take one page of another.
+                let database = self.connection.path().filter(|path| !path.is_empty()).map(Path::new);
+                database.map_or(Ok(()), |path| private::make_sure_of_room(&beside(path, "-room"), pages))?;
+                // The number is of no use to anyone else; setting it writes the first page.
+                "BEGIN IMMEDIATE; PRAGMA user_version = 0; COMMIT"
+            }
+            None => "BEGIN IMMEDIATE; ROLLBACK",
         };
         if let Err(error) = self.connection.execute_batch(sql) {
             let _nothing_left = self.connection.execute_batch("ROLLBACK");
             return self.halt.heed(Err(error.into()));
         }
-        self.in_doubt = false;
+        self.in_doubt = None;
         Ok(())
     }
 

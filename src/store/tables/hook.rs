@@ -108,6 +108,13 @@ pub async fn get(store: &Store, id: Id) -> Result<Option<HookRow>> {
     Ok(hook)
 }
 
+/// The hooks that the service itself has disabled, oldest first: which, its name, and why.
+pub async fn disabled(store: &Store) -> Result<Vec<(Id, String, String)>> {
+    let sql = "SELECT id, name, disabled_because FROM hook
+               WHERE deleted_at IS NULL AND enabled = 0 AND disabled_because IS NOT NULL ORDER BY id";
+    read!(store, all, sql)
+}
+
 /// What hooks have heard last of these alerts, where that is that they fire: hook, alert, severity.
 pub async fn heard_of(store: &Store, alerts: &[Id]) -> Result<Vec<(Id, Id, String)>> {
     let those = store.readers.list("$1");
@@ -121,19 +128,34 @@ pub async fn heard_by(store: &Store, hook: Id) -> Result<Vec<(Id, String)>> {
     read!(store, all, sql, hook)
 }
 
-/// The alerts of which a hook was to be told that they fire and has taken nothing: that message is a dead letter.
-pub async fn never_taken(store: &Store, hook: Id) -> Result<HashSet<Id>> {
-    let sql = "SELECT coalesce(d.alert, p.alert)
+/// Alerts of which the message that a hook was to take is a dead letter.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub struct DeadLetters {
+    /// That they fire, and it has taken nothing else that says so.
+    pub fires: HashSet<Id>,
+    /// That they are resolved, and the last that it has taken is that they fire.
+    pub ends: HashSet<Id>,
+}
+
+pub async fn dead_letters(store: &Store, hook: Id) -> Result<DeadLetters> {
+    let sql = "SELECT coalesce(d.alert, p.alert), coalesce(p.action, d.action, s.action)
                FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step LEFT JOIN delivery_part AS p ON p.delivery = d.id
                WHERE d.hook = $1 AND d.state = 'dead' AND coalesce(d.alert, p.alert) IS NOT NULL
-                   AND coalesce(p.action, d.action, s.action) = 'fire'";
-    let mut dead: Vec<Id> = read!(store, all, sql, hook)?;
+                   AND coalesce(p.action, d.action, s.action) IN ('fire', 'resolve')";
+    let dead: Vec<(Id, String)> = read!(store, all, sql, hook)?;
     if dead.is_empty() {
-        return Ok(HashSet::new());
+        return Ok(DeadLetters::default());
     }
     let taken: HashSet<Id> = delivered_firing(store, hook).await?.into_iter().collect();
-    dead.retain(|alert| !taken.contains(alert));
-    Ok(dead.into_iter().collect())
+    let (mut fires, mut ends): (HashSet<Id>, HashSet<Id>) = (HashSet::new(), HashSet::new());
+    for (alert, action) in dead {
+        match (action.as_str(), taken.contains(&alert)) {
+            ("fire", false) => _ = fires.insert(alert),
+            ("resolve", true) => _ = ends.insert(alert),
+            _ => {}
+        }
+    }
+    Ok(DeadLetters { fires, ends })
 }
 
 /// The alerts that an open delivery of a hook tells of.

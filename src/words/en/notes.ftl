@@ -62,6 +62,7 @@ earlier_in_doubt = earlier records were set aside: their time is in doubt
 others_set_aside = earlier records are decades before this one and were set aside until their times are confirmed: { $records }
 record_of_day = { $record } ({ $day })
 suspect = what { $station } measured at that time is suspect ({ $author }: { $reason }): set aside until somebody confirms it
+same_time_set_aside = other content is set aside for the same IMU and time, and only one of them can count: { $records }
 ahead_of_now = the time is { $hours } hours ahead of the service's clock: is the station's clock right?
 year_in_doubt = it is long before the newest record of its gyros; in { $year } it would be the newest: is the year right?
 new_serial = { $serial } is new in { $slot }, which had { $had } before

@@ -153,6 +153,7 @@ belongs_to_campaigns = this is a campaign of raw dwells: send it to /v1/campaign
 belongs_to_bench_results = this is a bench result: send it to /v1/bench-results
 content_type_missing = Content-Type must be { $wanted }, but is missing
 content_type = Content-Type must be { $wanted }, is { $found }
+content_type_charset = JSON is UTF-8, not { $charset }: convert the body and leave the charset out of Content-Type
 content_encoding = Content-Encoding { $encoding } is not accepted; send the body as it is, or as gzip
 body_broke_off = the body broke off: it did not arrive whole, or is not the gzip that its header says
 idempotency_key_form = must be 1 to 255 visible ASCII characters

@@ -58,6 +58,7 @@ earlier_in_doubt = 更早的记录时间存疑，已暂不计入
 others_set_aside = 更早的记录比本记录早数十年，已暂不计入，待确认其时间：{ $records }
 record_of_day = { $record }（{ $day }）
 suspect = { $station }在该时段的测量存疑（{ $author }：{ $reason }）：暂不计入，待人工确认
+same_time_set_aside = 同一IMU、同一时间另有内容不同的记录暂不计入，其中只能计入一条：{ $records }
 ahead_of_now = 时间比服务时钟超前{ $hours }小时：测试站时钟是否正确？
 year_in_doubt = 时间远早于其陀螺的最新记录；若为{ $year }年则为最新：年份是否正确？
 new_serial = { $serial }首次出现于{ $slot }，该位置此前为{ $had }

@@ -153,6 +153,7 @@ belongs_to_campaigns = 这是原始标定试验：请发送到 /v1/campaigns
 belongs_to_bench_results = 这是单表测试结果：请发送到 /v1/bench-results
 content_type_missing = Content-Type应为{ $wanted }，实未给出
 content_type = Content-Type应为{ $wanted }，实为{ $found }
+content_type_charset = JSON采用UTF-8，而非{ $charset }；请转换编码，并从Content-Type中去掉charset
 content_encoding = 不接受Content-Encoding { $encoding }；请按原样或以gzip发送
 body_broke_off = 请求体没有完整到达，或者不是首部所说的gzip
 idempotency_key_form = 应为1至255个可见ASCII字符

@@ -17,7 +17,7 @@ use crate::pipeline::hooks::delivery::circuit::Circuit;
 use crate::pipeline::hooks::delivery::message::{self, Addressee, DeliveryContext, OFF_DUTY};
 use crate::pipeline::hooks::{Attempted, Found};
 use crate::pipeline::prelude::*;
-use crate::store::{DueDelivery, Duty, Progress};
+use crate::store::{DeadLetters, DueDelivery, Duty, Progress};
 use crate::telemetry;
 use crate::wire::alert::AlertBody;
 
@@ -56,8 +56,8 @@ pub(super) struct DeliveryQueue {
     /// What was due then has been fetched, but for what it takes to [look again](DeliveryQueue::look_again) for.
     looked_at: UtcMicros,
     resend_at: Instant,
-    /// Alerts whose beginning the target never took: the message is a dead letter.
-    never_taken: Arc<HashSet<Id>>,
+    /// What the target never took.
+    dead: Arc<DeadLetters>,
 }
 
 impl DeliveryQueue {
@@ -76,7 +76,7 @@ impl DeliveryQueue {
             look_again: true,
             looked_at: UtcMicros(i64::MIN),
             resend_at: Instant::now(),
-            never_taken: Arc::default(),
+            dead: Arc::default(),
         }
     }
 
@@ -191,7 +191,7 @@ impl DeliveryQueue {
         let limit = FETCH + self.held.len() as u32;
         let store = &self.context.hooks.store;
         let due = store::delivery::due_of_hook(store, self.hook, now, horizon, limit).await?;
-        self.never_taken = Arc::new(store::hook::never_taken(store, self.hook).await?);
+        self.dead = Arc::new(store::hook::dead_letters(store, self.hook).await?);
         self.look_again = due.len() == limit as usize;
         self.looked_at = now;
         self.ready.extend(due.into_iter().filter(|due| !self.held.contains(&due.id)));
@@ -200,9 +200,9 @@ impl DeliveryQueue {
 
     fn attempt(&mut self, to: &Arc<Addressee>, due: DueDelivery) {
         self.held.insert(due.id);
-        let (context, to, never_taken) = (Arc::clone(&self.context), Arc::clone(to), Arc::clone(&self.never_taken));
+        let (context, to, dead) = (Arc::clone(&self.context), Arc::clone(to), Arc::clone(&self.dead));
         self.under_way.push(Box::pin(async move {
-            let attempt = context.attempt(&to, &due, &never_taken).await;
+            let attempt = context.attempt(&to, &due, &dead.fires).await;
             QueueEvent::Attempted(to, Box::new(due), attempt)
         }));
     }
@@ -216,7 +216,8 @@ impl DeliveryQueue {
                 let at = self.context.hooks.clock.now();
                 let attempted = message::report(&to, &due, &attempt, at, &self.context.ladder);
                 // It takes messages, so that it can be told what it was not there for.
-                let tell_anew = attempt.outcome == DeliveryOutcome::Delivered && !self.never_taken.is_empty();
+                let is_taken = attempt.outcome == DeliveryOutcome::Delivered;
+                let tell_anew = is_taken && !(self.dead.fires.is_empty() && self.dead.ends.is_empty());
                 let attempted = Attempted { hasten, tell_anew, ..attempted };
                 count(to.kind, &attempted, &attempt);
                 let context = Arc::clone(&self.context);

@@ -93,7 +93,7 @@ impl Admission<'_> {
         if let Some((existing, _)) = self.lookup(group).counting_at(Some(old.imu), new.calibrated_at).await? {
             return Err(Refused::TimeTaken { existing, kind: new.kind });
         }
-        self.enter(new, group).await
+        self.enter(new, &[], group).await
     }
 
     /// The answer where the same was said before. A record that was voided can still be revised, so that what was

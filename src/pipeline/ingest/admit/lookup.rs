@@ -137,6 +137,19 @@ impl Lookup<'_> {
         Ok(None)
     }
 
+    /// The records of an IMU at an instant that are set aside.
+    pub async fn aside_at(&self, imu: Option<u32>, at: UtcMicros) -> Result<Vec<Id>, StoreError> {
+        let Some(imu) = imu else { return Ok(Vec::new()) };
+        let mut aside: Vec<Id> = self.group.aside.get(&(imu, at)).into_iter().flatten().map(|(id, _)| *id).collect();
+        for record in self.ahead.records_at(imu, at, self.store).await?.into_iter().filter(|record| record.voided) {
+            if store::set_aside::is_set_aside(self.store, record.id).await? {
+                aside.push(record.id);
+            }
+        }
+        aside.retain(|id| self.group.changes.corrections.iter().all(|row| row.item != *id));
+        Ok(aside)
+    }
+
     /// The window in which a station is suspect that an instant lies in.
     pub async fn suspect_window(&self, station: u32, at: UtcMicros) -> Result<Option<SuspectWindow>, StoreError> {
         let windows = in_force(&self.window_marks(station).await?);

@@ -12,6 +12,7 @@ use serde_json::{Value, json};
 use crate::core::bench::BenchItem;
 use crate::core::figures::{PublishedFigures, States};
 use crate::core::gyro_attributes::GyroAttributes;
+use crate::core::history_note::HistoryNote;
 use crate::core::note::Note;
 use crate::core::record::Name;
 use crate::core::separate::{Branch, Separation};
@@ -65,12 +66,18 @@ impl Admission<'_> {
         if let Some(id) = stands {
             return Ok(Accepted::There { id, same_bytes: false, counts: true });
         }
-        let (id, notes) = self.enter(sent, group).await?;
+        let aside = self.lookup(group).aside_at(imu, sent.calibrated_at).await?;
+        let (id, notes) = self.enter(sent, &aside, group).await?;
         Ok(Accepted::Stored { id, judged: [].into(), notes })
     }
 
-    /// Takes a calibration in at an instant at which its IMU has none.
-    async fn enter(&mut self, sent: &Calibration, group: &mut Group) -> Result<(Id, Arc<[Note]>), Refused> {
+    /// Takes a calibration in at an instant at which its IMU has none that counts, but perhaps some that are set `aside`.
+    async fn enter(
+        &mut self,
+        sent: &Calibration,
+        aside: &[Id],
+        group: &mut Group,
+    ) -> Result<(Id, Arc<[Note]>), Refused> {
         let at = sent.calibrated_at;
         for gyro in &sent.gyros {
             let known = self.lookup(group).number(NamesOf::Gyros, gyro.serial.as_str());
@@ -79,7 +86,11 @@ impl Admission<'_> {
                 return Err(Refused::GyroElsewhere { existing, index, serial });
             }
         }
-        let Checked { notes, set_aside } = Check::of(sent, self, group).await?;
+        let Checked { mut notes, set_aside } = Check::of(sent, self, group).await?;
+        if !aside.is_empty() {
+            let records = aside.iter().map(ToString::to_string).collect();
+            notes.push(Note::History(HistoryNote::SameTimeSetAside { records }));
+        }
         let id = self.ids.next(self.now);
         let home = store::names::cell_of_imu(self.store, sent.imu.as_str());
         let imu = self.take_number(NamesOf::Imus, sent.imu.as_str(), home, group);

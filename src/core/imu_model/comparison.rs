@@ -118,11 +118,11 @@ pub struct Rung {
 /// [`NoForecast`]; also where the model was fitted to the campaign.
 pub fn compare(model: &Identified, campaign: &Campaign) -> Result<ForecastComparison, NoForecast> {
     let programme = StackedDesign::of_another(model, campaign)?;
-    let knowledge = Knowledge::of(model, campaign, model.effects.len());
+    let knowledge = Knowledge::of(model, campaign, &programme, model.effects.len());
     let measured = programme.measured(campaign);
     let mut compared = compared(&programme, &knowledge, &measured);
     if !model.effects.is_empty() {
-        let plain = Knowledge::of(model, campaign, 0);
+        let plain = Knowledge::of(model, campaign, &programme, 0);
         compared.closing = Some(Weighed::of(&programme, &knowledge, &plain, &compared.forecast).seen(&measured));
     }
     Ok(compared)
@@ -137,7 +137,10 @@ pub fn promised(model: &Identified, campaign: &Campaign) -> Result<Option<Closin
         return Ok(None);
     }
     let programme = StackedDesign::of(model, campaign)?;
-    let (knowledge, plain) = (Knowledge::of(model, campaign, model.effects.len()), Knowledge::of(model, campaign, 0));
+    let (knowledge, plain) = (
+        Knowledge::of(model, campaign, &programme, model.effects.len()),
+        Knowledge::of(model, campaign, &programme, 0),
+    );
     let forecast = foretold(&programme, &knowledge);
     Ok(Some(Weighed::of(&programme, &knowledge, &plain, &forecast).promised()))
 }
@@ -150,7 +153,7 @@ pub fn ladder(model: &Identified, campaign: &Campaign) -> Result<Vec<Rung>, NoFo
     let programme = StackedDesign::of_another(model, campaign)?;
     let measured = programme.measured(campaign);
     let rung = |effects: usize| {
-        let compared = compared(&programme, &Knowledge::of(model, campaign, effects), &measured);
+        let compared = compared(&programme, &Knowledge::of(model, campaign, &programme, effects), &measured);
         Rung {
             effect: effects.checked_sub(1).map(|last| model.effects[last].effect),
             rms_deg_per_h: compared.rms_deg_per_h,

@@ -4,9 +4,9 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::columns::columns;
 use super::identified::{Identified, ModelGyro};
-use crate::core::calibrate::errors_as_weighed;
 use crate::core::calibrate::noise::t_variance;
-use crate::core::campaign::{Campaign, Temperatures, TestKind};
+use crate::core::calibrate::{errors_as_weighed, station};
+use crate::core::campaign::{Campaign, StationUncertainty, Temperatures, TestKind};
 use crate::core::effects::{Parameter, Refusal, Scope, Setting};
 use crate::core::message::{Message, figure, text};
 use crate::core::mounting::Slot;
@@ -72,7 +72,8 @@ pub(super) struct GyroOfBoth {
 pub(super) struct StackedDesign {
     pub gyros: Vec<GyroOfBoth>,
     pub dwells: usize,
-    /// pulse/s per unit of each coefficient.
+    /// pulse/s per unit of each coefficient, then of each rotation of the station in its standard uncertainty: drawn
+    /// anew in every campaign, the same in all dwells and gyros of one.
     pub columns: DMatrix<f64>,
     /// What held E make of the rates, pulse/s.
     pub held: DVector<f64>,
@@ -148,10 +149,12 @@ impl StackedDesign {
             // The scale is the mean of those of the campaigns.
             t_variance: t_variance(model.dof(Some(gyro.slot))),
         });
+        let stated =
+            if is_fitted_to(model, campaign) { StationUncertainty::default() } else { campaign.station_uncertainty };
         Ok(Self {
             gyros: asked.collect(),
             dwells: n,
-            columns: columns.matrix,
+            columns: beside(columns.matrix, &station_columns(&setting, &stated)),
             held,
             noise,
             steps,
@@ -172,6 +175,21 @@ impl StackedDesign {
         let all = self.gyros.iter().flat_map(|gyro| campaign.dwells.iter().map(|d| d.output_pulse_s[gyro.place]));
         DVector::from_iterator(self.held.len(), all) - &self.held
     }
+}
+
+/// What each rotation that a station states makes of the outputs, gyro by gyro, dwell by dwell: pulse/s per standard
+/// uncertainty.
+pub(super) fn station_columns(setting: &Setting, stated: &StationUncertainty) -> DMatrix<f64> {
+    let n = setting.dwells();
+    let rotations = station::rotations(setting, stated);
+    DMatrix::from_fn(setting.gyros.len() * n, rotations.len(), |i, c| rotations[c].columns[i / n][i % n])
+}
+
+fn beside(left: DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
+    let (p, q) = (left.ncols(), right.ncols());
+    let mut both = left.resize_horizontally(p + q, 0.0);
+    both.columns_mut(p, q).copy_from(right);
+    both
 }
 
 fn is_fitted_to(model: &Identified, campaign: &Campaign) -> bool {
@@ -250,8 +268,9 @@ impl Knowledge {
     ///
     /// Without the others it is the fit in which they are zero, `theta - C_k C_kk^-1 k`: what the same campaigns say
     /// where nobody has adopted them. From campaign to campaign coefficients differ by `between`; the phase of a
-    /// cycle is any; effects of another station's table are none of this one's.
-    pub fn of(model: &Identified, campaign: &Campaign, effects: usize) -> Self {
+    /// cycle is any; effects of another station's table are none of this one's. What `programme` asks of beside the
+    /// model's coefficients is zero with unit variance.
+    pub fn of(model: &Identified, campaign: &Campaign, programme: &StackedDesign, effects: usize) -> Self {
         let mut knowledge = Self { values: model.values(), covariance: model.covariance.clone() };
         let omitted: Vec<usize> = (effects..model.effects.len()).flat_map(|e| model.of_effect(e)).collect();
         knowledge.condition(&omitted, &DVector::zeros(omitted.len()));
@@ -275,7 +294,10 @@ impl Knowledge {
                 knowledge.covariance[(place, place)] += coefficient.between.powi(2);
             }
         }
-        knowledge
+        let (p, all) = (model.coefficients.len(), programme.columns.ncols());
+        let mut covariance = knowledge.covariance.resize(all, all, 0.0);
+        (p..all).for_each(|place| covariance[(place, place)] = 1.0);
+        Self { values: knowledge.values.resize_vertically(all, 0.0), covariance }
     }
 
     /// Fixes the coefficients at `places` at `values`.

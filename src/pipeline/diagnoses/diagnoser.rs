@@ -127,14 +127,13 @@ impl Diagnoser {
         if let Some(end) = under_way.get(&key) {
             return Ok(end.clone());
         }
-        let campaign = campaign_of(row)?;
+        let campaign = self.config.stations.complete(campaign_of(row)?);
         let (ended, end) = watch::channel(None);
         under_way.insert(key.clone(), end.clone());
         let (diagnoser, imu) = (self.clone(), row.imu);
         tokio::spawn(async move {
             let gyros = seats(&campaign);
-            let judging = &diagnoser.config.judging;
-            let forecaster = Forecaster::of(&diagnoser.store, judging, (key.0, imu), &campaign).await;
+            let forecaster = Forecaster::of(&diagnoser.store, &diagnoser.config, (key.0, imu), &campaign).await;
             let forecaster = forecaster.inspect_err(|error| {
                 tracing::warn!(%error, campaign = %key.0, "what foretells a campaign cannot be read");
             });

@@ -19,7 +19,6 @@ use super::programme::{GyroOfBoth, Knowledge, NoForecast, StackedDesign};
 use crate::core::campaign::Campaign;
 use crate::core::effects::Effect;
 use crate::core::judge::{Foretold, ForetoldGyro, Unseen};
-use crate::core::message::Message;
 use crate::core::mounting::Slot;
 use crate::core::numerics::normal::normal_quantile;
 use crate::core::numerics::tails::{squares_tail, t_cdf};
@@ -314,7 +313,7 @@ fn scale_dof(programme: &StackedDesign) -> f64 {
 
 /// Errors one by one, each over its standard deviation given those before, and what a step of D_I and of D_S of the
 /// row's gyro by 1 deg/(h g0) adds to it; zero of what is left out.
-pub(super) fn innovations(
+fn innovations(
     programme: &StackedDesign,
     knowledge: &Knowledge,
     measured: &DVector<f64>,

@@ -8,7 +8,7 @@ use crate::support::data_path;
 use gyrowatch::core::alert_decision::Late;
 use gyrowatch::core::augmented::{Adopted, AugmentedModel, KnownEffect};
 use gyrowatch::core::calibrate::outcome::{Outcome, evaluate_with};
-use gyrowatch::core::campaign::Campaign;
+use gyrowatch::core::campaign::{Campaign, Phase, StationUncertainty};
 use gyrowatch::core::effects::{Effect, Shape};
 use gyrowatch::core::imu_model::{
     CampaignSample, Identified, ModelCoefficient, NoForecast, NotIdentified, Of, changed, compare, identify, ladder,
@@ -22,6 +22,7 @@ use gyrowatch::pipeline::Submission;
 use gyrowatch::simulate::scenario::GyroChoice;
 use gyrowatch::simulate::{Scenario, simulate};
 use gyrowatch::wire;
+use nalgebra::Vector3;
 
 /// Change of D_I and D_S of G1 with temperature, deg/(h g0 K).
 const K: [f64; 2] = [0.003, -0.002];
@@ -212,6 +213,102 @@ fn what_coefficients_do_from_campaign_to_campaign_is_in_the_sd_of_the_next_forec
     assert!(found.p_value > 1e-3 && found.rms_over_sd < 2.0, "{} {}", found.p_value, found.rms_over_sd);
     let lone = identify(&[sample(&all[4])], &temperature_g()).unwrap();
     assert!(compare(&lone, &all[5]).unwrap().p_value < 1e-9, "one campaign knows nothing of it");
+}
+
+/// As [`campaign`] on a table whose vertical is tilted about east and north, arcsec; the station states 60.
+fn tilted(seed: u64, month: u32, [east, north]: [f64; 2]) -> Campaign {
+    const ARCSEC: f64 = std::f64::consts::PI / 648_000.0;
+    let mut campaign = campaign(seed, month, NOMINAL_C, 0.0);
+    campaign.station_uncertainty.levelling = Some(60.0 * ARCSEC);
+    let site = campaign.site.unwrap();
+    let (tilt, up) = (Vector3::new(east, north, 0.0) * ARCSEC, Vector3::new(0.0, 0.0, site.gravity_g0));
+    let (geometry, gyros) = (campaign.geometry.clone(), gyros());
+    for dwell in &mut campaign.dwells {
+        let c = *dwell.attitude.unwrap().matrix();
+        let of_earth = tilt.cross(&site.earth_rate().0);
+        // Over whole turns only what lies along the vertical stays.
+        let (force, rate) = match dwell.phase {
+            Phase::Static => (c * tilt.cross(&up), c * of_earth),
+            Phase::Rate => (Vector3::zeros(), c * Vector3::new(0.0, 0.0, of_earth.z)),
+        };
+        for (j, gyro) in gyros.iter().enumerate() {
+            let triad = geometry.triad(Slot::ALL[j]).unwrap();
+            let drift = D_I[j] * triad.input().dot(&force) + D_S[j] * triad.spin().dot(&force);
+            dwell.output_pulse_s[j] += gyro.scale_factor.unwrap() * (triad.input().dot(&rate) + drift);
+        }
+    }
+    campaign
+}
+
+#[test]
+fn what_a_station_states_of_its_level_is_in_the_forecast_and_in_what_has_changed() {
+    let adopted =
+        Adopted { effect: Effect::Levelling, shape: Shape::Tilt { with_rate: false }, slots: Slot::ALL.to_vec() };
+    let effects = vec![KnownEffect { adopted, estimates: Vec::new() }];
+    let levelling = AugmentedModel { effects, ..AugmentedModel::default() };
+    let plain = AugmentedModel::default();
+    let campaigns = [tilted(61, 1, [66.0, -42.0]), tilted(62, 2, [-27.0, 75.0])];
+    let fitted = |model: &AugmentedModel, first: &Campaign| identify(&[sample(first)], model).unwrap();
+    let judged = |model: &Identified, next: &Campaign| {
+        forecast(&compare(model, next).unwrap().foretold(model), Limits::default().forecast()).unwrap().state
+    };
+    let [first, next] = &campaigns;
+    let model = fitted(&plain, first);
+    let found = compare(&model, next).unwrap();
+    assert!(found.p_value > 1e-3 && found.rms_over_sd < 1.5, "{} {}", found.p_value, found.rms_over_sd);
+    assert_eq!(judged(&model, next), State::Within);
+    assert!(!changed(&fitted(&levelling, first), next).unwrap().effects[0].changed);
+    let mut moved = next.clone();
+    let input = moved.geometry.triad(Slot::G1).unwrap().input();
+    moved.dwells.iter_mut().for_each(|d| d.output_pulse_s[0] += 1.46 * 0.03 * d.specific_force_g0.dot(&input));
+    assert_eq!(judged(&model, &moved), State::Exceeded, "a step that no level makes");
+
+    let [first, next] = &campaigns.clone().map(|mut campaign| {
+        campaign.station_uncertainty = StationUncertainty::default();
+        campaign
+    });
+    assert_eq!(judged(&fitted(&plain, first), next), State::Exceeded, "where the station states nothing");
+    assert!(changed(&fitted(&levelling, first), next).unwrap().effects[0].changed);
+}
+
+/// As [`campaign`], but what temperature does to G1 is as well its square times `bent`.
+fn bent(seed: u64, month: u32, celsius: f64, bent: f64) -> Campaign {
+    let mut campaign = campaign(seed, month, celsius, 1.0);
+    let input = campaign.geometry.triad(Slot::G1).unwrap().input();
+    for dwell in &mut campaign.dwells {
+        let warm = dwell.temperature_c.unwrap() - NOMINAL_C;
+        dwell.output_pulse_s[0] += 1.46 * bent * warm * warm * input.dot(&dwell.specific_force_g0);
+    }
+    campaign
+}
+
+#[test]
+fn a_coefficient_that_may_be_bent_beyond_the_temperatures_seen_is_undecided() {
+    let campaigns = [bent(71, 1, 42.0, 1e-3), bent(72, 2, 45.0, 1e-3), bent(73, 3, 48.0, 1e-3)];
+    let model = model(&campaigns.iter().collect::<Vec<_>>());
+    let found = changed(&model, &bent(74, 4, 53.0, 1e-3)).unwrap();
+    let [one] = &found.effects[..] else { panic!("{found:?}") };
+    assert!(!one.changed && one.undecided && one.beyond_seen && found.shifts.is_empty(), "{found:?}");
+}
+
+#[test]
+fn another_gyro_under_an_old_serial_is_outside_in_whatever_temperature() {
+    let first = campaign(81, 1, NOMINAL_C, 0.0);
+    let mut next = campaign(82, 2, NOMINAL_C + 2.5, 0.0);
+    let model = model(&[&first]);
+    let judged = |next: &Campaign| {
+        let verdict = forecast(&compare(&model, next).unwrap().foretold(&model), Limits::default().forecast()).unwrap();
+        let Finding::Forecast { slot, unseen, .. } = verdict.finding else { panic!("{verdict}") };
+        (verdict.state, slot, unseen)
+    };
+    assert_eq!(judged(&next).0, State::Indeterminate);
+    // What temperature may do, however much of it.
+    let mut warmed = next.clone();
+    warmed.dwells.iter_mut().for_each(|d| d.output_pulse_s[1] += 0.5 * (d.temperature_c.unwrap() - NOMINAL_C));
+    assert_eq!(judged(&warmed).0, State::Indeterminate);
+    let across = next.geometry.triad(Slot::G2).unwrap().spin();
+    next.dwells.iter_mut().for_each(|d| d.output_pulse_s[1] += 1.47 * 0.01 * d.rate_arcsec_s.dot(&across));
+    assert_eq!(judged(&next), (State::Exceeded, Slot::G2, Some(Unseen::Temperature)));
 }
 
 #[test]

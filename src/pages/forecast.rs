@@ -244,7 +244,11 @@ fn against_model(t: &Text, changed: &ChangedBody) -> Markup {
                 @else { (t.no) }
             }
         } } } }))
-        @if changed.effects.iter().any(|effect| effect.undecided) { p.note { (t.change_undecided) } }
+        @for (beyond_seen, why) in [(false, t.change_undecided), (true, t.change_beyond_seen)] {
+            @if changed.effects.iter().any(|effect| effect.undecided && effect.beyond_seen == beyond_seen) {
+                p.note { (why) }
+            }
+        }
         @for shift in &changed.shifts {
             p { (shift.slot) " " (symbol(&shift.coefficient)) " " (figure::signed_drift(shift.shift, Some(shift.sd)))
                 " " (t.unit) " " (t.by_the_change) }

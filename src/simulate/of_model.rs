@@ -6,22 +6,28 @@ use super::scenario::{AxesChoice, GeometryChoice, GyroChoice, Scenario, StatedE}
 use super::station::Earth;
 use super::{Stream, gaussian, random};
 use crate::core::augmented::{AugmentedModel, KnownEffect};
+use crate::core::campaign::{Campaign, CampaignGyro};
 use crate::core::effects::Estimate;
 use crate::core::fault::Faults;
 use crate::core::imu_model::{Identified, ModelGyro, Of, drawn};
 use crate::core::model::Term;
 use crate::core::mounting::{Geometry, Slot};
 
+/// Of the Earth, arcsec/s.
+const EARTH_ARCSEC_S: f64 = 15.1;
 const ARCMIN_PER_RADIAN: f64 = 180.0 * 60.0 / std::f64::consts::PI;
 
 /// The IMU as one of those that the model's covariance allows, by the scenario's seed, in that scenario; and the model
-/// with the coefficients drawn, for [`super::augment::augment`].
+/// with the coefficients drawn, for [`super::augment::augment`]. A scenario of which nothing but the seed is stated is
+/// one of those that the model has seen.
 pub fn drawn_from(base: &Scenario, model: &AugmentedModel) -> Result<(Scenario, AugmentedModel), Faults> {
     let Some(identified) = &model.identified else { return Ok((base.clone(), model.clone())) };
     let mut rng = random(base.seed, Stream::Model);
     let z: Vec<f64> = (0..2 * identified.coefficients.len()).map(|_| gaussian(&mut rng)).collect();
     let one = drawn(identified, &z);
-    let scenario = scenario_of(base, &one)?;
+    let is_left_open = *base == Scenario { seed: base.seed, ..Scenario::default() };
+    let seen = is_left_open.then(|| as_seen(base, identified));
+    let scenario = scenario_of(seen.as_ref().unwrap_or(base), &one)?;
     let estimates = |known: &KnownEffect| -> Vec<Estimate> {
         let place = one.effects.iter().position(|own| *own == known.adopted);
         let mut estimates = known.estimates.clone();
@@ -37,6 +43,37 @@ pub fn drawn_from(base: &Scenario, model: &AugmentedModel) -> Result<(Scenario, 
     };
     let effects = model.effects.iter().map(|k| KnownEffect { adopted: k.adopted.clone(), estimates: estimates(k) });
     Ok((scenario, AugmentedModel { effects: effects.collect(), ..model.clone() }))
+}
+
+/// The scenario on the day after the model's newest campaign, at its station, with temperatures and rates as it has seen.
+fn as_seen(base: &Scenario, model: &Identified) -> Scenario {
+    let next_day = model.measured_at.plus_days(1.0).date();
+    let mut scenario = Scenario { measured_at: format!("{next_day}T12:00:00Z"), ..base.clone() };
+    if let Some(newest) = model.campaigns.iter().max_by_key(|fitted| fitted.measured_at) {
+        scenario.station = newest.station.to_string();
+    }
+    if let Some([low, high]) = model.validity.temperature_c {
+        scenario.temperature.mean_c = 0.5 * (low + high);
+        scenario.temperature.size_k = scenario.temperature.size_k.min(0.25 * (high - low));
+    }
+    let rates = &mut scenario.programme.rates_arcsec_s;
+    let most = rates.iter().copied().fold(0.0, f64::max);
+    // The Earth's rate comes beside the table's.
+    let share = (model.validity.rate_arcsec_s - EARTH_ARCSEC_S) / most;
+    rates.iter_mut().for_each(|rate| *rate *= share.min(1.0));
+    rates.retain(|rate| *rate > EARTH_ARCSEC_S);
+    scenario
+}
+
+/// Divides the standard errors that the campaign states by the factor that the model has found on those of its station:
+/// it states them as that does.
+pub fn state_as_fitted(campaign: &mut Campaign, model: &AugmentedModel) {
+    let Some(identified) = &model.identified else { return };
+    let factor = |gyro: &CampaignGyro| identified.gyro(gyro.slot).and_then(|own| own.noise.sem_factor).unwrap_or(1.0);
+    let factors: Vec<f64> = campaign.gyros.iter().map(factor).collect();
+    for stated in campaign.dwells.iter_mut().filter_map(|dwell| dwell.output_sem_pulse_s.as_mut()) {
+        stated.iter_mut().zip(&factors).for_each(|(sem, factor)| *sem /= factor);
+    }
 }
 
 /// The scenario with the IMU of the model as it is estimated.
@@ -107,5 +144,47 @@ fn choice(model: &Identified, gyro: &ModelGyro, gravity: f64) -> GyroChoice {
         d_ss: Some(m[(1, 1)] - m[(2, 2)]),
         misalignment_arcmin: Some((ARCMIN_PER_RADIAN * mount.scaled_axis()).into()),
         states_e: if gyro.e_held { StatedE::True } else { StatedE::No },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::imu_model::{CampaignSample, compare, identify};
+    use crate::core::judge::{Limits, State, forecast};
+    use crate::simulate::simulate;
+
+    /// A model of one campaign whose station states its errors `times` as large as they are.
+    fn fitted(times: f64) -> AugmentedModel {
+        let mut scenario = Scenario { seed: 7, ..Scenario::default() };
+        scenario.programme.rates_arcsec_s = vec![360.0, 1800.0];
+        scenario.temperature.mean_c = 38.0;
+        let mut campaign = simulate(&scenario).unwrap().campaign;
+        let errors = campaign.dwells.iter_mut().filter_map(|dwell| dwell.output_sem_pulse_s.as_mut());
+        errors.flatten().for_each(|sem| *sem *= times);
+        let plain = AugmentedModel::default();
+        let sample = CampaignSample { campaign: &campaign, source: None, occasions: Vec::new() };
+        identify(&[sample], &plain).unwrap().into_model(&plain)
+    }
+
+    #[test]
+    fn an_imu_drawn_from_its_model_comes_out_as_the_model_foretells_whatever_the_station_states_of_its_errors() {
+        for times in [0.5, 1.0, 3.0] {
+            let model = fitted(times);
+            let identified = model.identified.as_ref().unwrap();
+            let (mut squares, mut count) = (0.0, 0.0);
+            for seed in 0..6 {
+                let open = Scenario { seed, ..Scenario::default() };
+                let (scenario, drawn) = drawn_from(&open, &model).unwrap();
+                let mut campaign = simulate(&scenario).unwrap().campaign;
+                state_as_fitted(&mut campaign, &drawn);
+                let found = compare(identified, &campaign).unwrap();
+                squares += found.rms_over_sd.powi(2) * found.count as f64;
+                count += found.count as f64;
+                let verdict = forecast(&found.foretold(identified), Limits::default().forecast()).unwrap();
+                assert_eq!(verdict.state, State::Within, "{times} {seed}: {verdict}");
+            }
+            assert!((f64::sqrt(squares / count) - 1.0).abs() < 0.1, "{times}: {}", f64::sqrt(squares / count));
+        }
     }
 }

@@ -363,6 +363,9 @@ pub struct ChangedEffectBody {
     /// changed cannot be told.
     #[serde(default)]
     pub undecided: bool,
+    /// Undecided because the campaign lies beyond the temperatures that the model has seen: the effect may be bent there.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub beyond_seen: bool,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -504,7 +507,7 @@ bodies! {
     MissBody of Miss: slot, dwell, z;
     GyroComparedBody of GyroComparison: slot, rms_over_sd, p_value, error_pulse_s = error, z, pit;
     ShiftBody of DriftShift: slot, coefficient, shift, sd;
-    ChangedEffectBody of ChangedEffect: effect, slot, coefficients, p_value, changed, undecided;
+    ChangedEffectBody of ChangedEffect: effect, slot, coefficients, p_value, changed, undecided, beyond_seen;
     ChangedBody of Changed: effects, shifts;
     ThenNowBody of (effects::Coefficient, [f64; 2], [f64; 2]): name = 0.name,
         unit: |(coefficient, ..)| unit::of_machines(coefficient.unit), model: |(_, model, _)| model[0],

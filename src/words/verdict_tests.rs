@@ -120,6 +120,7 @@ fn samples() -> Vec<Verdict> {
         ),
         foretold(None, Some(0.0062), true),
         foretold(Some(Unseen::Temperature), Some(0.0062), false),
+        foretold(Some(Unseen::Temperature), Some(0.0062), true),
         foretold(None, Some(0.0151), false),
         foretold(None, None, false),
         verdict(
@@ -232,6 +233,10 @@ fn each_finding_is_said_in_both_languages() {
         [
             "G2 is furthest from the forecast of the adopted model, by an rms of 1.47 standard deviations (p = 3e-5 over all gyros). Dwell 41 is furthest, by -4.4 standard deviations. Limit 1.23 standard deviations: chance exceeds it in 0.2 % of campaigns. It says nothing: the model has not seen such temperatures.",
             "G2与已采用模型的预报相差最大，均方根为1.47 倍标准差（全部陀螺 p = 3e-5）。偏离最大的是第41个测点，-4.4倍标准差。限值为1.23 倍标准差：0.2 %的标定因偶然超出。无法判断：模型未见过这样的温度。",
+        ],
+        [
+            "G2 is furthest from the forecast of the adopted model, by an rms of 1.47 standard deviations (p = 3e-5 over all gyros). Dwell 41 is furthest, by -4.4 standard deviations. Limit 1.23 standard deviations: chance exceeds it in 0.2 % of campaigns. The model has not seen such temperatures, but no effect of plausible size reaches that far beyond what it has. The model is of one campaign: what usually changes between campaigns may be all of it. Confirmed by a second campaign.",
+            "G2与已采用模型的预报相差最大，均方根为1.47 倍标准差（全部陀螺 p = 3e-5）。偏离最大的是第41个测点，-4.4倍标准差。限值为1.23 倍标准差：0.2 %的标定因偶然超出。模型未见过这样的温度，但合理大小的效应外推不到这么远。模型仅来自一次标定：差异可能只是各次标定之间的通常变化。第二次标定已证实。",
         ],
         [
             "G2 is furthest from the forecast of the adopted model, by an rms of 1.47 standard deviations (p = 3e-5 over all gyros). Dwell 41 is furthest, by -4.4 standard deviations. Limit 1.23 standard deviations: chance exceeds it in 0.2 % of campaigns. It says nothing: only a step of D_I and D_S of 0.015 deg/(h g0) or more is sure to show.",

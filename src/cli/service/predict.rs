@@ -245,9 +245,12 @@ pub(super) fn against_model(changed: &ChangedBody) -> String {
         }
     }
     let mut out = format!("\n{}\n{rows}\n", word("terminal_changed"));
-    if changed.effects.iter().any(|effect| effect.undecided) {
-        out.push_str(word("terminal_cannot_tell_why"));
-        out.push('\n');
+    let whys = [(false, "terminal_cannot_tell_why"), (true, "terminal_cannot_tell_beyond")];
+    for (beyond_seen, why) in whys {
+        if changed.effects.iter().any(|effect| effect.undecided && effect.beyond_seen == beyond_seen) {
+            out.push_str(word(why));
+            out.push('\n');
+        }
     }
     for shift in &changed.shifts {
         let (slot, coefficient) = (shift.slot.clone(), shift.coefficient.clone());

@@ -14,7 +14,7 @@ use crate::simulate::augment::augment;
 use crate::simulate::cause::known;
 use crate::simulate::experiment::{Test, tests};
 use crate::simulate::of_hypothesis::{Amount, hide};
-use crate::simulate::of_model::drawn_from;
+use crate::simulate::of_model::{drawn_from, state_as_fitted};
 use crate::simulate::presets::{PRESETS, preset};
 use crate::simulate::truth::Key;
 use crate::simulate::{Scenario, Simulated, Stream, random, simulate};
@@ -39,8 +39,9 @@ pub struct Simulate {
     /// Start from a scenario in TOML or JSON (by its extension).
     #[arg(long, value_name = "FILE")]
     scenario: Option<PathBuf>,
-    /// Simulate the IMU of this model file: gyros and effects drawn from its covariance by the seed. Of a file without
-    /// coefficients of an IMU, put in its effects only, as large as it says.
+    /// Simulate the IMU of this model file: gyros and effects drawn from its covariance by the seed, unless a scenario
+    /// says otherwise in conditions that it has seen. Of a file without coefficients of an IMU, put in its effects only,
+    /// as large as it says.
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// Put in a hypothesis of one's own, in TOML (docs/how-to/own-hypothesis.md), by --size or --detectability; its
@@ -218,6 +219,7 @@ fn made(scenario: &Scenario, put_in: &PutIn) -> anyhow::Result<Simulated> {
     let whose = || word("terminal_scenario");
     let (scenario, model) = drawn_from(scenario, &put_in.model).with_context(whose)?;
     let mut simulated = simulate(&scenario).with_context(whose)?;
+    state_as_fitted(&mut simulated.campaign, &model);
     augment(&mut simulated, &model).with_context(|| format!("--model {}", put_in.model_file))?;
     if let Some((effect, amount, slots)) = &put_in.hypothesis {
         hypothesis::defined_in(&[*effect], &simulated.campaign)?;

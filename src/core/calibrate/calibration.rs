@@ -93,6 +93,8 @@ pub struct GyroCalibration {
     pub sigma: Option<DVector<f64>>,
     /// Measured less fitted, pulse/s, by dwell.
     pub residuals: DVector<f64>,
+    /// The same without what the station's stated uncertainty most likely left in them, and their degrees of freedom.
+    pub left: (DVector<f64>, usize),
     /// The same over its own standard deviation, sigma sqrt(1 - leverage); none without a noise scale. Zero where
     /// the dwell is fitted exactly because nothing else speaks of it (leverage 1).
     pub standardised: Option<DVector<f64>>,

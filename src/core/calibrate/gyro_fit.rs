@@ -358,6 +358,8 @@ impl GyroFit {
         });
         let covariance = uncertainty.as_ref().map(Uncertainty::covariance);
         let parameters = parameters(design, factor, &values, covariance.as_ref());
+        let left = self.left();
+        let left = (left.0.clone(), left.1);
         let Self { scale_source, known_e, fit, variances, evidence, regressors, .. } = self;
         let gauge = design.gauge.iter().map(|d| NullDirection { direction: d.clone(), gauge: Some(GAUGE) });
         let cut = fit
@@ -383,6 +385,7 @@ impl GyroFit {
             noise,
             sigma,
             residuals: fit.residuals,
+            left,
             standardised,
             leverage: fit.leverage,
             known_e,

@@ -23,7 +23,7 @@ mod regressor;
 pub mod repeats_between;
 mod shared_coefficients;
 mod shrunken_errors;
-mod station;
+pub mod station;
 pub mod uncertainty;
 
 pub use calibration::{

@@ -23,13 +23,38 @@ use crate::core::effects::{Effect, GyroAxes, Setting, Shape};
 use crate::core::numerics::least_squares::{Factor, Fit};
 use crate::core::numerics::normal_equations::{NormalEquations, Solution};
 
-/// One rotation and its standard uncertainty.
-struct StationRotation {
+/// A rotation of its standard uncertainty: what it makes of each gyro's outputs, pulse/s.
+pub struct StationRotation {
     part: StationPart,
-    /// Standard uncertainty, rad.
-    sd: f64,
-    /// x of each gyro, pulse/s a radian; none where its E is unknown.
-    columns: Vec<Option<DVector<f64>>>,
+    /// By gyro of the setting.
+    pub columns: Vec<DVector<f64>>,
+}
+
+/// The rotations that a station states: x u of the equation above, for the gyros of the setting. Those of the table
+/// need attitudes.
+pub fn rotations(setting: &Setting, stated: &StationUncertainty) -> Vec<StationRotation> {
+    let mut rotations = Vec::new();
+    for part in StationPart::ALL {
+        let (effect, shape) = match part {
+            StationPart::Levelling => (Effect::Levelling, Shape::Tilt { with_rate: false }),
+            StationPart::Azimuth => (Effect::Azimuth, Shape::Linear),
+            // From before the first dwell on: in all of them.
+            StationPart::Fixture => (Effect::Reseating, Shape::Instant(f64::NEG_INFINITY)),
+        };
+        let Some(sd) = stated.of(part).filter(|_| part == StationPart::Fixture || setting.nav_to_body.is_some()) else {
+            continue;
+        };
+        let scaled = |j: usize| {
+            let columns = (effect.entry().columns)(setting, j, shape).into_iter();
+            columns.map(move |column| setting.gyros[j].scale * sd * DVector::from_vec(column)).collect::<Vec<_>>()
+        };
+        let of_gyros: Vec<Vec<DVector<f64>>> = (0..setting.gyros.len()).map(scaled).collect();
+        for c in 0..of_gyros.first().map_or(0, Vec::len) {
+            rotations
+                .push(StationRotation { part, columns: of_gyros.iter().map(|of_gyro| of_gyro[c].clone()).collect() });
+        }
+    }
+    rotations
 }
 
 /// Hands each fit its responses, and what the station may have left in its residuals is no noise. Answers what cannot
@@ -46,13 +71,13 @@ pub(super) fn spread(
         let (e, g) = fit.e_and_g(shared)?;
         Some(GyroAxes::carried(gyro.slot, nominal, e, g))
     });
-    let (rotations, notes) = rotations(campaign, stated, axes.collect());
+    let (rotations, places, notes) = of_gyros(campaign, stated, axes.collect());
     for rotation in &rotations {
-        let of_gyro = |(fit, column): (&GyroFit, &Option<DVector<f64>>)| {
-            let column = column.clone().unwrap_or_else(|| DVector::zeros(campaign.dwells.len()));
-            fit.factor(shared).fit(&(column * rotation.sd))
-        };
-        let mut seen: Vec<_> = fits.iter().zip(&rotation.columns).map(of_gyro).collect();
+        let nothing = DVector::zeros(campaign.dwells.len());
+        let of_gyro =
+            |(fit, column): (&GyroFit, &Option<&DVector<f64>>)| fit.factor(shared).fit(column.unwrap_or(&nothing));
+        let columns: Vec<_> = places.iter().map(|place| place.map(|place| &rotation.columns[place])).collect();
+        let mut seen: Vec<_> = fits.iter().zip(&columns).map(of_gyro).collect();
         if let Some(common) = common {
             let own = |(j, seen): (usize, _)| {
                 let seen: &Fit = seen;
@@ -70,9 +95,9 @@ pub(super) fn spread(
                 }
             }
         }
-        for ((fit, seen), column) in fits.iter_mut().zip(seen).zip(&rotation.columns) {
+        for ((fit, seen), column) in fits.iter_mut().zip(seen).zip(&columns) {
             let response = StationResponse { part: rotation.part, estimate: seen.estimate, residuals: seen.residuals };
-            fit.station.extend(column.as_ref().map(|_| response));
+            fit.station.extend(column.map(|_| response));
         }
     }
     let seen: Vec<InResiduals> = fits
@@ -97,13 +122,12 @@ pub(super) struct OfOne {
 
 /// As [`spread`], of the only gyro of a campaign.
 pub(super) fn of_one(campaign: &Campaign, axes: GyroAxes, (factor, fit): (&Factor, &Fit), has_sem: bool) -> OfOne {
-    let stated = &campaign.station_uncertainty;
-    let (rotations, notes) = rotations(campaign, stated, vec![Some(axes)]);
+    let (rotations, _, notes) = of_gyros(campaign, &campaign.station_uncertainty, vec![Some(axes)]);
     let response = |rotation: StationRotation| {
-        let seen = factor.fit(&(rotation.columns.into_iter().flatten().next()? * rotation.sd));
-        Some(StationResponse { part: rotation.part, estimate: seen.estimate, residuals: seen.residuals })
+        let seen = factor.fit(&rotation.columns[0]);
+        StationResponse { part: rotation.part, estimate: seen.estimate, residuals: seen.residuals }
     };
-    let responses: Vec<StationResponse> = rotations.into_iter().filter_map(response).collect();
+    let responses: Vec<StationResponse> = rotations.into_iter().map(response).collect();
     let net = match responses.as_slice() {
         [] => None,
         responses => take_out(&[InResiduals { factor, fit, responses }], has_sem),
@@ -111,48 +135,28 @@ pub(super) fn of_one(campaign: &Campaign, axes: GyroAxes, (factor, fit): (&Facto
     OfOne { net: net.map(|mut net| net.swap_remove(0)), responses, notes }
 }
 
-fn rotations(
+/// The rotations of the gyros whose axes are known, the place of each gyro among them, and what cannot be told.
+fn of_gyros(
     campaign: &Campaign,
     stated: &StationUncertainty,
     axes: Vec<Option<GyroAxes>>,
-) -> (Vec<StationRotation>, Vec<CampaignNote>) {
+) -> (Vec<StationRotation>, Vec<Option<usize>>, Vec<CampaignNote>) {
     let parts = || StationPart::ALL.into_iter().filter(|part| stated.of(*part).is_some());
     let left_out = |parts: Vec<StationPart>, why| CampaignNote::StationLeftOut { parts, why };
-    let mut notes = Vec::new();
-    for (gyro, _) in campaign.gyros.iter().zip(&axes).filter(|(_, axes)| axes.is_none()) {
-        notes.push(left_out(parts().collect(), StationLack::Scale(gyro.slot)));
+    let (mut notes, mut known, mut places) = (Vec::new(), Vec::new(), Vec::new());
+    for (gyro, axes) in campaign.gyros.iter().zip(axes) {
+        if axes.is_none() {
+            notes.push(left_out(parts().collect(), StationLack::Scale(gyro.slot)));
+        }
+        places.push(axes.is_some().then_some(known.len()));
+        known.extend(axes);
     }
-    let known: Vec<usize> = (0..axes.len()).filter(|j| axes[*j].is_some()).collect();
-    let setting = Setting::of(campaign, axes.into_iter().flatten().collect());
+    let setting = Setting::of(campaign, known);
     let of_table: Vec<StationPart> = parts().filter(|part| *part != StationPart::Fixture).collect();
-    if setting.nav_to_body.is_none() && !of_table.is_empty() && !known.is_empty() {
+    if setting.nav_to_body.is_none() && !of_table.is_empty() && !setting.gyros.is_empty() {
         notes.push(left_out(of_table, StationLack::Attitude));
     }
-    let mut rotations: Vec<StationRotation> = Vec::new();
-    for part in parts() {
-        let (effect, shape) = match part {
-            StationPart::Levelling => (Effect::Levelling, Shape::Tilt { with_rate: false }),
-            StationPart::Azimuth => (Effect::Azimuth, Shape::Linear),
-            // From before the first dwell on: in all of them.
-            StationPart::Fixture => (Effect::Reseating, Shape::Instant(f64::NEG_INFINITY)),
-        };
-        if part != StationPart::Fixture && setting.nav_to_body.is_none() {
-            continue;
-        }
-        let first = rotations.len();
-        for (place, j) in known.iter().enumerate() {
-            let columns = (effect.entry().columns)(&setting, place, shape);
-            let scale = setting.gyros[place].scale;
-            for (c, column) in columns.into_iter().enumerate() {
-                if first + c == rotations.len() {
-                    let (sd, columns) = (stated.of(part).unwrap_or(0.0), vec![None; campaign.gyros.len()]);
-                    rotations.push(StationRotation { part, sd, columns });
-                }
-                rotations[first + c].columns[*j] = Some(scale * DVector::from_vec(column));
-            }
-        }
-    }
-    (rotations, notes)
+    (rotations(&setting, stated), places, notes)
 }
 
 /// Rounds in which the noise, where nothing states it, and what the station leaves in the residuals are told apart.

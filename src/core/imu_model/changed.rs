@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use super::fit::{CampaignSample, identify_at};
 use super::identified::Identified;
 use super::programme::{Knowledge, StackedDesign};
-use crate::core::augmented::{AugmentedModel, KnownEffect, Options};
+use crate::core::augmented::{Adopted, AugmentedModel, KnownEffect, Options};
 use crate::core::calibrate::noise::t_variance;
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{Verdict, diagnose};
@@ -41,6 +41,8 @@ pub struct ChangedEffect {
     /// Noise alone would not have it, but with the model's effects fitted anew the gyro shows at least as much that
     /// the model does not hold: that may be what has changed.
     pub undecided: bool,
+    /// Undecided because the campaign lies beyond the temperatures that the model has seen: the effect may be bent there.
+    pub beyond_seen: bool,
 }
 
 /// How far D_I or D_S of a gyro moves with the effects that changed.
@@ -61,9 +63,10 @@ pub struct DriftShift {
 /// ```
 ///
 /// with `C` as the scales of the noise are estimated, m coefficients, and nu after Welch (1947): either campaign may
-/// know its noise by a few repeats only. None where nothing can be compared.
+/// know its noise by a few repeats only. Beyond the temperatures seen it may be a bend, and is undecided. None
+/// where nothing can be compared.
 pub fn changed(model: &Identified, campaign: &Campaign) -> Option<Changed> {
-    StackedDesign::of_another(model, campaign).ok()?;
+    let programme = StackedDesign::of_another(model, campaign).ok()?;
     // The phase of a cycle is another each time: nothing to compare.
     let lasting = model.effects.iter().filter(|adopted| adopted.effect.entry().parameter != Parameter::Period);
     let effects = lasting.map(|adopted| KnownEffect { adopted: adopted.clone(), estimates: Vec::new() }).collect();
@@ -81,11 +84,16 @@ pub fn changed(model: &Identified, campaign: &Campaign) -> Option<Changed> {
     let count = groups.len();
     let held = groups.into_iter().filter_map(|(effect, slot)| held_against(model, &now, effect, slot, count));
     let mut held: Vec<_> = held.collect();
+    for (one, own, _) in held.iter_mut().filter(|(one, ..)| one.changed) {
+        let (effect, _) = now.coefficients[own[0].0].of.effect()?;
+        one.beyond_seen = may_be_bent(&programme, model, campaign, (&now.effects[effect], one));
+        (one.changed, one.undecided) = (!one.beyond_seen, one.beyond_seen);
+    }
     if held.iter().any(|(one, ..)| one.changed) {
         let (gyros, power) = lacking(&now, campaign);
-        for (one, _, statistic) in &mut held {
+        for (one, _, statistic) in held.iter_mut().filter(|(one, ..)| one.changed) {
             let lacks = power >= *statistic && gyros.iter().any(|gyro| one.slot.is_none_or(|slot| slot == *gyro));
-            (one.changed, one.undecided) = (one.changed && !lacks, one.changed && lacks);
+            (one.changed, one.undecided) = (!lacks, lacks);
         }
     }
     let mut places = Vec::new();
@@ -96,6 +104,44 @@ pub fn changed(model: &Identified, campaign: &Campaign) -> Option<Changed> {
     }
     let shifts = if places.is_empty() { Vec::new() } else { shifts(&now, &places) };
     Some(Changed { effects: found, shifts })
+}
+
+/// One comparison, the places of its coefficients in the campaign's own fit with the model's values, and the sum of
+/// squares of the difference.
+type Held = (ChangedEffect, Vec<(usize, f64)>, f64);
+
+/// Share of (k - k_model) T that an effect of other coefficients adds to the outputs at the least: one that is bent, and
+/// there as steep, adds half.
+const STRAIGHT: f64 = 0.75;
+
+/// Whether most dwells lie beyond the temperatures seen, and differ from the forecast by less than other coefficients of
+/// an effect of temperature would have it.
+fn may_be_bent(
+    programme: &StackedDesign,
+    model: &Identified,
+    campaign: &Campaign,
+    (adopted, one): (&Adopted, &ChangedEffect),
+) -> bool {
+    let (entry, n) = (adopted.effect.entry(), programme.dwells);
+    let beyond = programme.seen.iter().filter(|seen| seen.beyond_k != 0.0).count();
+    let Some(kelvin) = programme.setting.temperature.as_ref().filter(|_| entry.of_temperature && 2 * beyond > n) else {
+        return false;
+    };
+    let knowledge = Knowledge::of(model, campaign, programme, model.effects.len());
+    let errors = programme.measured(campaign) - &programme.columns * &knowledge.values;
+    let of_one_kelvin = programme.setting.at_kelvin(1.0);
+    let (mut along, mut expected) = (0.0, 0.0);
+    for (j, gyro) in programme.gyros.iter().enumerate().filter(|(_, g)| one.slot.is_none_or(|slot| slot == g.slot)) {
+        let columns = entry.regressors(&of_one_kelvin, j, adopted.shape);
+        for k in 0..n {
+            let more =
+                one.coefficients.iter().zip(&columns).map(|((_, then, now), column)| (now[0] - then[0]) * column[k]);
+            let more = gyro.scale * more.sum::<f64>() / programme.noise[j * n + k];
+            along += more * errors[j * n + k] / programme.noise[j * n + k];
+            expected += more * more * kelvin[k];
+        }
+    }
+    along / expected < STRAIGHT
 }
 
 /// Gyros in which the campaign shows more than the model with the effects that are fitted to it anew, and how much in
@@ -123,15 +169,7 @@ pub fn changed_since(model: &AugmentedModel, campaign: &Campaign) -> Option<Chan
     changed(identified, campaign)
 }
 
-/// The comparison, the places of the coefficients in the campaign's own fit with the model's values, and the sum of
-/// squares of the difference.
-fn held_against(
-    model: &Identified,
-    now: &Identified,
-    effect: usize,
-    slot: Option<Slot>,
-    count: usize,
-) -> Option<(ChangedEffect, Vec<(usize, f64)>, f64)> {
+fn held_against(model: &Identified, now: &Identified, effect: usize, slot: Option<Slot>, count: usize) -> Option<Held> {
     let adopted = &now.effects[effect];
     let of = |identified: &Identified, effect: usize| -> Vec<usize> {
         let places = identified.of_effect(effect).into_iter();
@@ -171,6 +209,7 @@ fn held_against(
         p_value,
         changed: p_value < CHANGED,
         undecided: false,
+        beyond_seen: false,
     };
     Some((one, own.into_iter().zip(values(model, &then).iter().copied()).collect(), statistic))
 }

@@ -19,7 +19,6 @@ use super::programme::{GyroOfBoth, Knowledge, NoForecast, StackedDesign};
 use crate::core::campaign::Campaign;
 use crate::core::effects::Effect;
 use crate::core::judge::{Foretold, ForetoldGyro, Unseen};
-use crate::core::message::Message;
 use crate::core::mounting::Slot;
 use crate::core::numerics::normal::normal_quantile;
 use crate::core::numerics::tails::{squares_tail, t_cdf};
@@ -73,12 +72,37 @@ pub struct GyroComparison {
 impl ForecastComparison {
     /// As a rule judges it.
     pub fn foretold(&self, model: &Identified) -> Foretold {
-        let of_note = |note: &Message| Unseen::from_name(&note.code);
-        let mut unseen = self.forecast.notes.iter().filter_map(of_note);
+        let mut unseen = self.unseen();
         Foretold {
             gyros: self.gyros.iter().map(|gyro| gyro.foretold).collect(),
             campaigns: model.campaigns.len(),
             unseen: unseen.find(|unseen| !(self.is_mostly_seen && unseen.is_of_dwells())),
+        }
+    }
+
+    fn unseen(&self) -> impl Iterator<Item = Unseen> {
+        self.forecast.notes.iter().filter_map(|note| Unseen::from_name(&note.code))
+    }
+
+    /// Of dwells whose rates and attitudes the model has seen, `beyond` the temperatures that it has.
+    fn judge_beyond_seen(&mut self, beyond: &StackedDesign, knowledge: &Knowledge, measured: &DVector<f64>) {
+        if self.unseen().any(|unseen| !unseen.is_of_dwells()) {
+            return;
+        }
+        let n = beyond.dwells;
+        let is_judged = |i: usize| {
+            let seen = beyond.seen[i % n];
+            seen.rate && seen.attitude && self.forecast.gyros[i / n].foretold[i % n]
+        };
+        let innovations = innovations(beyond, knowledge, measured, is_judged);
+        let judged = |j: usize| {
+            let rows = (j * n..(j + 1) * n).filter(|i| is_judged(*i));
+            let squares: f64 = rows.clone().map(|i| innovations[i][0].powi(2)).sum();
+            (rows.count(), squares * beyond.gyros[j].t_variance)
+        };
+        let judged: Vec<_> = (0..self.gyros.len()).map(judged).collect();
+        for (gyro, judged) in self.gyros.iter_mut().zip(judged) {
+            gyro.foretold.beyond_seen = (judged.0 > 0).then_some(judged);
         }
     }
 }
@@ -118,11 +142,16 @@ pub struct Rung {
 /// [`NoForecast`]; also where the model was fitted to the campaign.
 pub fn compare(model: &Identified, campaign: &Campaign) -> Result<ForecastComparison, NoForecast> {
     let programme = StackedDesign::of_another(model, campaign)?;
-    let knowledge = Knowledge::of(model, campaign, model.effects.len());
+    let knowledge = Knowledge::of(model, campaign, &programme, model.effects.len());
     let measured = programme.measured(campaign);
     let mut compared = compared(&programme, &knowledge, &measured);
+    if !compared.is_mostly_seen {
+        let beyond = programme.beyond_seen();
+        let knowledge = Knowledge::of(model, campaign, &beyond, model.effects.len());
+        compared.judge_beyond_seen(&beyond, &knowledge, &measured);
+    }
     if !model.effects.is_empty() {
-        let plain = Knowledge::of(model, campaign, 0);
+        let plain = Knowledge::of(model, campaign, &programme, 0);
         compared.closing = Some(Weighed::of(&programme, &knowledge, &plain, &compared.forecast).seen(&measured));
     }
     Ok(compared)
@@ -137,7 +166,10 @@ pub fn promised(model: &Identified, campaign: &Campaign) -> Result<Option<Closin
         return Ok(None);
     }
     let programme = StackedDesign::of(model, campaign)?;
-    let (knowledge, plain) = (Knowledge::of(model, campaign, model.effects.len()), Knowledge::of(model, campaign, 0));
+    let (knowledge, plain) = (
+        Knowledge::of(model, campaign, &programme, model.effects.len()),
+        Knowledge::of(model, campaign, &programme, 0),
+    );
     let forecast = foretold(&programme, &knowledge);
     Ok(Some(Weighed::of(&programme, &knowledge, &plain, &forecast).promised()))
 }
@@ -150,7 +182,7 @@ pub fn ladder(model: &Identified, campaign: &Campaign) -> Result<Vec<Rung>, NoFo
     let programme = StackedDesign::of_another(model, campaign)?;
     let measured = programme.measured(campaign);
     let rung = |effects: usize| {
-        let compared = compared(&programme, &Knowledge::of(model, campaign, effects), &measured);
+        let compared = compared(&programme, &Knowledge::of(model, campaign, &programme, effects), &measured);
         Rung {
             effect: effects.checked_sub(1).map(|last| model.effects[last].effect),
             rms_deg_per_h: compared.rms_deg_per_h,
@@ -236,17 +268,17 @@ impl JudgedInnovations {
         (forecast, of_all): (&Forecast, &[[f64; 3]]),
     ) -> Self {
         let n = programme.dwells;
-        let seen = programme.seen.iter().filter(|seen| **seen).count();
+        let seen = programme.seen.iter().filter(|seen| seen.whole()).count();
         let is_mostly_seen = 2 * seen >= n;
         if !is_mostly_seen || seen == n {
             return Self { is_mostly_seen, innovations: of_all.to_vec() };
         }
-        let is_judged = |i: usize| programme.seen[i % n] && forecast.gyros[i / n].foretold[i % n];
+        let is_judged = |i: usize| programme.seen[i % n].whole() && forecast.gyros[i / n].foretold[i % n];
         Self { is_mostly_seen, innovations: innovations(programme, knowledge, measured, is_judged) }
     }
 
     fn counts(&self, programme: &StackedDesign, dwell: usize) -> bool {
-        programme.seen[dwell] || !self.is_mostly_seen
+        programme.seen[dwell].whole() || !self.is_mostly_seen
     }
 }
 
@@ -267,6 +299,7 @@ fn foretold_gyro(
         dof: gyro.dof,
         squares: sum(0) * gyro.t_variance,
         telling: [sum(1), sum(2)].map(|telling| telling * gyro.t_variance),
+        beyond_seen: None,
         furthest: told.iter().map(|k| (*k, z[*k])).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())),
     }
 }

@@ -1,13 +1,15 @@
 //! From campaigns of one IMU to its model: one weighted fit of all gyros and campaigns together.
 //!
 //! ```text
-//! y_cjk = x_cjk.(theta + delta_c) + noise,     delta_c ~ N(0, tau^2)
+//! y_cjk = x_cjk.(theta + delta_c) + s_cjk.d_c + noise,     delta_c ~ N(0, tau^2),  d_c ~ N(0, u_c^2)
 //! ```
 //!
 //! with `theta` the coefficients, gyros `j`, campaigns `c`, dwells `k`. `delta` is what D0, G and E do from campaign to
 //! campaign beyond their noise (power-ups, seats, ageing). `tau` of each of the three families comes from the
 //! campaigns' own fits (DerSimonian and Laird 1986) and is zero where their scatter is within their noise. The weights
-//! are the noise that each campaign's own calibration finds.
+//! are the noise that each campaign's own calibration finds. `d` are the rotations of the station, as uncertain as it
+//! states ([`crate::core::calibrate::station`]) and others in each campaign: what no campaign is to be held against
+//! another for.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -16,10 +18,11 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::columns::columns;
 use super::identified::{FittedCampaign, Identified, ModelCoefficient, ModelGyro, NoiseLaw, Of, Validity};
-use crate::core::augmented::{Adopted, AugmentedModel, KnownEffect, Provenance};
+use super::programme::station_columns;
+use crate::core::augmented::{Adopted, AugmentedModel, KnownEffect, Options, Provenance};
 use crate::core::calibrate::design::Design;
 use crate::core::calibrate::noise::NoiseSource;
-use crate::core::calibrate::{Calibration, calibrate_referred};
+use crate::core::calibrate::{Calibration, calibrate_at_station};
 use crate::core::campaign::{Campaign, CampaignGyro, Dwell, Temperatures, TestKind};
 use crate::core::effects::{Estimate, GyroAxes, Refusal, Scope, Setting, axes};
 use crate::core::message::{Message, text};
@@ -215,8 +218,8 @@ impl ScatterScale {
         let by_repeats = matches!(gyro.noise.source, NoiseSource::SemAndRepeats | NoiseSource::Repeats);
         let gyros = if calibration.has_sem { &calibration.gyros[..] } else { std::slice::from_ref(gyro) };
         let squares: f64 =
-            gyros.iter().filter_map(|g| Some(g.residuals.component_div(g.sigma.as_ref()?).norm_squared())).sum();
-        let dof = gyros.iter().map(|g| g.dof).sum::<usize>() as f64;
+            gyros.iter().filter_map(|g| Some(g.left.0.component_div(g.sigma.as_ref()?).norm_squared())).sum();
+        let dof = gyros.iter().map(|g| g.left.1).sum::<usize>() as f64;
         let of_residuals = (squares / (dof - 2.0)).sqrt();
         if by_repeats && dof > 2.0 && of_residuals * factor > output {
             return Some(Self { of_sigma: of_residuals, of_weights: of_residuals * factor, dof });
@@ -247,7 +250,8 @@ impl<'a> ModelProblem<'a> {
         let part = |sample: &'a CampaignSample<'a>| -> Result<CampaignPart<'a>, NotIdentified> {
             let c = sample.campaign;
             let all: Vec<Adopted> = effects.iter().chain(&sample.occasions).cloned().collect();
-            let calibration = calibrate_referred(c, terms, &all, reference_c);
+            let options = Options { adopted: all, ..Options::default() };
+            let calibration = calibrate_at_station(c, terms, &options, reference_c);
             let scales = (0..c.gyros.len())
                 .map(|j| ScatterScale::of(&calibration, j).ok_or(NotIdentified::NoNoise(c.gyros[j].slot)));
             let scales = scales.collect::<Result<Vec<ScatterScale>, _>>()?;
@@ -378,11 +382,15 @@ fn stacked(
         self::coefficients(gyros, Terms::of(&[]), occasions, &part.setting.gyros, &[0.0; 3])
     };
     let owns: Vec<Vec<ModelCoefficient>> = parts.iter().map(own).collect();
-    let width = q + owns.iter().map(|own| own.len() + varying.len()).sum::<usize>();
-    let rows: usize = parts.iter().map(|part| part.sd.len() * part.setting.dwells() + varying.len()).sum();
+    let station = |part: &CampaignPart| station_columns(&part.setting, &part.sample.campaign.station_uncertainty);
+    let stations: Vec<DMatrix<f64>> = parts.iter().map(station).collect();
+    let turns = stations.iter().map(DMatrix::ncols).sum::<usize>();
+    let width = q + turns + owns.iter().map(|own| own.len() + varying.len()).sum::<usize>();
+    let rows: usize =
+        turns + parts.iter().map(|part| part.sd.len() * part.setting.dwells() + varying.len()).sum::<usize>();
     let (mut design, mut side, mut sd) = (DMatrix::zeros(rows, width), DVector::zeros(rows), Vec::with_capacity(rows));
     let (mut row, mut column) = (0, q);
-    for (part, own) in parts.iter().zip(&owns) {
+    for ((part, own), station) in parts.iter().zip(&owns).zip(&stations) {
         let n = part.setting.dwells();
         let height = part.sd.len() * n;
         let of_all = columns(&part.setting, coefficients, effects).matrix;
@@ -406,6 +414,12 @@ fn stacked(
             row += 1;
         }
         column += varying.len();
+        design.view_mut((row - varying.len() - height, column), (height, station.ncols())).copy_from(station);
+        for _ in 0..station.ncols() {
+            design[(row, column)] = 1.0;
+            sd.push(1.0);
+            (row, column) = (row + 1, column + 1);
+        }
     }
     (Factor::new(design, &sd), side)
 }

@@ -43,7 +43,7 @@ pub struct GyroForecast {
 /// [`NoForecast`], where the model is of something else.
 pub fn forecast(model: &Identified, campaign: &Campaign) -> Result<Forecast, NoForecast> {
     let programme = StackedDesign::of(model, campaign)?;
-    Ok(foretold(&programme, &Knowledge::of(model, campaign, model.effects.len())))
+    Ok(foretold(&programme, &Knowledge::of(model, campaign, &programme, model.effects.len())))
 }
 
 pub(super) fn foretold(programme: &StackedDesign, knowledge: &Knowledge) -> Forecast {

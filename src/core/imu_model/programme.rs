@@ -4,10 +4,10 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::columns::columns;
 use super::identified::{Identified, ModelGyro};
-use crate::core::calibrate::errors_as_weighed;
 use crate::core::calibrate::noise::t_variance;
-use crate::core::campaign::{Campaign, Temperatures, TestKind};
-use crate::core::effects::{Parameter, Refusal, Scope, Setting};
+use crate::core::calibrate::{errors_as_weighed, station};
+use crate::core::campaign::{Campaign, StationUncertainty, Temperatures, TestKind};
+use crate::core::effects::{CATALOGUE, Parameter, Refusal, Scope, Setting, Shape};
 use crate::core::message::{Message, figure, text};
 use crate::core::mounting::Slot;
 use crate::core::numerics::normal_equations::inverse_of_covariance;
@@ -67,12 +67,29 @@ pub(super) struct GyroOfBoth {
     pub t_variance: f64,
 }
 
+/// Whether the model has seen the like of a dwell.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Seen {
+    pub temperature: bool,
+    pub rate: bool,
+    pub attitude: bool,
+    /// K above the highest temperature seen, or below the lowest (negative).
+    pub beyond_k: f64,
+}
+
+impl Seen {
+    pub fn whole(self) -> bool {
+        self.temperature && self.rate && self.attitude
+    }
+}
+
 /// Rows of all gyros one after the other, dwell by dwell.
 #[derive(Debug, Clone)]
 pub(super) struct StackedDesign {
     pub gyros: Vec<GyroOfBoth>,
     pub dwells: usize,
-    /// pulse/s per unit of each coefficient.
+    /// pulse/s per unit of each coefficient, then of each rotation of the station in its standard uncertainty: drawn
+    /// anew in every campaign, the same in all dwells and gyros of one.
     pub columns: DMatrix<f64>,
     /// What held E make of the rates, pulse/s.
     pub held: DVector<f64>,
@@ -80,8 +97,8 @@ pub(super) struct StackedDesign {
     pub noise: DVector<f64>,
     /// What D_I and D_S of the row's gyro make of it, pulse/s per deg/(h g0).
     pub steps: Vec<[f64; 2]>,
-    /// Whether the model has seen such temperatures, rates and attitudes, by dwell.
-    pub seen: Vec<bool>,
+    pub seen: Vec<Seen>,
+    pub setting: Setting,
     /// Whether the scale of the noise is one for all gyros: a factor on stated standard errors.
     pub one_scale: bool,
     pub notes: Vec<Message>,
@@ -148,14 +165,17 @@ impl StackedDesign {
             // The scale is the mean of those of the campaigns.
             t_variance: t_variance(model.dof(Some(gyro.slot))),
         });
+        let stated =
+            if is_fitted_to(model, campaign) { StationUncertainty::default() } else { campaign.station_uncertainty };
         Ok(Self {
             gyros: asked.collect(),
             dwells: n,
-            columns: columns.matrix,
+            columns: beside(columns.matrix, &station_columns(&setting, &stated)),
             held,
             noise,
             steps,
             seen,
+            setting,
             one_scale,
             notes,
         })
@@ -167,11 +187,56 @@ impl StackedDesign {
         if is_fitted_to(model, campaign) { Err(NoForecast::FittedTo) } else { Ok(programme) }
     }
 
+    /// The same with whatever temperature may do beyond those seen: as much more of every effect that the catalogue has of
+    /// it as is plausible, straight and bent; and in each dwell for itself, as shapes that the catalogue lacks have it,
+    /// the largest size met in practice.
+    pub fn beyond_seen(&self) -> Self {
+        let n = self.dwells;
+        let beyond: Vec<f64> = self.seen.iter().map(|seen| seen.beyond_k).collect();
+        let furthest = beyond.iter().fold(0.0_f64, |most, k| most.max(k.abs()));
+        if furthest == 0.0 {
+            return self.clone();
+        }
+        let straight = Setting { temperature: Some(beyond.clone()), ..self.setting.clone() };
+        let bent = Setting { temperature: Some(beyond.iter().map(|k| k * k / furthest).collect()), ..straight.clone() };
+        let (mut columns, mut variance) = (Vec::new(), self.noise.component_mul(&self.noise));
+        for entry in CATALOGUE.iter().filter(|entry| entry.of_temperature) {
+            for j in 0..self.gyros.len() {
+                let scale = self.gyros[j].scale;
+                let of = |setting: &Setting| entry.regressors(setting, j, Shape::Linear);
+                for regressor in of(&straight) {
+                    (0..n).for_each(|k| variance[j * n + k] += (scale * entry.typical[1] * regressor[k]).powi(2));
+                }
+                for regressor in of(&straight).into_iter().chain(of(&bent)) {
+                    let of_row = |i: usize| if i / n == j { scale * entry.plausible * regressor[i % n] } else { 0.0 };
+                    columns.push(DVector::from_fn(variance.len(), |i, _| of_row(i)));
+                }
+            }
+        }
+        let columns = beside(self.columns.clone(), &DMatrix::from_columns(&columns));
+        Self { columns, noise: variance.map(f64::sqrt), ..self.clone() }
+    }
+
     /// Outputs of the gyros, less what held E make of the rates, pulse/s.
     pub fn measured(&self, campaign: &Campaign) -> DVector<f64> {
         let all = self.gyros.iter().flat_map(|gyro| campaign.dwells.iter().map(|d| d.output_pulse_s[gyro.place]));
         DVector::from_iterator(self.held.len(), all) - &self.held
     }
+}
+
+/// What each rotation that a station states makes of the outputs, gyro by gyro, dwell by dwell: pulse/s per standard
+/// uncertainty.
+pub(super) fn station_columns(setting: &Setting, stated: &StationUncertainty) -> DMatrix<f64> {
+    let n = setting.dwells();
+    let rotations = station::rotations(setting, stated);
+    DMatrix::from_fn(setting.gyros.len() * n, rotations.len(), |i, c| rotations[c].columns[i / n][i % n])
+}
+
+fn beside(left: DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
+    let (p, q) = (left.ncols(), right.ncols());
+    let mut both = left.resize_horizontally(p + q, 0.0);
+    both.columns_mut(p, q).copy_from(right);
+    both
 }
 
 fn is_fitted_to(model: &Identified, campaign: &Campaign) -> bool {
@@ -197,11 +262,14 @@ fn known<'a>(model: &'a Identified, campaign: &Campaign, notes: &mut Vec<Message
 }
 
 /// Notes what the model's campaigns have not shown; whether they have, dwell by dwell.
-fn outside(model: &Identified, campaign: &Campaign, setting: &Setting, notes: &mut Vec<Message>) -> Vec<bool> {
-    let mut seen = vec![true; setting.dwells()];
+fn outside(model: &Identified, campaign: &Campaign, setting: &Setting, notes: &mut Vec<Message>) -> Vec<Seen> {
+    let mut seen = vec![Seen { temperature: true, rate: true, attitude: true, beyond_k: 0.0 }; setting.dwells()];
     if let (Some([low, high]), Some(now)) = (model.validity.temperature_c, Temperatures::stated(campaign)) {
         let room = WARMER_K + 0.1 * (high - low);
-        seen.iter_mut().zip(&now).for_each(|(seen, t)| *seen &= (low - room..=high + room).contains(t));
+        for (seen, t) in seen.iter_mut().zip(&now) {
+            seen.temperature = (low - room..=high + room).contains(t);
+            seen.beyond_k = t - t.clamp(low, high);
+        }
         let (least, most) = now.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), t| (l.min(*t), m.max(*t)));
         if least < low - room || most > high + room {
             let [low, high, least, most] = [low, high, least, most].map(|t| figure(t, 1));
@@ -211,7 +279,7 @@ fn outside(model: &Identified, campaign: &Campaign, setting: &Setting, notes: &m
     let fastest = setting.rate.iter().map(|w| w.norm()).fold(0.0, f64::max);
     if fastest > FASTER * model.validity.rate_arcsec_s {
         let slow = |rate: &Vector3<f64>| rate.norm() <= FASTER * model.validity.rate_arcsec_s;
-        seen.iter_mut().zip(&setting.rate).for_each(|(seen, rate)| *seen &= slow(rate));
+        seen.iter_mut().zip(&setting.rate).for_each(|(seen, rate)| seen.rate = slow(rate));
         let (seen, now) = (figure(model.validity.rate_arcsec_s, 0), figure(fastest, 0));
         notes.push(message!("rate_outside_model", seen, now));
     }
@@ -219,7 +287,7 @@ fn outside(model: &Identified, campaign: &Campaign, setting: &Setting, notes: &m
         let along = |known: &Vector3<f64>| known.dot(force) / force.norm();
         force.norm() > 0.0 && model.validity.directions.iter().all(|known| along(known) < NEW_DIRECTION)
     };
-    seen.iter_mut().zip(&setting.force).for_each(|(seen, force)| *seen &= !is_new(&force));
+    seen.iter_mut().zip(&setting.force).for_each(|(seen, force)| seen.attitude = !is_new(&force));
     let new = setting.force.iter().filter(is_new).count();
     if new > 0 {
         notes.push(message!("attitudes_outside_model", dwells = new));
@@ -250,8 +318,9 @@ impl Knowledge {
     ///
     /// Without the others it is the fit in which they are zero, `theta - C_k C_kk^-1 k`: what the same campaigns say
     /// where nobody has adopted them. From campaign to campaign coefficients differ by `between`; the phase of a
-    /// cycle is any; effects of another station's table are none of this one's.
-    pub fn of(model: &Identified, campaign: &Campaign, effects: usize) -> Self {
+    /// cycle is any; effects of another station's table are none of this one's. What `programme` asks of beside the
+    /// model's coefficients is zero with unit variance.
+    pub fn of(model: &Identified, campaign: &Campaign, programme: &StackedDesign, effects: usize) -> Self {
         let mut knowledge = Self { values: model.values(), covariance: model.covariance.clone() };
         let omitted: Vec<usize> = (effects..model.effects.len()).flat_map(|e| model.of_effect(e)).collect();
         knowledge.condition(&omitted, &DVector::zeros(omitted.len()));
@@ -275,7 +344,10 @@ impl Knowledge {
                 knowledge.covariance[(place, place)] += coefficient.between.powi(2);
             }
         }
-        knowledge
+        let (p, all) = (model.coefficients.len(), programme.columns.ncols());
+        let mut covariance = knowledge.covariance.resize(all, all, 0.0);
+        (p..all).for_each(|place| covariance[(place, place)] = 1.0);
+        Self { values: knowledge.values.resize_vertically(all, 0.0), covariance }
     }
 
     /// Fixes the coefficients at `places` at `values`.

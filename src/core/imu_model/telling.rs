@@ -23,7 +23,7 @@ pub struct Telling {
 /// [`NoForecast`].
 pub fn most_telling(model: &Identified, campaign: &Campaign, most: usize) -> Result<Vec<Telling>, NoForecast> {
     let programme = StackedDesign::of(model, campaign)?;
-    let mut covariance = Knowledge::of(model, campaign, model.effects.len()).covariance;
+    let mut covariance = Knowledge::of(model, campaign, &programme, model.effects.len()).covariance;
     let mut chosen: Vec<Telling> = Vec::new();
     while chosen.len() < most {
         let left = (0..programme.dwells).filter(|k| chosen.iter().all(|one| one.dwell != *k));

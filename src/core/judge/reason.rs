@@ -125,7 +125,10 @@ impl Verdict {
                 said.push(message!("forecast_wide", step));
             }
             (State::Indeterminate, None, None) => said.push(message!("forecast_says_nothing")),
-            (State::Exceeded, ..) if campaigns == 1 => said.push(message!("forecast_of_one_campaign")),
+            (State::Exceeded, unseen, _) => {
+                said.extend(unseen.map(|unseen| message!("forecast_beyond_plausible", what = unseen.word())));
+                said.extend((campaigns == 1).then(|| message!("forecast_of_one_campaign")));
+            }
             _ => {}
         }
         said.extend(self.confirmed.then(|| message!("second_campaign")));

@@ -135,7 +135,7 @@ words_of_pages! {
     nothing_together several_note stations_not_compared outside_forecast_title outside_note forecast forecasts forecasts_note
     forecast_error forecast_ladder model_6 as_foretold forecast_indeterminate outside_forecast not_foretold
     error_in_sd effects_close nothing_to_close promised foretold_by  without_effects
-    effects_then_and_now in_model in_campaign changed_word yes no cannot_tell change_undecided by_the_change as_measured
+    effects_then_and_now in_model in_campaign changed_word yes no cannot_tell change_undecided change_beyond_seen by_the_change as_measured
     adopted_models
     adopted_models_note plain_model adopt adopt_what undo_model in_force_again undo_model_what adopted_at model_word stated_at campaigns_stated author in_force all_moved_by
     budgets_or_more wrong_file median_word share_of_budget_unit percent_sign percent_a_year of_budget_unit

@@ -118,14 +118,14 @@ impl Diagnoser {
         if let Some(end) = under_way.get(&key) {
             return Ok(end.clone());
         }
-        let campaign = campaign_of(row)?;
+        let campaign = self.config.stations.complete(campaign_of(row)?);
         let (ended, end) = watch::channel(None);
         under_way.insert(key.clone(), end.clone());
         let (diagnoser, imu) = (self.clone(), row.imu);
         tokio::spawn(async move {
             let gyros = seats(&campaign);
-            let judging = &diagnoser.reader.config.judging;
-            let forecaster = Forecaster::of(&diagnoser.reader.store, judging, (key.0, imu), &campaign).await;
+            let Reader { store, config, .. } = &diagnoser.reader;
+            let forecaster = Forecaster::of(store, config, (key.0, imu), &campaign).await;
             let forecaster = forecaster.inspect_err(|error| {
                 tracing::warn!(%error, campaign = %key.0, "what foretells a campaign cannot be read");
             });

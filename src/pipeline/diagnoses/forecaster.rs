@@ -1,7 +1,7 @@
 //! What foretells a stored campaign: the model in force when it came in, and the campaigns before it.
 
 use super::models::{InForce, read};
-use crate::config::Judging;
+use crate::config::Config;
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::imu_model::{CampaignSample, Identified, changed, compare, identify, ladder, promised};
 use crate::core::judge::Limit;
@@ -30,7 +30,7 @@ impl Forecaster {
     /// Of the campaign `id` of the IMU with number `imu`.
     pub async fn of(
         store: &Store,
-        judging: &Judging,
+        config: &Config,
         (id, imu): (Id, u32),
         campaign: &Campaign,
     ) -> Result<Self, StoreError> {
@@ -43,6 +43,7 @@ impl Forecaster {
                 continue;
             }
             let Some(earlier) = stored(store, head.id).await? else { continue };
+            let earlier = config.stations.complete(earlier);
             if are_alike(&earlier, campaign) {
                 before.push((head.id, earlier));
             } else if has_gyros_of(&earlier, campaign)
@@ -54,7 +55,7 @@ impl Forecaster {
         }
         // One that holds E, or fits it, is foretold by those that do not as well.
         let before = if before.is_empty() { otherwise } else { before };
-        let limits = judging.limits(campaign.imu.as_str(), "").forecast();
+        let limits = config.judging.limits(campaign.imu.as_str(), "").forecast();
         Ok(Self { id, before, in_force, limits })
     }
 

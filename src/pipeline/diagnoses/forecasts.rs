@@ -47,7 +47,9 @@ impl Diagnoses {
     /// The forecast of a campaign made now, and dwell by dwell; none where there is no such campaign.
     async fn made(&self, id: Id, imu: u32) -> Result<Option<(ForecastPointBody, Option<ForecastBody>)>, StorageError> {
         let Some(campaign) = stored(&self.store, id).await? else { return Ok(None) };
-        let forecaster = Forecaster::of(&self.store, &self.reader.config.judging, (id, imu), &campaign).await?;
+        let config = &self.reader.config;
+        let campaign = config.stations.complete(campaign);
+        let forecaster = Forecaster::of(&self.store, config, (id, imu), &campaign).await?;
         let work = words::spawn_blocking(move || {
             let told = forecaster.foretold(&campaign);
             (forecaster.point_of(&campaign, told.as_ref()), told.ok())

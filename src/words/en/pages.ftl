@@ -637,6 +637,7 @@ page_yes = yes
 page_no = no
 page_cannot_tell = cannot tell
 page_change_undecided = Cannot tell: the gyro shows more than the model holds. That may be what has changed.
+page_change_beyond_seen = Cannot tell: the campaign lies beyond the temperatures that the model has seen. The effect may be bent there.
 page_by_the_change = by the change
 page_as_measured = as measured
 page_adopted_models = Adopted models

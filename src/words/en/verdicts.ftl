@@ -83,6 +83,7 @@ limit_of_forecast = Limit { $limit }: chance exceeds it in { $percent } % of cam
 
 # How certain it is.
 forecast_unseen = It says nothing: the model has not seen { $what }.
+forecast_beyond_plausible = The model has not seen { $what }, but no effect of plausible size reaches that far beyond what it has.
 forecast_wide = It says nothing: only a step of D_I and D_S of { $step } or more is sure to show.
 forecast_says_nothing = It says nothing: no step of D_I and D_S would show.
 forecast_of_one_campaign = The model is of one campaign: what usually changes between campaigns may be all of it.

@@ -619,6 +619,7 @@ page_yes = 是
 page_no = 否
 page_cannot_tell = 无法判断
 page_change_undecided = 无法判断：该陀螺的残差超出模型所含的内容，改变的可能是模型之外的某项。
+page_change_beyond_seen = 无法判断：本次试验超出模型见过的温度，该效应在那里可能并非线性。
 page_by_the_change = 由此改变引起
 page_as_measured = 测试温度下
 page_adopted_models = 已采用的模型

@@ -49,6 +49,7 @@ terminal_changed_head = 效应 | 陀螺 | 系数 | 模型 | 本次 | 单位 | p 
 terminal_no = 否
 terminal_cannot_tell = 无法判断
 terminal_cannot_tell_why = 无法判断：该陀螺的表现超出模型所含，变化的可能正是这部分
+terminal_cannot_tell_beyond = 无法判断：本次试验超出模型见过的温度，该效应在那里可能并非线性
 terminal_moved_by = { $slot }的{ $coefficient }：因变化而移动{ $shift } (°)/(h·g0)
 terminal_diagnosed = 已诊断{ $count }次试验
 terminal_clean = { $count }次在噪声范围内

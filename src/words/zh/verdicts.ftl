@@ -87,6 +87,7 @@ held_within = 已回到限值之内：一次标定低于{ $below }（限值的{ 
 held_requirement = 已回到要求之内：{ $campaigns }次标定符合要求，告警才结束。
 held_undecided = 已不能确定：一次标定在限值之内，告警才结束。
 forecast_unseen = 无法判断：模型未见过{ $what }。
+forecast_beyond_plausible = 模型未见过{ $what }，但合理大小的效应外推不到这么远。
 forecast_wide = 无法判断：D_I、D_S的阶跃达到{ $step }才必然可见。
 forecast_says_nothing = 无法判断：D_I、D_S的任何阶跃都不可见。
 forecast_of_one_campaign = 模型仅来自一次标定：差异可能只是各次标定之间的通常变化。

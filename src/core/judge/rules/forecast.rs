@@ -7,7 +7,8 @@
 //! must lie below [`FALSE_ALARMS`]/m (Bonferroni).
 //!
 //! A step `d` of D_I or D_S adds `d^2 telling` to the sum of squares. A forecast that would not show a step of the
-//! limit says nothing of a gyro that lies within, nor one of conditions that the model has not seen of any gyro.
+//! limit says nothing of a gyro that lies within, nor one of conditions that the model has not seen of any gyro: but for
+//! errors that nothing plausible makes there.
 
 use crate::core::judge::{Coefficient, Finding, Limit, Rule, State, Unseen, Verdict};
 use crate::core::mounting::Slot;
@@ -30,6 +31,9 @@ pub struct ForetoldGyro {
     pub squares: f64,
     /// What a step of D_I and of D_S of 1 deg/(h g0) adds to `squares`.
     pub telling: [f64; 2],
+    /// Where most dwells are unlike those seen: number and sum of squares as they are with all that temperature may
+    /// plausibly do beyond.
+    pub beyond_seen: Option<(usize, f64)>,
     /// The dwell that is furthest from its forecast, and its error over its standard deviation.
     pub furthest: Option<(usize, f64)>,
 }
@@ -50,8 +54,15 @@ pub fn forecast(foretold: &Foretold, limits: [Option<Limit>; 2]) -> Option<Verdi
     let gyros: Vec<&ForetoldGyro> = foretold.gyros.iter().filter(|gyro| gyro.count > 0).collect();
     let each = FALSE_ALARMS / gyros.len() as f64;
     let p_of = |gyro: &ForetoldGyro| squares_tail(gyro.squares, gyro.count, gyro.dof);
-    let worst = gyros.iter().min_by(|a, b| p_of(a).total_cmp(&p_of(b)))?;
-    let (n, p) = (worst.count as f64, p_of(worst));
+    let p_beyond =
+        |gyro: &ForetoldGyro| gyro.beyond_seen.map_or(1.0, |(count, squares)| squares_tail(squares, count, gyro.dof));
+    let worst_by = |p: &dyn Fn(&ForetoldGyro) -> f64| {
+        gyros.iter().copied().map(|gyro| (gyro, p(gyro))).min_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let beyond = worst_by(&p_beyond).filter(|(_, p)| foretold.unseen.is_some() && *p < each);
+    let is_beyond = beyond.is_some();
+    let (worst, p) = beyond.or_else(|| worst_by(&p_of))?;
+    let n = worst.count as f64;
     let quantile = |gyro: &ForetoldGyro| squares_quantile(each, gyro.count, gyro.dof);
     let shown = gyros.iter().flat_map(|gyro| {
         let step = smallest_step(gyro, quantile(gyro));
@@ -59,6 +70,7 @@ pub fn forecast(foretold: &Foretold, limits: [Option<Limit>; 2]) -> Option<Verdi
     });
     let (step, budget) = shown.flatten().max_by(|a, b| (a.0 / a.1).total_cmp(&(b.0 / b.1)))?;
     let state = match (foretold.unseen, p < each) {
+        (Some(_), _) if is_beyond => State::Exceeded,
         (Some(_), _) => State::Indeterminate,
         (None, true) => State::Exceeded,
         (None, false) if step > budget => State::Indeterminate,
@@ -95,7 +107,15 @@ mod tests {
 
     fn gyro(slot: Slot, squares: f64) -> ForetoldGyro {
         let telling = [4e6, 4e6];
-        ForetoldGyro { slot, count: 100, dof: f64::INFINITY, squares, telling, furthest: Some((7, 3.5)) }
+        ForetoldGyro {
+            slot,
+            count: 100,
+            dof: f64::INFINITY,
+            squares,
+            telling,
+            beyond_seen: None,
+            furthest: Some((7, 3.5)),
+        }
     }
 
     fn told(squares: [f64; 3]) -> Foretold {
@@ -154,6 +174,13 @@ mod tests {
         let unseen = Foretold { unseen: Some(Unseen::Temperature), ..told([400.0, 90.0, 110.0]) };
         let verdict = judged(&unseen);
         assert_eq!((verdict.state, verdict.severity()), (State::Indeterminate, None));
+        let mut far = unseen.clone();
+        far.gyros.iter_mut().for_each(|gyro| gyro.beyond_seen = Some((60, 70.0)));
+        assert_eq!(judged(&far).state, State::Indeterminate, "temperature may have done that");
+        far.gyros[1].beyond_seen = Some((60, 200.0));
+        let verdict = judged(&far);
+        assert_eq!(verdict.state, State::Exceeded, "nothing plausible reaches that far");
+        assert!(matches!(verdict.finding, Finding::Forecast { slot: Slot::G2, unseen: Some(Unseen::Temperature), .. }));
         assert_eq!(forecast(&Foretold { gyros: Vec::new(), ..unseen }, [Some(LIMIT); 2]), None);
     }
 }

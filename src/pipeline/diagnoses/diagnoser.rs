@@ -118,7 +118,7 @@ impl Diagnoser {
         if let Some(end) = under_way.get(&key) {
             return Ok(end.clone());
         }
-        let campaign = self.config.stations.complete(campaign_of(row)?);
+        let campaign = self.reader.config.stations.complete(campaign_of(row)?);
         let (ended, end) = watch::channel(None);
         under_way.insert(key.clone(), end.clone());
         let (diagnoser, imu) = (self.clone(), row.imu);

@@ -14,22 +14,22 @@ use utoipa_axum::router::{OpenApiRouter, UtoipaMethodRouter};
 use crate::core::access::Role;
 
 /// The least role that a route takes; none: it takes no token.
-pub type Least = Option<Role>;
+pub type MinimumRole = Option<Role>;
 
-pub const ANYONE: Least = None;
-pub const VIEWER: Least = Some(Role::Viewer);
-pub const STATION: Least = Some(Role::Station);
-pub const ENGINEER: Least = Some(Role::Engineer);
-pub const ADMIN: Least = Some(Role::Admin);
+pub const ANYONE: MinimumRole = None;
+pub const VIEWER: MinimumRole = Some(Role::Viewer);
+pub const STATION: MinimumRole = Some(Role::Station);
+pub const ENGINEER: MinimumRole = Some(Role::Engineer);
+pub const ADMIN: MinimumRole = Some(Role::Admin);
 
 /// What a request to the API may say beside its path and body, as it is described.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Takes {
+pub struct AcceptedInputs {
     pub parameters: Vec<String>,
     pub headers: Vec<String>,
 }
 
-impl Takes {
+impl AcceptedInputs {
     fn of(operation: &Operation) -> Self {
         let names = |place: ParameterIn| {
             let described = operation.parameters.iter().flatten().filter_map(|one| match one {
@@ -47,9 +47,9 @@ impl Takes {
 pub struct AccessRule {
     pub method: Method,
     pub path: String,
-    pub least: Least,
+    pub least: MinimumRole,
     /// None of a page, which reads what it needs.
-    pub takes: Option<Takes>,
+    pub takes: Option<AcceptedInputs>,
 }
 
 /// A router that knows who may use it.
@@ -67,13 +67,13 @@ impl<S: Clone + Send + Sync + 'static> Default for Routes<S> {
 impl<S: Clone + Send + Sync + 'static> Routes<S> {
     /// A route of the API: `utoipa_axum::routes!` of a handler, which says method and path itself.
     #[must_use]
-    pub fn api(mut self, least: Least, mut handler: UtoipaMethodRouter<S>) -> Self {
+    pub fn api(mut self, least: MinimumRole, mut handler: UtoipaMethodRouter<S>) -> Self {
         for (path, item) in &mut handler.1.paths {
             let rule = |(method, operation): (Method, &mut Operation)| AccessRule {
                 method,
                 path: path.clone(),
                 least,
-                takes: Some(Takes::of(operation)),
+                takes: Some(AcceptedInputs::of(operation)),
             };
             self.rules.extend(operations(item).map(rule));
         }
@@ -82,17 +82,17 @@ impl<S: Clone + Send + Sync + 'static> Routes<S> {
 
     /// A page.
     #[must_use]
-    pub fn get<H: Handler<T, S>, T: 'static>(self, least: Least, path: &str, handler: H) -> Self {
+    pub fn get<H: Handler<T, S>, T: 'static>(self, least: MinimumRole, path: &str, handler: H) -> Self {
         self.page(Method::GET, path, least, routing::get(handler))
     }
 
     /// What a form on a page is sent to.
     #[must_use]
-    pub fn post<H: Handler<T, S>, T: 'static>(self, least: Least, path: &str, handler: H) -> Self {
+    pub fn post<H: Handler<T, S>, T: 'static>(self, least: MinimumRole, path: &str, handler: H) -> Self {
         self.page(Method::POST, path, least, routing::post(handler))
     }
 
-    fn page(mut self, method: Method, path: &str, least: Least, handler: MethodRouter<S>) -> Self {
+    fn page(mut self, method: Method, path: &str, least: MinimumRole, handler: MethodRouter<S>) -> Self {
         self.rules.push(AccessRule { method, path: path.to_owned(), least, takes: None });
         self.map(|router| router.route(path, handler))
     }
@@ -142,7 +142,7 @@ pub fn operations(item: &mut PathItem) -> impl Iterator<Item = (Method, &mut Ope
 }
 
 #[derive(Debug)]
-pub struct Rules(HashMap<String, HashMap<Method, (Least, Option<Takes>)>>);
+pub struct Rules(HashMap<String, HashMap<Method, (MinimumRole, Option<AcceptedInputs>)>>);
 
 impl Rules {
     /// By path and method.
@@ -155,15 +155,15 @@ impl Rules {
     }
 
     /// Who may use a method of a path; none where it does not take the method.
-    pub fn get(&self, method: &Method, path: &str) -> Option<Least> {
+    pub fn get(&self, method: &Method, path: &str) -> Option<MinimumRole> {
         Some(self.rule(method, path)?.0)
     }
 
-    pub fn takes(&self, method: &Method, path: &str) -> Option<&Takes> {
+    pub fn takes(&self, method: &Method, path: &str) -> Option<&AcceptedInputs> {
         self.rule(method, path)?.1.as_ref()
     }
 
-    fn rule(&self, method: &Method, path: &str) -> Option<&(Least, Option<Takes>)> {
+    fn rule(&self, method: &Method, path: &str) -> Option<&(MinimumRole, Option<AcceptedInputs>)> {
         let method = if *method == Method::HEAD { &Method::GET } else { method };
         self.0.get(path)?.get(method)
     }

@@ -8,7 +8,7 @@ use reqwest::header::{AUTHORIZATION, CONTENT_TYPE, HeaderMap, HeaderValue, LOCAT
 use reqwest::{Certificate, Client, Response, StatusCode};
 use url::Url;
 
-use super::mail::{Mailer, Unsent, recipients};
+use super::mail::{Mailer, SendFailure, recipients};
 use super::message::HookKind;
 use super::payload::Payload;
 use super::resolver::{GuardedResolver, ResolveError};
@@ -131,14 +131,14 @@ impl Courier {
     pub async fn mail(&self, to: Destination<'_>, id: &str, payload: &Payload) -> Attempt {
         let started = Instant::now();
         let sending = async {
-            let mailer = self.mailer.as_ref().ok_or_else(|| Unsent::later(message!("no_mail_server")))?;
-            mailer.send(recipients(to.url).map_err(Unsent::later)?, id, payload).await
+            let mailer = self.mailer.as_ref().ok_or_else(|| SendFailure::later(message!("no_mail_server")))?;
+            mailer.send(recipients(to.url).map_err(SendFailure::later)?, id, payload).await
         };
         let (outcome, status, detail) = match sending.await {
             Ok(code) => (DeliveryOutcome::Delivered, Some(code), None),
-            Err(Unsent { why, for_good: true, .. }) => (DeliveryOutcome::Refused, None, Some(why)),
-            Err(Unsent { why, status, taken_by_some: true, .. }) => (DeliveryOutcome::Partly, status, Some(why)),
-            Err(Unsent { why, status, .. }) => (DeliveryOutcome::Failed { retry_after: None }, status, Some(why)),
+            Err(SendFailure { why, for_good: true, .. }) => (DeliveryOutcome::Refused, None, Some(why)),
+            Err(SendFailure { why, status, taken_by_some: true, .. }) => (DeliveryOutcome::Partly, status, Some(why)),
+            Err(SendFailure { why, status, .. }) => (DeliveryOutcome::Failed { retry_after: None }, status, Some(why)),
         };
         Attempt { outcome, status, detail, answer: None, took: started.elapsed() }
     }

@@ -60,7 +60,7 @@ impl MailError {
 
 /// Why an e-mail was not handed over.
 #[derive(Debug)]
-pub struct Unsent {
+pub struct SendFailure {
     pub why: Message,
     /// What the server says of this message, where it answers: of a recipient who may take it later.
     pub status: Option<u16>,
@@ -91,7 +91,7 @@ impl Mailer {
     ///
     /// # Errors
     /// What the server, or the way to it, said: of any recipient who may still get it, or of all.
-    pub async fn send(&self, to: Mailboxes, id: &str, payload: &Payload) -> Result<u16, Unsent> {
+    pub async fn send(&self, to: Mailboxes, id: &str, payload: &Payload) -> Result<u16, SendFailure> {
         let said = String::from_utf8_lossy(&payload.body);
         let (subject, body) = said.split_once("\n\n").unwrap_or((&said, ""));
         let mut mail = lettre::Message::builder()
@@ -102,7 +102,7 @@ impl Mailer {
         for recipient in to {
             mail = mail.to(recipient);
         }
-        let unsendable = |why: Parameter| Unsent::later(message!("mail_failed", why));
+        let unsendable = |why: Parameter| SendFailure::later(message!("mail_failed", why));
         let mail = mail.body(body.to_owned()).map_err(|error| unsendable(text(error)))?;
         let (envelope, mail) = (mail.envelope(), mail.formatted());
         let taken = self.taken_of(id);
@@ -117,8 +117,8 @@ impl Mailer {
                     accepted = Some(code);
                     self.note(id, recipient);
                 }
-                Err(Unsent { why, for_good: true, .. }) => refused.push(unserved(&recipient, why)),
-                Err(Unsent { why, status: said, .. }) => {
+                Err(SendFailure { why, for_good: true, .. }) => refused.push(unserved(&recipient, why)),
+                Err(SendFailure { why, status: said, .. }) => {
                     status = status.or(said);
                     later.push(unserved(&recipient, why));
                 }
@@ -133,17 +133,17 @@ impl Mailer {
         }
         let for_good = later.is_empty();
         let why = list(later.into_iter().chain(refused));
-        Err(Unsent { for_good, status, taken_by_some: accepted.is_some(), ..unsendable(why) })
+        Err(SendFailure { for_good, status, taken_by_some: accepted.is_some(), ..unsendable(why) })
     }
 
-    async fn hand_over(&self, recipient: Address, mail: &[u8]) -> (Address, Result<u16, Unsent>) {
+    async fn hand_over(&self, recipient: Address, mail: &[u8]) -> (Address, Result<u16, SendFailure>) {
         let sending = async {
             let alone = Envelope::new(Some(self.from.email.clone()), vec![recipient.clone()])
-                .map_err(|error| Unsent::later(Message::verbatim(error)))?;
-            self.transport.send_raw(&alone, mail).await.map_err(|error| Unsent::of(&error))
+                .map_err(|error| SendFailure::later(Message::verbatim(error)))?;
+            self.transport.send_raw(&alone, mail).await.map_err(|error| SendFailure::of(&error))
         };
         let sent = tokio::time::timeout(self.limit, sending).await;
-        let in_vain = || Unsent::later(message!("no_answer_in_time"));
+        let in_vain = || SendFailure::later(message!("no_answer_in_time"));
         (recipient, sent.unwrap_or_else(|_| Err(in_vain())).map(|answer| answer.code().into()))
     }
 
@@ -170,7 +170,7 @@ const TAKEN: u16 = 250;
 /// The server is closing down: that is not of the message.
 const CLOSING: u16 = 421;
 
-impl Unsent {
+impl SendFailure {
     /// It may be sent later.
     pub fn later(why: Message) -> Self {
         Self { why, status: None, taken_by_some: false, for_good: false }

@@ -105,7 +105,7 @@ impl<'a> Structure<'a> {
     fn true_times(&self) -> Vec<f64> {
         let time = |cause: &Cause| match &cause.kind {
             CauseKind::Catalogue(effect) => effect.own_time_h(),
-            CauseKind::Outside(_) => None,
+            CauseKind::Uncatalogued(_) => None,
         };
         self.causes.iter().filter_map(time).collect()
     }

@@ -1,7 +1,7 @@
 //! Talks to a running service the way a station does.
 //!
 //! Every answer is sorted into one of three: the service has the document ([`Sent`]), the document is at fault
-//! ([`Sent::Refused`]), or something else is ([`Trouble`]): then the document stays where it is.
+//! ([`Sent::Refused`]), or something else is ([`ClientError`]): then the document stays where it is.
 
 use std::fmt::Display;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -40,35 +40,35 @@ pub enum Sent {
 
 /// Why nothing can be said about the document.
 #[derive(Debug, PartialEq)]
-pub enum Trouble {
+pub enum ClientError {
     /// No service answers at the address.
-    Away(String),
+    Unreachable(String),
     /// It answers that it is busy or unwell: sending again can help.
-    Again { why: String, after: Option<Duration> },
+    Retry { why: String, after: Option<Duration> },
     /// It cannot, until somebody changes the address, the token or the service; the status, where that says so.
-    Stop { status: Option<StatusCode>, why: String },
+    Fatal { status: Option<StatusCode>, why: String },
 }
 
-impl Trouble {
+impl ClientError {
     pub fn stop(status: impl Into<Option<StatusCode>>, why: String) -> Self {
-        Self::Stop { status: status.into(), why }
+        Self::Fatal { status: status.into(), why }
     }
 
     /// Whether there is nothing at the address that was asked.
     pub fn is_not_found(&self) -> bool {
-        matches!(self, Self::Stop { status: Some(StatusCode::NOT_FOUND), .. })
+        matches!(self, Self::Fatal { status: Some(StatusCode::NOT_FOUND), .. })
     }
 }
 
-impl std::fmt::Display for Trouble {
+impl std::fmt::Display for ClientError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Away(why) | Self::Again { why, .. } | Self::Stop { why, .. } => f.write_str(why),
+            Self::Unreachable(why) | Self::Retry { why, .. } | Self::Fatal { why, .. } => f.write_str(why),
         }
     }
 }
 
-impl std::error::Error for Trouble {}
+impl std::error::Error for ClientError {}
 
 /// One line of the answer of `POST /v1/import`.
 #[derive(Debug, Deserialize)]
@@ -119,7 +119,7 @@ pub struct Service {
     token: Token,
     http: reqwest::Client,
     /// The query of what is sent: who is told of what is found late.
-    telling: &'static str,
+    notify_query: &'static str,
 }
 
 /// Where the service is, and how it is spoken to.
@@ -201,12 +201,12 @@ impl Service {
         let client = client.context("--proxy")?;
         let client = if authorities.is_empty() { client } else { client.tls_certs_merge(authorities) };
         let http = client.build()?;
-        Ok(Self { base: base.trim_end_matches('/').to_owned(), token, http, telling: "" })
+        Ok(Self { base: base.trim_end_matches('/').to_owned(), token, http, notify_query: "" })
     }
 
     /// Has everything that is sent say who is told of what is found late.
-    pub fn telling(self, query: &'static str) -> Self {
-        Self { telling: query, ..self }
+    pub fn with_notify_query(self, query: &'static str) -> Self {
+        Self { notify_query: query, ..self }
     }
 
     pub fn base(&self) -> &str {
@@ -223,30 +223,30 @@ impl Service {
     }
 
     /// As [`Service::get`], telling what another try may help from what it does not.
-    pub async fn ask(&self, route: &str) -> Result<Value, Trouble> {
+    pub async fn ask(&self, route: &str) -> Result<Value, ClientError> {
         let (status, after, body) = self.answer(self.request(Method::GET, route)).await?;
         if status == StatusCode::OK {
             return serde_json::from_slice(&body).map_err(|error| foreign(None, error));
         }
         Err(match sort(status, after, &body)? {
-            Sent::Refused(problem) => Trouble::stop(status, format!("{status}: {}", problem.detail)),
+            Sent::Refused(problem) => ClientError::stop(status, format!("{status}: {}", problem.detail)),
             Sent::Stored(_) | Sent::Known(_) => foreign(status, format!("{route}: {status}")),
         })
     }
 
     /// Posts one document to its own endpoint.
-    pub async fn post(&self, route: &str, content_type: &str, body: Bytes) -> Result<Sent, Trouble> {
+    pub async fn post(&self, route: &str, content_type: &str, body: Bytes) -> Result<Sent, ClientError> {
         let (status, after, body) = self.call(route, content_type, body).await?;
         sort(status, after, &body)
     }
 
     /// Posts a batch of lines; one answer a line, in order.
-    pub async fn import(&self, lines: Bytes, count: usize) -> Result<Vec<ImportLineAnswer>, Trouble> {
+    pub async fn import(&self, lines: Bytes, count: usize) -> Result<Vec<ImportLineAnswer>, ClientError> {
         let (status, after, body) = self.call("/v1/import", NDJSON, lines).await?;
         if status != StatusCode::OK {
             return Err(match sort(status, after, &body)? {
                 Sent::Refused(problem) => {
-                    Trouble::stop(status, said(message!("terminal_batch_refused", why = problem.detail)))
+                    ClientError::stop(status, said(message!("terminal_batch_refused", why = problem.detail)))
                 }
                 Sent::Stored(_) | Sent::Known(_) => foreign(status, format!("/v1/import: {status}")),
             });
@@ -258,7 +258,7 @@ impl Service {
             Ok(answers) => {
                 let (sent, answered) = (count.to_string(), answers.len().to_string());
                 let why = said(message!("terminal_answers_missing", sent, answered));
-                Err(Trouble::Again { why, after: None })
+                Err(ClientError::Retry { why, after: None })
             }
             Err(error) => Err(foreign(None, error)),
         }
@@ -274,9 +274,9 @@ impl Service {
         route: &str,
         content_type: &str,
         body: Bytes,
-    ) -> Result<(StatusCode, Option<Duration>, Bytes), Trouble> {
+    ) -> Result<(StatusCode, Option<Duration>, Bytes), ClientError> {
         self.answer(
-            self.request(Method::POST, &format!("{route}{}", self.telling))
+            self.request(Method::POST, &format!("{route}{}", self.notify_query))
                 .body(body)
                 .header(CONTENT_TYPE, content_type),
         )
@@ -284,7 +284,10 @@ impl Service {
     }
 
     /// Where the token is refused and its file holds another one by now, it is asked once more with that.
-    async fn answer(&self, request: reqwest::RequestBuilder) -> Result<(StatusCode, Option<Duration>, Bytes), Trouble> {
+    async fn answer(
+        &self,
+        request: reqwest::RequestBuilder,
+    ) -> Result<(StatusCode, Option<Duration>, Bytes), ClientError> {
         let (again, token) = (request.try_clone(), self.token.now());
         let answer = self.answer_to(request, token.as_deref()).await?;
         match again.filter(|_| answer.0 == StatusCode::UNAUTHORIZED && self.token.read_again(token.as_deref())) {
@@ -301,7 +304,7 @@ impl Service {
         &self,
         request: reqwest::RequestBuilder,
         token: Option<&str>,
-    ) -> Result<(StatusCode, Option<Duration>, Bytes), Trouble> {
+    ) -> Result<(StatusCode, Option<Duration>, Bytes), ClientError> {
         let request = match token {
             Some(token) => request.bearer_auth(token),
             None => request,
@@ -310,7 +313,7 @@ impl Service {
             let why = if error.is_timeout() { message!("no_answer_in_time") } else { cause::root_of(&error) };
             let why = said(message!("terminal_cannot_reach", address = self.base.clone(), why));
             // A certificate is mended by a person.
-            if cause::is_of_certificate(&error) { Trouble::stop(None, why) } else { Trouble::Away(why) }
+            if cause::is_of_certificate(&error) { ClientError::stop(None, why) } else { ClientError::Unreachable(why) }
         };
         let answer = request.send().await.map_err(away)?;
         let status = answer.status();
@@ -321,13 +324,13 @@ impl Service {
 }
 
 /// What answers is something else, such as a proxy.
-fn foreign(status: impl Into<Option<StatusCode>>, what: impl Display) -> Trouble {
-    Trouble::stop(status, format!("{} ({what})", word("terminal_foreign_answer")))
+fn foreign(status: impl Into<Option<StatusCode>>, what: impl Display) -> ClientError {
+    ClientError::stop(status, format!("{} ({what})", word("terminal_foreign_answer")))
 }
 
 /// A 2xx counts only with the JSON of the service in it, so that a proxy's "200 OK" page acknowledges nothing; and
 /// only what the document itself can cause refuses it.
-fn sort(status: StatusCode, after: Option<Duration>, body: &[u8]) -> Result<Sent, Trouble> {
+fn sort(status: StatusCode, after: Option<Duration>, body: &[u8]) -> Result<Sent, ClientError> {
     let problem = || serde_json::from_slice::<ProblemBody>(body).ok();
     match status.as_u16() {
         code @ (200..=202) => match serde_json::from_slice::<Value>(body) {
@@ -340,8 +343,8 @@ fn sort(status: StatusCode, after: Option<Duration>, body: &[u8]) -> Result<Sent
             Some(problem) => Ok(Sent::Refused(problem)),
             None => Err(foreign(status, status)),
         },
-        408 | 425 | 429 | 500.. => Err(Trouble::Again { why: why(status, body), after }),
-        _ => Err(Trouble::stop(status, why(status, body))),
+        408 | 425 | 429 | 500.. => Err(ClientError::Retry { why: why(status, body), after }),
+        _ => Err(ClientError::stop(status, why(status, body))),
     }
 }
 
@@ -361,7 +364,7 @@ mod tests {
 
     const PROBLEM: &[u8] = br#"{"title":"T","status":422,"detail":"D","errors":[{"pointer":"/imu","detail":"x"}]}"#;
 
-    fn sorted(status: u16, body: &[u8]) -> Result<Sent, Trouble> {
+    fn sorted(status: u16, body: &[u8]) -> Result<Sent, ClientError> {
         sort(StatusCode::from_u16(status).unwrap(), None, body)
     }
 
@@ -372,22 +375,22 @@ mod tests {
         }
         assert!(matches!(sorted(200, br#"{"id":"r1"}"#), Ok(Sent::Known(_))));
         for page in [&b"<html>Welcome to the guest network</html>"[..], b"{}", b""] {
-            assert!(matches!(sorted(200, page), Err(Trouble::Stop { .. })));
+            assert!(matches!(sorted(200, page), Err(ClientError::Fatal { .. })));
         }
-        assert!(matches!(sorted(302, b""), Err(Trouble::Stop { .. })));
+        assert!(matches!(sorted(302, b""), Err(ClientError::Fatal { .. })));
     }
 
     #[test]
     fn only_the_documents_own_faults_refuse_it() {
         for status in [400, 409, 413, 415, 422] {
             assert!(matches!(sorted(status, PROBLEM), Ok(Sent::Refused(_))), "{status}");
-            assert!(matches!(sorted(status, b"<html>"), Err(Trouble::Stop { .. })), "{status}");
+            assert!(matches!(sorted(status, b"<html>"), Err(ClientError::Fatal { .. })), "{status}");
         }
         for status in [401, 403, 404, 405] {
-            assert!(matches!(sorted(status, PROBLEM), Err(Trouble::Stop { .. })), "{status}");
+            assert!(matches!(sorted(status, PROBLEM), Err(ClientError::Fatal { .. })), "{status}");
         }
         for status in [408, 429, 500, 502, 503, 507] {
-            assert!(matches!(sorted(status, PROBLEM), Err(Trouble::Again { .. })), "{status}");
+            assert!(matches!(sorted(status, PROBLEM), Err(ClientError::Retry { .. })), "{status}");
         }
     }
 

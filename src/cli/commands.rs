@@ -18,7 +18,7 @@ pub enum Command {
     Template(template::Template),
     Codes(codes::Codes),
     Completions(completions::Completions),
-    Man(completions::Man),
+    Man(completions::ManPage),
 }
 
 impl Command {

@@ -27,12 +27,12 @@ impl Completions {
 
 /// Print the manual page, or write a page for each command into a directory
 #[derive(Debug, Args)]
-pub struct Man {
+pub struct ManPage {
     /// Directory for gyrowatch.1, gyrowatch-serve.1, and so on
     directory: Option<PathBuf>,
 }
 
-impl Man {
+impl ManPage {
     /// `command`: the whole command line.
     pub fn run(self, command: Command) -> anyhow::Result<()> {
         let Some(directory) = self.directory else {

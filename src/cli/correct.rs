@@ -3,7 +3,7 @@
 use bytes::Bytes;
 use serde_json::{Value, json};
 
-use super::client::{Connection, JSON, Sent, Service, Trouble};
+use super::client::{ClientError, Connection, JSON, Sent, Service};
 use super::import::{source, withdrawn};
 use super::prelude::*;
 use super::{block_on, faults};
@@ -107,7 +107,7 @@ pub(super) async fn replace(
     bytes: &[u8],
     of: Option<&str>,
     who: &ReasonArgs,
-) -> Result<Result<String, String>, Trouble> {
+) -> Result<Result<String, String>, ClientError> {
     let (kind, member, new) = match read(bytes) {
         Ok(read) => read,
         Err(why) => return Ok(Err(why)),
@@ -205,7 +205,11 @@ fn known(answer: &Value) -> String {
 }
 
 /// What a stored item stands in the place of, where the same person said so in the same words.
-async fn revised_by(service: &Service, (kind, id): (&str, &str), who: &ReasonArgs) -> Result<Option<String>, Trouble> {
+async fn revised_by(
+    service: &Service,
+    (kind, id): (&str, &str),
+    who: &ReasonArgs,
+) -> Result<Option<String>, ClientError> {
     let stored = service.ask(&format!("/v1/{kind}/{id}")).await?;
     let revises = &stored["revises"];
     let same = revises["author"] == who.author && revises["reason"] == who.reason;
@@ -229,7 +233,7 @@ fn read(bytes: &[u8]) -> Result<(&'static str, &'static str, Value), String> {
     }
 }
 
-async fn post(service: &Service, route: String, body: String) -> Result<Sent, Trouble> {
+async fn post(service: &Service, route: String, body: String) -> Result<Sent, ClientError> {
     service.post(&route, JSON, Bytes::from(body)).await
 }
 

@@ -4,7 +4,7 @@ use super::Usage;
 use super::prelude::*;
 use crate::core::campaign::Campaign;
 use crate::core::fault::{Fault, Faults};
-use crate::logs::campaign::{Made, campaign_of};
+use crate::logs::campaign::{LogCampaign, campaign_of};
 use crate::logs::error::LogError;
 use crate::logs::guess::{answered, guess};
 use crate::logs::map::Map;
@@ -118,7 +118,7 @@ fn by_dwell(faults: &Faults) -> String {
 }
 
 /// What was found, on standard error: the campaign may be on standard output.
-fn say(made: &Made) {
+fn say(made: &LogCampaign) {
     let rounded =
         |values: &[f64], digits: usize| values.iter().map(|v| format!("{v:.digits$}")).collect::<Vec<_>>().join(" ");
     let mut table = table_of("terminal_dwells_head", 0..7);

@@ -29,7 +29,7 @@ pub struct Template {
 
     /// csv, json or xlsx; of a programme csv or xlsx; a map is TOML
     #[arg(long, value_enum)]
-    format: Option<As>,
+    format: Option<TemplateFormat>,
 
     /// Write it here; an xlsx file is not printed
     #[arg(short, long, value_name = "FILE")]
@@ -51,7 +51,7 @@ enum TemplateOf {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum As {
+enum TemplateFormat {
     Csv,
     Json,
     Xlsx,
@@ -61,25 +61,25 @@ enum As {
 impl Template {
     pub fn run(self) -> anyhow::Result<()> {
         let extension = self.out.as_deref().and_then(Path::extension);
-        let of_name = extension.and_then(|e| As::from_str(e.to_str()?, false).ok());
+        let of_name = extension.and_then(|e| TemplateFormat::from_str(e.to_str()?, false).ok());
         let usual = match self.of {
-            TemplateOf::Campaign | TemplateOf::Programme => As::Csv,
-            TemplateOf::Record | TemplateOf::Bench => As::Json,
-            TemplateOf::Map => As::Toml,
+            TemplateOf::Campaign | TemplateOf::Programme => TemplateFormat::Csv,
+            TemplateOf::Record | TemplateOf::Bench => TemplateFormat::Json,
+            TemplateOf::Map => TemplateFormat::Toml,
         };
         let text = match (self.of, self.format.or(of_name).unwrap_or(usual)) {
-            (TemplateOf::Campaign, As::Json) => serde_json::to_string(&example())? + "\n",
-            (TemplateOf::Campaign, As::Csv) => body_to_csv(&example()),
-            (TemplateOf::Campaign, As::Xlsx) => return self.sheet(&body_to_csv(&example())),
-            (TemplateOf::Record, As::Json) => RECORD.to_owned(),
-            (TemplateOf::Bench, As::Json) => BENCH.to_owned(),
-            (TemplateOf::Record, As::Csv) => RECORD_TABLE.to_owned(),
-            (TemplateOf::Bench, As::Csv) => BENCH_TABLE.to_owned(),
-            (TemplateOf::Record, As::Xlsx) => return self.sheet(RECORD_TABLE),
-            (TemplateOf::Bench, As::Xlsx) => return self.sheet(BENCH_TABLE),
-            (TemplateOf::Programme, As::Csv) => programme(),
-            (TemplateOf::Programme, As::Xlsx) => return self.sheet(&programme()),
-            (TemplateOf::Map, As::Toml) => MAP.to_owned(),
+            (TemplateOf::Campaign, TemplateFormat::Json) => serde_json::to_string(&example())? + "\n",
+            (TemplateOf::Campaign, TemplateFormat::Csv) => body_to_csv(&example()),
+            (TemplateOf::Campaign, TemplateFormat::Xlsx) => return self.sheet(&body_to_csv(&example())),
+            (TemplateOf::Record, TemplateFormat::Json) => RECORD.to_owned(),
+            (TemplateOf::Bench, TemplateFormat::Json) => BENCH.to_owned(),
+            (TemplateOf::Record, TemplateFormat::Csv) => RECORD_TABLE.to_owned(),
+            (TemplateOf::Bench, TemplateFormat::Csv) => BENCH_TABLE.to_owned(),
+            (TemplateOf::Record, TemplateFormat::Xlsx) => return self.sheet(RECORD_TABLE),
+            (TemplateOf::Bench, TemplateFormat::Xlsx) => return self.sheet(BENCH_TABLE),
+            (TemplateOf::Programme, TemplateFormat::Csv) => programme(),
+            (TemplateOf::Programme, TemplateFormat::Xlsx) => return self.sheet(&programme()),
+            (TemplateOf::Map, TemplateFormat::Toml) => MAP.to_owned(),
             (of, wanted) => {
                 let name = |value: Option<PossibleValue>| value.map_or_else(String::new, |v| v.get_name().to_owned());
                 let (of, wanted) = (name(of.to_possible_value()), name(wanted.to_possible_value()));

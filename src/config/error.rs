@@ -34,9 +34,9 @@ impl ConfigError {
 
 /// A message on its way through serde, whose errors are texts.
 #[derive(Debug)]
-pub struct Carried(pub Message);
+pub struct MessageError(pub Message);
 
-impl Display for Carried {
+impl Display for MessageError {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         write!(f, "{}", to_part(&self.0))
     }

@@ -10,8 +10,8 @@ use super::ConfigError;
 use super::error::{above_0, between};
 use super::values::{networks, numbers};
 use crate::alert::deliver::AttemptLimits;
-use crate::alert::ladder::{LONGEST_WAIT, Ladder};
 use crate::alert::mail::{MailError, Mailer};
+use crate::alert::retry_schedule::{LONGEST_WAIT, RetrySchedule};
 use crate::core::message::sent;
 use crate::core::time::UtcMicros;
 use crate::message;
@@ -48,8 +48,8 @@ impl HooksConfig {
         }
     }
 
-    pub fn ladder(&self) -> Ladder {
-        Ladder::new(self.retry_waits_s.iter().copied().map(Duration::from_secs_f64).collect())
+    pub fn retry_schedule(&self) -> RetrySchedule {
+        RetrySchedule::new(self.retry_waits_s.iter().copied().map(Duration::from_secs_f64).collect())
     }
 
     /// Where people reach the service's pages; none where nobody has said.

@@ -3,7 +3,7 @@
 
 use serde::Deserialize;
 
-use super::error::Carried;
+use super::error::MessageError;
 use crate::core::judge::limits::{Bounds, LimitKey, Requirement};
 use crate::core::mounting::Slot;
 use crate::message;
@@ -40,13 +40,13 @@ struct RequirementKeys {
 struct BoundsKey(Option<[f64; 2]>);
 
 impl TryFrom<Vec<f64>> for BoundsKey {
-    type Error = Carried;
+    type Error = MessageError;
 
-    fn try_from(bounds: Vec<f64>) -> Result<Self, Carried> {
+    fn try_from(bounds: Vec<f64>) -> Result<Self, MessageError> {
         match bounds[..] {
             [] => Ok(Self(None)),
             [low, high] if low.is_finite() && high.is_finite() && low < high => Ok(Self(Some([low, high]))),
-            _ => Err(Carried(message!("config_bounds", bounds = format_args!("{bounds:?}")))),
+            _ => Err(MessageError(message!("config_bounds", bounds = format_args!("{bounds:?}")))),
         }
     }
 }

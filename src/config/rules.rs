@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, Visitor};
 
 use super::ConfigError;
-use super::error::{Carried, between, not_negative};
+use super::error::{MessageError, between, not_negative};
 use crate::core::judge::{DriftLimits, Limit, LimitKey, Limits, Measured, Rule, ShiftLimits, TrendLimits};
 use crate::core::message::{sent, text};
 use crate::message;
@@ -92,14 +92,14 @@ pub struct FixedBaseline {
 pub struct OffRule(Rule);
 
 impl TryFrom<String> for OffRule {
-    type Error = Carried;
+    type Error = MessageError;
 
-    fn try_from(name: String) -> Result<Self, Carried> {
+    fn try_from(name: String) -> Result<Self, MessageError> {
         match Rule::from_name(&name) {
-            Some(Rule::Requirement) => Err(Carried(message!("config_off_requirement"))),
-            Some(Rule::Overdue) => Err(Carried(message!("config_off_overdue"))),
+            Some(Rule::Requirement) => Err(MessageError(message!("config_off_requirement"))),
+            Some(Rule::Overdue) => Err(MessageError(message!("config_off_overdue"))),
             Some(rule) => Ok(Self(rule)),
-            None => Err(Carried(message!("unknown_rule", rule = sent(&name)))),
+            None => Err(MessageError(message!("unknown_rule", rule = sent(&name)))),
         }
     }
 }

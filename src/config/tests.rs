@@ -255,8 +255,8 @@ fn a_hook_key_that_cannot_be_is_named() {
         let error = with(&[(&format!("GYROWATCH_HOOKS__{key}"), value)]).map_err(in_english).unwrap_err();
         assert!(error.contains(named), "{key}={value}: {error}");
     }
-    let ladder = Config::defaults().hooks.ladder();
-    assert_eq!(ladder, crate::alert::ladder::Ladder::default(), "the default is the standard's");
+    let retry_schedule = Config::defaults().hooks.retry_schedule();
+    assert_eq!(retry_schedule, crate::alert::retry_schedule::RetrySchedule::default(), "the default is the standard's");
 }
 
 #[test]

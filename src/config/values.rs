@@ -6,7 +6,7 @@ use ipnet::IpNet;
 use serde::{Deserialize, Deserializer, de};
 use serde_json::Value;
 
-use super::error::Carried;
+use super::error::MessageError;
 use crate::core::message::{Message, sent};
 use crate::core::time::UtcMicros;
 use crate::message;
@@ -57,7 +57,7 @@ fn parsed<E: de::Error>(text: String) -> Result<UtcMicros, E> {
 }
 
 fn found<T, E: de::Error>(read: Option<T>, wanted: Message, text: &str) -> Result<T, E> {
-    read.ok_or_else(|| E::custom(Carried(message!("must_be", wanted, value = sent(text)))))
+    read.ok_or_else(|| E::custom(MessageError(message!("must_be", wanted, value = sent(text)))))
 }
 
 /// A list, or its items in one text with commas between: an environment variable holds no list.

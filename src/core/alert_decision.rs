@@ -39,7 +39,7 @@ pub enum Late {
     Digest,
     /// An import: what fires since long ago is told to nobody.
     Never,
-    /// The clock judges, and no record: what was hushed stays so.
+    /// The clock judges, and no record: what was suppressed stays so.
     Clock,
 }
 
@@ -55,7 +55,7 @@ pub enum Status {
 named! {
 /// How an alert stands for whoever looks at it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Standing {
+pub enum AlertState {
     Firing = "firing",
     /// Firing, and somebody knows.
     Acknowledged = "acknowledged",
@@ -88,28 +88,28 @@ pub struct Alert {
     /// Another alert explains it.
     pub inhibited: bool,
     /// Nobody is told that it fires, or that it has become worse: it was found late.
-    pub hushed: Option<Hushed>,
+    pub suppressed: Option<Suppressed>,
     /// What the world believes: that it fires, as it was last told; none where it believes that all is well.
-    pub told: Option<LastNotification>,
+    pub last_notification: Option<LastNotification>,
 }
 
 impl Alert {
     /// How the alert is shown at `now`: resolved, else the first of silenced, inhibited and acknowledged that holds,
     /// else firing.
-    pub fn standing(&self, now: UtcMicros) -> Standing {
+    pub fn standing(&self, now: UtcMicros) -> AlertState {
         match self.status {
-            Status::Resolved => Standing::Resolved,
-            Status::Firing if is_silenced(self, now) => Standing::Silenced,
-            Status::Firing if self.inhibited => Standing::Inhibited,
-            Status::Firing if self.acknowledged => Standing::Acknowledged,
-            Status::Firing => Standing::Firing,
+            Status::Resolved => AlertState::Resolved,
+            Status::Firing if is_silenced(self, now) => AlertState::Silenced,
+            Status::Firing if self.inhibited => AlertState::Inhibited,
+            Status::Firing if self.acknowledged => AlertState::Acknowledged,
+            Status::Firing => AlertState::Firing,
         }
     }
 }
 
 /// An alert was found so late that it is not told by itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Hushed {
+pub struct Suppressed {
     pub at: UtcMicros,
     /// It waits for the digest of an import.
     pub digest: bool,
@@ -175,11 +175,16 @@ pub fn follow(
     policy: &Policy,
 ) -> Decision {
     let muted_until = earlier.and_then(|alert| alert.muted_until);
-    hear(earlier, verdict, &Arrival { record_at, now, late: Late::Told, muted_until, inhibited: false }, policy)
+    follow_arrival(
+        earlier,
+        verdict,
+        &Arrival { record_at, now, late: Late::Told, muted_until, inhibited: false },
+        policy,
+    )
 }
 
 /// As [`follow`], where what is found late is not told like the rest.
-pub fn hear(earlier: Option<&Alert>, verdict: &Verdict, arrival: &Arrival, policy: &Policy) -> Decision {
+pub fn follow_arrival(earlier: Option<&Alert>, verdict: &Verdict, arrival: &Arrival, policy: &Policy) -> Decision {
     let firing = earlier.filter(|alert| alert.status == Status::Firing);
     let alert = match (firing, verdict.severity()) {
         (Some(alert), _) => go_on(alert, verdict, arrival, policy),
@@ -189,7 +194,7 @@ pub fn hear(earlier: Option<&Alert>, verdict: &Verdict, arrival: &Arrival, polic
     come_to(alert, verdict, arrival, policy)
 }
 
-/// As [`hear`], where records have come late, or count no more: an alert that fires is as it comes out of all that
+/// As [`follow_arrival`], where records have come late, or count no more: an alert that fires is as it comes out of all that
 /// there are, followed in the order of time; `left`: as it then fires, none where it does not.
 pub fn hear_again(
     earlier: Option<&Alert>,
@@ -205,7 +210,7 @@ pub fn hear_again(
         (None, Some(severity)) if left.is_some() => {
             settled(&begin(earlier, verdict, severity, arrival), left, arrival.now)
         }
-        _ => return hear(earlier, verdict, arrival, policy),
+        _ => return follow_arrival(earlier, verdict, arrival, policy),
     };
     come_to(alert, verdict, arrival, policy)
 }
@@ -213,8 +218,8 @@ pub fn hear_again(
 /// As [`hear_again`], of an alert that fires, where the verdict on the newest record stands as it was.
 pub fn settle(alert: &Alert, rule: Rule, left: Option<&Alert>, arrival: &Arrival, policy: &Policy) -> Decision {
     let alert = settled(alert, left, arrival.now);
-    let hushed = hush(&alert, (rule, alert.within == 0), arrival, policy);
-    announce(Alert { hushed, ..alert }, arrival.now)
+    let suppressed = suppress(&alert, (rule, alert.within == 0), arrival, policy);
+    announce(Alert { suppressed, ..alert }, arrival.now)
 }
 
 /// An alert that fires, as it is by what is left.
@@ -227,32 +232,35 @@ pub fn settled(alert: &Alert, left: Option<&Alert>, now: UtcMicros) -> Alert {
 /// An alert as a verdict has made it, and what is told of it.
 fn come_to(alert: Alert, verdict: &Verdict, arrival: &Arrival, policy: &Policy) -> Decision {
     let Arrival { now, muted_until, inhibited, .. } = *arrival;
-    let hushed = hush(&alert, (verdict.rule, verdict.severity().is_some()), arrival, policy);
+    let suppressed = suppress(&alert, (verdict.rule, verdict.severity().is_some()), arrival, policy);
     // What does not exceed is explained by nothing: it stays as it was.
     let inhibited = if verdict.state == State::Exceeded { inhibited } else { alert.inhibited };
-    announce(Alert { muted_until, inhibited: inhibited && alert.status == Status::Firing, hushed, ..alert }, now)
+    announce(Alert { muted_until, inhibited: inhibited && alert.status == Status::Firing, suppressed, ..alert }, now)
 }
 
 /// Whether nobody is told what a verdict by `rule`, which exceeds or does not, has made of an alert.
-fn hush(alert: &Alert, (rule, exceeds): (Rule, bool), arrival: &Arrival, policy: &Policy) -> Option<Hushed> {
-    let is_news = alert.told.is_none_or(|told| alert.severity > told.severity);
+fn suppress(alert: &Alert, (rule, exceeds): (Rule, bool), arrival: &Arrival, policy: &Policy) -> Option<Suppressed> {
+    let is_news = alert.last_notification.is_none_or(|told| alert.severity > told.severity);
     if alert.status == Status::Resolved || !is_news {
         return None;
     }
     let old = |at: UtcMicros| arrival.now.days_since(at) > policy.backfill_days;
     let did = if rule == Rule::Overdue { alert.since } else { arrival.record_at };
-    let began = if alert.told.is_some() { did } else { alert.since };
-    let (hush, digest) = match arrival.late {
+    let began = if alert.last_notification.is_some() { did } else { alert.since };
+    let (is_suppressed, digest) = match arrival.late {
         Late::Told => (false, false),
-        Late::Clock => (alert.hushed.is_some(), false),
-        Late::Quiet => (old(did) || !exceeds && alert.hushed.is_some(), false),
+        Late::Clock => (alert.suppressed.is_some(), false),
+        Late::Quiet => (old(did) || !exceeds && alert.suppressed.is_some(), false),
         // What nobody has calibrated is no news of a record: it waits with all else that the import has found.
         Late::Digest => (rule == Rule::Overdue || old(began), true),
         Late::Never => (old(began), false),
     };
-    let waits = alert.hushed.is_some_and(|hushed| hushed.digest);
-    let at = alert.hushed.filter(|hushed| hushed.digest && !digest).map_or(arrival.now, |hushed| hushed.at);
-    hush.then_some(Hushed { at, digest: digest || waits })
+    let waits = alert.suppressed.is_some_and(|suppressed| suppressed.digest);
+    let at = alert
+        .suppressed
+        .filter(|suppressed| suppressed.digest && !digest)
+        .map_or(arrival.now, |suppressed| suppressed.at);
+    is_suppressed.then_some(Suppressed { at, digest: digest || waits })
 }
 
 /// What a hook is told of an alert that has changed or is repeated, where it has heard last that the alert fires with
@@ -266,8 +274,8 @@ pub fn for_hook(alert: &Alert, heard: Option<Severity>, action: Action, now: Utc
     match (alert.status, heard) {
         (Status::Resolved, Some(_)) => Some(Action::Resolve),
         (Status::Resolved, None) => None,
-        (Status::Firing, None) => alert.hushed.is_none().then_some(Action::Fire),
-        (Status::Firing, Some(heard)) if alert.severity > heard && alert.hushed.is_none() => Some(Action::Escalate),
+        (Status::Firing, None) => alert.suppressed.is_none().then_some(Action::Fire),
+        (Status::Firing, Some(heard)) if alert.severity > heard && alert.suppressed.is_none() => Some(Action::Escalate),
         (Status::Firing, Some(heard)) if alert.severity < heard => Some(Action::Lower),
         (Status::Firing, Some(_)) => (action == Action::Repeat).then_some(Action::Repeat),
     }
@@ -276,8 +284,8 @@ pub fn for_hook(alert: &Alert, heard: Option<Severity>, action: Action, now: Utc
 /// The digest of an import tells of an alert that waited for it. None where it does not fire, did not wait, or is
 /// silenced: then the end of the silence tells it.
 pub fn digest(alert: &Alert, now: UtcMicros) -> Option<Decision> {
-    alert.hushed.filter(|hushed| hushed.digest)?;
-    Some(announce(Alert { hushed: None, ..*alert }, now))
+    alert.suppressed.filter(|suppressed| suppressed.digest)?;
+    Some(announce(Alert { suppressed: None, ..*alert }, now))
 }
 
 /// Nobody is told while another alert explains this one; what is then still untold is told at its end.
@@ -291,7 +299,7 @@ pub fn tick(alert: &Alert, now: UtcMicros, policy: &Policy) -> Decision {
     let (silenced_until, muted_until) = (alert.silenced_until.filter(going_on), alert.muted_until.filter(going_on));
     let alert = &Alert { silenced_until, muted_until, ..*alert };
     let decision = announce(*alert, now);
-    let (Action::Silent, Some(told)) = (decision.action, alert.told) else { return decision };
+    let (Action::Silent, Some(told)) = (decision.action, alert.last_notification) else { return decision };
     if alert.status == Status::Resolved || alert.acknowledged || is_held_back(alert, now) {
         return decision;
     }
@@ -302,7 +310,7 @@ pub fn tick(alert: &Alert, now: UtcMicros, policy: &Policy) -> Decision {
         days if days >= policy.repeat_days => Action::Repeat,
         _ => return decision,
     };
-    Decision { alert: Some(Alert { told: told_now, ..*alert }), action }
+    Decision { alert: Some(Alert { last_notification: told_now, ..*alert }), action }
 }
 
 /// An event has reset the rule, or the rule has been switched off: what fires is resolved.
@@ -365,8 +373,8 @@ fn begin(earlier: Option<&Alert>, verdict: &Verdict, severity: Severity, arrival
         silenced_until: earlier.and_then(|alert| alert.silenced_until),
         muted_until: earlier.and_then(|alert| alert.muted_until),
         inhibited: false,
-        hushed: None,
-        told: earlier.and_then(|alert| alert.told),
+        suppressed: None,
+        last_notification: earlier.and_then(|alert| alert.last_notification),
     }
 }
 
@@ -418,7 +426,7 @@ fn escalate(alert: Alert, severity: Option<Severity>) -> Alert {
 }
 
 fn end(alert: Alert, now: UtcMicros) -> Alert {
-    Alert { status: Status::Resolved, resolved_at: Some(now), inhibited: false, hushed: None, ..alert }
+    Alert { status: Status::Resolved, resolved_at: Some(now), inhibited: false, suppressed: None, ..alert }
 }
 
 fn is_silenced(alert: &Alert, now: UtcMicros) -> bool {
@@ -431,9 +439,9 @@ fn is_held_back(alert: &Alert, now: UtcMicros) -> bool {
 
 /// Tells the difference between what is and what the world believes, unless silenced or inhibited.
 fn announce(alert: Alert, now: UtcMicros) -> Decision {
-    let action = match (alert.status, alert.told) {
+    let action = match (alert.status, alert.last_notification) {
         _ if is_held_back(&alert, now) => Action::Silent,
-        (Status::Firing, _) if alert.hushed.is_some() => Action::Silent,
+        (Status::Firing, _) if alert.suppressed.is_some() => Action::Silent,
         (Status::Firing, None) => Action::Fire,
         (Status::Firing, Some(told)) if alert.severity > told.severity => Action::Escalate,
         (Status::Firing, Some(told)) if alert.severity < told.severity => Action::Lower,
@@ -441,11 +449,11 @@ fn announce(alert: Alert, now: UtcMicros) -> Decision {
         _ => Action::Silent,
     };
     let told = match action {
-        Action::Silent => alert.told,
+        Action::Silent => alert.last_notification,
         Action::Resolve => None,
         _ => Some(LastNotification { at: now, severity: alert.severity }),
     };
-    Decision { alert: Some(Alert { told, ..alert }), action }
+    Decision { alert: Some(Alert { last_notification: told, ..alert }), action }
 }
 
 #[cfg(test)]

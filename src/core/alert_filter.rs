@@ -1,12 +1,12 @@
 //! Which alerts are meant: by who asks, and by a silence.
 
-use crate::core::alert_decision::Standing;
+use crate::core::alert_decision::AlertState;
 use crate::core::judge::{Coefficient, Rule, Severity};
 
 /// Which alerts are asked for; what is left out does not matter.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct AlertFilter {
-    pub standing: Option<Standing>,
+    pub standing: Option<AlertState>,
     pub gyro: Option<u32>,
     pub coefficient: Option<Coefficient>,
     pub rule: Option<Rule>,

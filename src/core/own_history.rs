@@ -9,7 +9,7 @@ use crate::core::numerics::median::median_of;
 
 /// A gyro's figures in one record.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shown {
+pub struct RecordFigures {
     /// D_I, D_S, D_O, deg/(h g0).
     pub d: [f64; 3],
     /// Standard deviations of D_I and D_S, where the station gave them.
@@ -18,7 +18,7 @@ pub struct Shown {
     pub scale: Option<f64>,
 }
 
-impl Shown {
+impl RecordFigures {
     /// Of D_I and D_S in one figure: the root of the sum of their stated variances, deg/(h g0); none where none is
     /// stated.
     pub fn uncertainty(&self) -> Option<f64> {
@@ -28,11 +28,11 @@ impl Shown {
 
 /// A gyro of a record that is looked at.
 #[derive(Debug, Clone, Copy)]
-pub struct Looked<'a> {
+pub struct CheckedGyro<'a> {
     pub serial: &'a str,
-    pub now: Shown,
+    pub now: RecordFigures,
     /// Its records before, the newest last; those after, where there are none before.
-    pub before: &'a [Shown],
+    pub before: &'a [RecordFigures],
     /// Of its D_I and D_S, deg/(h g0).
     pub budget: f64,
 }
@@ -62,7 +62,7 @@ const LEAST_LEVEL: f64 = 20.0;
 const FACTORS: [f64; 5] = [60.0, 3600.0, 206_264.806, 57.295_779_5, 9.806_65];
 
 /// What is to be noted. `OtherUnit` is for the caller to drop where something was done to one of the gyros.
-pub fn against_histories(gyros: &[Looked<'_>]) -> Vec<HistoryNote> {
+pub fn against_histories(gyros: &[CheckedGyro<'_>]) -> Vec<HistoryNote> {
     let mut notes = of_figures(gyros);
     let has_factor = |serial: &str| {
         notes.iter().any(
@@ -83,17 +83,17 @@ pub fn against_histories(gyros: &[Looked<'_>]) -> Vec<HistoryNote> {
     notes
 }
 
-fn of_figures(gyros: &[Looked<'_>]) -> Vec<HistoryNote> {
+fn of_figures(gyros: &[CheckedGyro<'_>]) -> Vec<HistoryNote> {
     let mut notes = Vec::new();
     let known = gyros.iter().filter(|gyro| !gyro.before.is_empty()).count();
-    let found: Vec<(&Looked<'_>, Quantity, f64)> = gyros
+    let found: Vec<(&CheckedGyro<'_>, Quantity, f64)> = gyros
         .iter()
         .flat_map(|gyro| {
             wrong_units(gyro).into_iter().flatten().map(move |(quantity, factor)| (gyro, quantity, factor))
         })
         .collect();
     for quantity in [Quantity::E, Quantity::G] {
-        let mut left: Vec<(&Looked<'_>, f64)> =
+        let mut left: Vec<(&CheckedGyro<'_>, f64)> =
             found.iter().filter(|one| one.1 == quantity).map(|one| (one.0, one.2)).collect();
         while let Some(&(gyro, factor)) = left.first() {
             let (same, others): (Vec<_>, Vec<_>) = left.into_iter().partition(|one| is_about(one.1, factor));
@@ -118,42 +118,42 @@ fn of_figures(gyros: &[Looked<'_>]) -> Vec<HistoryNote> {
     if let Some(fits) = exchanged(gyros) {
         notes.push(HistoryNote::SerialsExchanged { fits });
     } else if gyros.len() >= 2 && gyros.iter().all(|gyro| gyro.off_by() > OFF_BUDGETS) {
-        let least = gyros.iter().map(Looked::off_by).fold(f64::INFINITY, f64::min);
+        let least = gyros.iter().map(CheckedGyro::off_by).fold(f64::INFINITY, f64::min);
         let serials = gyros.iter().map(|gyro| gyro.serial.to_owned()).collect();
         notes.push(HistoryNote::OtherUnit { serials, budgets: least });
     }
     notes
 }
 
-impl Looked<'_> {
+impl CheckedGyro<'_> {
     /// How far its figures are from its own level and from its last record, whichever is nearer, in budgets; nothing
     /// where it has no history.
     fn off_by(&self) -> f64 {
         self.distance_to(self.before).unwrap_or(0.0)
     }
 
-    /// As [`Looked::off_by`], from its level alone.
+    /// As [`CheckedGyro::off_by`], from its level alone.
     fn off_level(&self) -> f64 {
         self.distance_to_level(self.before).unwrap_or(0.0)
     }
 
-    fn distance_to(&self, history: &[Shown]) -> Option<f64> {
+    fn distance_to(&self, history: &[RecordFigures]) -> Option<f64> {
         Some(self.distance_to_level(history)?.min(self.distance(history.last()?.d, history)))
     }
 
-    fn distance_to_level(&self, history: &[Shown]) -> Option<f64> {
+    fn distance_to_level(&self, history: &[RecordFigures]) -> Option<f64> {
         (!history.is_empty()).then(|| self.distance(level(history), history))
     }
 
-    fn distance(&self, from: [f64; 3], history: &[Shown]) -> f64 {
+    fn distance(&self, from: [f64; 3], history: &[RecordFigures]) -> f64 {
         (0..2).map(|i| (self.now.d[i] - from[i]).abs() / self.tolerance(history, i)).fold(0.0, f64::max)
     }
 
     /// What makes a budget for D_I or D_S: its own, or as much of its own scatter and of its uncertainty as is worth
     /// one.
-    fn tolerance(&self, history: &[Shown], column: usize) -> f64 {
+    fn tolerance(&self, history: &[RecordFigures], column: usize) -> f64 {
         let of_scatter = OFF_SCATTERS / OFF_BUDGETS;
-        let stated = |shown: &Shown| shown.sd.map_or(0.0, |sd| sd[column]);
+        let stated = |shown: &RecordFigures| shown.sd.map_or(0.0, |sd| sd[column]);
         // What is stated in another unit measures nothing.
         let now = if self.uncertainty_factor().is_some() { 0.0 } else { stated(&self.now) };
         let sd = median_of(history.iter().map(stated)).map_or(now, |before| before.max(now));
@@ -164,7 +164,7 @@ impl Looked<'_> {
     /// station's change of method makes; dimensionless.
     fn uncertainty_factor(&self) -> Option<f64> {
         let last = &self.before[self.before.len().saturating_sub(LEVEL_RECORDS)..];
-        let before = median_of(last.iter().filter_map(Shown::uncertainty)).filter(|before| *before > 0.0)?;
+        let before = median_of(last.iter().filter_map(RecordFigures::uncertainty)).filter(|before| *before > 0.0)?;
         let factor = self.now.uncertainty().filter(|now| *now > 0.0)? / before;
         (factor.max(factor.recip()) >= UNCERTAINTY_FACTOR).then_some(factor)
     }
@@ -185,14 +185,14 @@ impl Looked<'_> {
 }
 
 /// The median record of the last few, figure by figure.
-fn level(history: &[Shown]) -> [f64; 3] {
+fn level(history: &[RecordFigures]) -> [f64; 3] {
     let last = &history[history.len().saturating_sub(LEVEL_RECORDS)..];
     [0, 1, 2].map(|i| median_of(last.iter().map(|shown| shown.d[i])).unwrap_or(0.0))
 }
 
 /// The standard deviation of one record, from the median of the differences between neighbours; nothing of fewer than
 /// three.
-fn scatter(history: &[Shown], column: usize) -> f64 {
+fn scatter(history: &[RecordFigures], column: usize) -> f64 {
     if history.len() < 3 {
         return 0.0;
     }
@@ -203,16 +203,16 @@ fn scatter(history: &[Shown], column: usize) -> f64 {
 
 /// Gyros off their own level of which each fits the history of another of them far better: each with whose it fits.
 /// Where the last record was as strange, something may have been done to them: they have to be at another's level.
-fn exchanged(gyros: &[Looked<'_>]) -> Option<Vec<(String, String)>> {
-    let strange: Vec<&Looked<'_>> = gyros.iter().filter(|gyro| gyro.off_level() > STRANGE_BUDGETS).collect();
-    let is_new = |gyro: &Looked<'_>| gyro.off_by() > STRANGE_BUDGETS;
-    let same_scale = |gyro: &Looked<'_>, other: &Looked<'_>| {
+fn exchanged(gyros: &[CheckedGyro<'_>]) -> Option<Vec<(String, String)>> {
+    let strange: Vec<&CheckedGyro<'_>> = gyros.iter().filter(|gyro| gyro.off_level() > STRANGE_BUDGETS).collect();
+    let is_new = |gyro: &CheckedGyro<'_>| gyro.off_by() > STRANGE_BUDGETS;
+    let same_scale = |gyro: &CheckedGyro<'_>, other: &CheckedGyro<'_>| {
         let there = median_of(other.before.iter().filter_map(|shown| shown.scale));
         gyro.now.scale.zip(there).is_none_or(|(a, b)| (a / b - 1.0).abs() < SAME_SCALE)
     };
-    let fits = |gyro: &&Looked<'_>| {
+    let fits = |gyro: &&CheckedGyro<'_>| {
         let others = strange.iter().filter(|other| other.serial != gyro.serial && same_scale(gyro, other));
-        let distance_to = |history: &[Shown]| match is_new(gyro) {
+        let distance_to = |history: &[RecordFigures]| match is_new(gyro) {
             true => gyro.distance_to(history),
             false => gyro.distance_to_level(history).filter(|distance| *distance <= STRANGE_BUDGETS),
         };
@@ -229,7 +229,7 @@ fn exchanged(gyros: &[Looked<'_>]) -> Option<Vec<(String, String)>> {
 }
 
 /// By which factors E and G differ from the gyro's history, where both are those of units.
-fn wrong_units(gyro: &Looked<'_>) -> Option<Vec<(Quantity, f64)>> {
+fn wrong_units(gyro: &CheckedGyro<'_>) -> Option<Vec<(Quantity, f64)>> {
     let level = (!gyro.before.is_empty()).then(|| level(gyro.before))?;
     let scales: Vec<f64> = gyro.before.iter().filter_map(|shown| shown.scale).collect();
     let e = match gyro.now.scale {

@@ -55,12 +55,12 @@ pub struct Summary {
 
 /// Takes measurements in order of time, a few at a time if need be. Periods without any are left out.
 #[derive(Debug)]
-pub struct Gatherer {
+pub struct SummaryBuilder {
     period: Period,
     summaries: Vec<Summary>,
 }
 
-impl Gatherer {
+impl SummaryBuilder {
     /// Without measurements yet.
     pub fn new(period: Period) -> Self {
         Self { period, summaries: Vec::new() }
@@ -133,7 +133,7 @@ mod tests {
 
     #[test]
     fn a_summary_holds_the_extremes_the_mean_and_the_last_of_its_period() {
-        let mut gatherer = Gatherer::new(Period::Day);
+        let mut gatherer = SummaryBuilder::new(Period::Day);
         for (hour, value) in [(1, 3.0), (2, -1.0), (23, 1.0), (24, 7.0), (72, 2.0)] {
             gatherer.push(UtcMicros(hour * 3600 * UtcMicros::SECOND), value);
         }

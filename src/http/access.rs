@@ -16,7 +16,7 @@ use super::edge::{Forwarded, NO_STORE};
 use crate::cookies;
 use crate::core::access::Role;
 use crate::http::prelude::*;
-use crate::pipeline::{By, Caller, Denied, SESSION_COOKIE};
+use crate::pipeline::{Caller, Credential, Denied, SESSION_COOKIE};
 use crate::routes::{ADMIN, ANYONE, Rules, VIEWER};
 
 /// What decides about a request before it is handled.
@@ -50,11 +50,11 @@ pub async fn admit(Gate { app, rules }: &Gate, mut request: Request, next: Next)
         Err(_) if least == ANYONE => return foreign().into_response(),
         Err(denied) => return refuse(&denied, &request),
     };
-    if matches!(caller.by, By::Presence) && !is_probed(route.as_str()) && !names_this_machine(headers) {
+    if matches!(caller.by, Credential::Presence) && !is_probed(route.as_str()) && !names_this_machine(headers) {
         return Problem::new(421, "title_other_name", message!("other_name")).into_response();
     }
-    let by_cookie = matches!(caller.by, By::Session { .. });
-    let by_token = matches!(caller.by, By::Token(_) | By::Setup);
+    let by_cookie = matches!(caller.by, Credential::Session { .. });
+    let by_token = matches!(caller.by, Credential::Token(_) | Credential::Setup);
     // A page of another site can make a browser send its cookie, or reach this machine; it cannot make it send a token.
     if (origin == RequestOrigin::Foreign && !by_token) || (origin == RequestOrigin::Unsaid && by_cookie) {
         return foreign().into_response();
@@ -64,7 +64,7 @@ pub async fn admit(Gate { app, rules }: &Gate, mut request: Request, next: Next)
             let place = format!("{}&takes={}", sign_in_for(request.uri()), role.name());
             return (StatusCode::SEE_OTHER, [(LOCATION, place)]).into_response();
         }
-        if matches!(caller.by, By::Presence) {
+        if matches!(caller.by, Credential::Presence) {
             return unproven(role).into_response();
         }
         let detail = message!("role_needed", needed = role.name(), role = caller.role.name());

@@ -8,7 +8,7 @@ use utoipa::openapi::schema::{Array, ArrayItems, Components, KnownFormat, Object
 use utoipa::openapi::{OpenApi, PathItem, RefOr, Schema};
 
 use crate::core::access::Role;
-use crate::core::alert_decision::Standing;
+use crate::core::alert_decision::AlertState;
 use crate::core::campaign::{Phase, TestKind};
 use crate::core::delivery::DeliveryState;
 use crate::core::fleet_order::FleetOrder;
@@ -220,7 +220,7 @@ fn of_member((schema, member): (&str, &str), sent: bool) -> Option<Constraint> {
 fn of_parameter(operation: &str, parameter: &str) -> Option<Constraint> {
     use Constraint::{Number, Text};
     Some(match (operation, parameter) {
-        ("get_alerts", "state") => one_of(Standing::ALL.map(Standing::name)),
+        ("get_alerts", "state") => one_of(AlertState::ALL.map(AlertState::name)),
         ("get_gyros", "state") => one_of(State::ALL.map(State::name)),
         ("get_deliveries", "state") => one_of(DeliveryState::ALL.map(DeliveryState::name)),
         ("get_silences", "state") => one_of(["active", "all"]),

@@ -22,7 +22,7 @@ pub struct DocumentPost {
     caller: Caller,
     key: Result<IdempotencyKey, Problem>,
     pub wanted: Prefer,
-    telling: NotifyQuery,
+    notify_query: NotifyQuery,
     /// What the document itself shows, beside what is found of it.
     noted: Option<Note>,
 }
@@ -41,8 +41,8 @@ impl<S: Send + Sync> FromRequestParts<S> for DocumentPost {
             Extension::from_request_parts(parts, state).await.map_err(IntoResponse::into_response)?;
         let key = IdempotencyKey::of(parts);
         let Ok(wanted) = Prefer::from_request_parts(parts, state).await;
-        let telling = NotifyQuery::from_request_parts(parts, state).await.map_err(IntoResponse::into_response)?;
-        Ok(Self { caller, key, wanted, telling, noted: None })
+        let notify_query = NotifyQuery::from_request_parts(parts, state).await.map_err(IntoResponse::into_response)?;
+        Ok(Self { caller, key, wanted, notify_query, noted: None })
     }
 }
 
@@ -60,9 +60,9 @@ impl DocumentPost {
     /// Stores it.
     pub async fn submit(&self, app: &App, item: Submission) -> Answer<Accepted> {
         item.may_be_sent_by(&self.caller)?;
-        let late = self.telling.late_or(Late::Quiet);
+        let late = self.notify_query.late_or(Late::Quiet);
         let accepted = app.pipeline.ingest.submit_late(item, late).await?;
-        self.telling.end(app, late).await;
+        self.notify_query.end(app, late).await;
         Ok(accepted)
     }
 

@@ -24,7 +24,7 @@ use tracing::Instrument;
 
 use crate::config::Server;
 use crate::http::prelude::*;
-use forwarded::Way;
+use forwarded::ForwardedRequest;
 use trace::{REQUEST_ID, TRACEPARENT, Trace};
 use unread::Unread;
 
@@ -51,7 +51,7 @@ impl Edge {
 
     /// Has the `router` answer a request that came from `peer`.
     pub async fn pass(&self, mut request: Request, peer: SocketAddr, router: Router) -> Response {
-        let way = Way::of(request.headers(), peer.ip(), &self.trusted);
+        let way = ForwardedRequest::of(request.headers(), peer.ip(), &self.trusted);
         let encrypted = way.https.unwrap_or(self.encrypted);
         let trace = Trace::of(request.headers());
         let span = tracing::info_span!("request", id = trace.id(), traceparent = trace.parent());

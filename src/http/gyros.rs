@@ -9,12 +9,12 @@ use crate::core::alert_decision::Late;
 use crate::core::figures::Figures;
 use crate::core::fleet_order::FleetOrder;
 use crate::core::gyro_attributes::{GyroAttributes, GyroAttributesPatch};
-use crate::core::judge::{Event, Outlook, Reach, State, Status};
+use crate::core::judge::{BudgetCrossing, BudgetProjection, Event, State, Status};
 use crate::core::record::Name;
 use crate::core::time::Span;
 use crate::http::prelude::*;
 use crate::pipeline::{
-    Accepted, AttributesOrder, FleetFilter, Names, Queries, Standing, StandingFilter, Submission, sample_of,
+    Accepted, AttributesOrder, FleetFilter, GyroStatus, Names, Queries, StatusFilter, Submission, sample_of,
 };
 use crate::wire::answer::{FigureBody, VerdictBody};
 use crate::wire::body::{ToBody, bodies};
@@ -81,9 +81,9 @@ fn fleet_filter(asked: &GyrosQuery) -> Answer<FleetFilter<'_>> {
 }
 
 /// What a list is narrowed down to.
-fn filter_of(asked: &GyrosQuery) -> Answer<StandingFilter> {
+fn filter_of(asked: &GyrosQuery) -> Answer<StatusFilter> {
     let (status, state) = (asked.status.as_deref(), asked.state.as_deref());
-    Ok(StandingFilter { status: query::named("status", status)?, state: query::named("state", state)? })
+    Ok(StatusFilter { status: query::named("status", status)?, state: query::named("state", state)? })
 }
 
 #[derive(Serialize, ToSchema)]
@@ -215,7 +215,7 @@ struct ReachBody {
 }
 
 impl ReachBody {
-    fn of(reach: Reach) -> Self {
+    fn of(reach: BudgetCrossing) -> Self {
         let [earliest, latest] = reach.between.map(|at| at.map(time::format));
         let (coefficient, at) = (reach.coefficient.name(), time::format(reach.at));
         Self { coefficient, at, earliest, latest, provisional: reach.provisional }
@@ -350,7 +350,7 @@ pub async fn patch_gyros(app: App, headers: HeaderMap, body: Bytes) -> Answer<Js
 }
 
 impl Gyro {
-    pub fn of(standing: &Standing, method: JudgedMethod, names: &Names<'_>) -> Self {
+    pub fn of(standing: &GyroStatus, method: JudgedMethod, names: &Names<'_>) -> Self {
         Self {
             serial: standing.serial.to_string(),
             latest: standing.newest.as_ref().map(|figures| Latest::of(figures, standing, method, names)),
@@ -364,11 +364,11 @@ impl Gyro {
 }
 
 impl Latest {
-    fn of(figures: &Figures, standing: &Standing, method: JudgedMethod, names: &Names<'_>) -> Self {
+    fn of(figures: &Figures, standing: &GyroStatus, method: JudgedMethod, names: &Names<'_>) -> Self {
         let [d_i, d_s, d_o] = sample_of(figures, method).d.to_body();
         let [i, s, o] = figures.states.0.map(|state| state.unwrap_or(State::Indeterminate).name());
         let [status_i, status_s, status_o] = standing.drift.map(Status::name);
-        let Outlook { load, reach, .. } = standing.outlook;
+        let BudgetProjection { load, reach, .. } = standing.projection;
         let [load_i, load_s, load_o] = load.to_body();
         Self {
             calibrated_at: time::format(figures.at),

@@ -71,7 +71,7 @@ struct LineAnswer {
 pub async fn post_import(
     app: App,
     Extension(caller): Extension<Caller>,
-    telling: NotifyQuery,
+    notify_query: NotifyQuery,
     request: Request,
 ) -> Answer<Response> {
     check_media_type(request.headers(), &["application/x-ndjson", "application/ndjson", "application/jsonl"])?;
@@ -90,12 +90,12 @@ pub async fn post_import(
     let answers = AnswerSender { sender, room, full: Arc::clone(&full) };
     let language = words::asked();
     let done = tokio::spawn(async move {
-        let late = telling.late_or(Late::Digest);
+        let late = notify_query.late_or(Late::Digest);
         // A task of its own does not know whose it is, nor their language.
         let work = caller.clone().during(import(&app, caller, late, body, &answers));
         words::asked_in(language, work).await;
         // Whoever has read the last answer finds the digest queued.
-        telling.end(&app, late).await;
+        notify_query.end(&app, late).await;
         drop(answers);
     });
     if is_through {

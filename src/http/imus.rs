@@ -3,7 +3,7 @@
 use super::gyros::Gyro;
 use crate::core::judge::Status;
 use crate::http::prelude::*;
-use crate::pipeline::{Seats, Standing};
+use crate::pipeline::{GyroStatus, Seats};
 use crate::wire::cursor::{self, List};
 use crate::wire::time;
 
@@ -82,7 +82,7 @@ pub async fn get_imu(app: App, Path(imu): Path<String>) -> Answer<Json<ImuDetail
     let number = number.ok_or_else(|| query::unknown_imu(&app, &imu))?;
     let seats = app.pipeline.queries.fleet.seated_in(number).await?;
     let names = app.pipeline.queries.names();
-    let body = |standings: &[Standing]| {
+    let body = |standings: &[GyroStatus]| {
         standings.iter().map(|standing| Gyro::of(standing, app.config.judging.method, &names)).collect()
     };
     let (gyros, gyros_before) = (body(&seats.now), body(&seats.before));

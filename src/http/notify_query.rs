@@ -33,20 +33,20 @@ impl<S: Send + Sync> FromRequestParts<S> for NotifyQuery {
 
 impl NotifyQuery {
     fn of(query: &str) -> Answer<Self> {
-        let mut telling = Self::default();
+        let mut notify_query = Self::default();
         for (name, value) in form_urlencoded::parse(query.as_bytes()) {
             match (&*name, &*value) {
-                ("notify", "all") => telling.notify = Some(Late::Told),
-                ("notify", "digest") => telling.notify = Some(Late::Digest),
-                ("notify", "none") => telling.notify = Some(Late::Never),
+                ("notify", "all") => notify_query.notify = Some(Late::Told),
+                ("notify", "digest") => notify_query.notify = Some(Late::Digest),
+                ("notify", "none") => notify_query.notify = Some(Late::Never),
                 ("notify", other) => return Err(not_one_of("notify", ["all", "digest", "none"], other)),
-                ("more", "true") => telling.more = true,
-                ("more", "false") => telling.more = false,
+                ("more", "true") => notify_query.more = true,
+                ("more", "false") => notify_query.more = false,
                 ("more", other) => return Err(not_one_of("more", ["true", "false"], other)),
                 _ => {}
             }
         }
-        Ok(telling)
+        Ok(notify_query)
     }
 
     /// How what is found late is told: as was asked, else as `usual`.
@@ -74,8 +74,8 @@ mod tests {
         assert_eq!(NotifyQuery::of("").unwrap(), NotifyQuery::default());
         assert_eq!(NotifyQuery::of("").unwrap().late_or(Late::Quiet), Late::Quiet);
         for (asked, late) in [("all", Late::Told), ("digest", Late::Digest), ("none", Late::Never)] {
-            let telling = NotifyQuery::of(&format!("x=1&notify={asked}&more=true")).unwrap();
-            assert_eq!((telling.late_or(Late::Quiet), telling.more), (late, true));
+            let notify_query = NotifyQuery::of(&format!("x=1&notify={asked}&more=true")).unwrap();
+            assert_eq!((notify_query.late_or(Late::Quiet), notify_query.more), (late, true));
         }
         for (wrong, says) in [("notify=some", "all, digest, none"), ("more=1", "true, false")] {
             let problem = NotifyQuery::of(wrong).unwrap_err();

@@ -10,14 +10,14 @@ use utoipa::{PartialSchema, ToSchema};
 
 use super::problem::PROBLEM_JSON;
 use crate::core::access::Role;
-use crate::routes::{Least, Rules, operations};
+use crate::routes::{MinimumRole, Rules, operations};
 use crate::wire::problem::ProblemBody;
 
 /// The scheme of [`SecurityRequirement`]s.
 pub const TOKEN: &str = "token";
 
 /// What the paths `at` and below are about.
-struct Thing {
+struct Resource {
     at: &'static str,
     name: &'static str,
     /// What it is known by.
@@ -26,27 +26,34 @@ struct Thing {
     answer: (&'static str, &'static str, &'static str),
 }
 
-const fn thing(at: &'static str, name: &'static str, answer: (&'static str, &'static str, &'static str)) -> Thing {
-    Thing { at, name, by: "identifier", answer }
+const fn resource(
+    at: &'static str,
+    name: &'static str,
+    answer: (&'static str, &'static str, &'static str),
+) -> Resource {
+    Resource { at, name, by: "identifier", answer }
 }
 
-const THINGS: [Thing; 13] = [
-    thing("/v1/records/{id}", "record", ("/v1/records", "201", "/id")),
-    thing("/v1/campaigns/{id}", "campaign", ("/v1/campaigns", "201", "/id")),
-    thing("/v1/bench-results/{id}", "bench result", ("/v1/bench-results", "201", "/id")),
-    Thing { by: "name", ..thing("/v1/hypotheses/{id}", "hypothesis", ("/v1/hypotheses", "201", "/hypothesis/id")) },
-    thing("/v1/diagnoses/{id}", "order", ("/v1/diagnoses", "202", "/id")),
-    thing("/v1/alerts/{id}", "alert", ("/v1/alerts", "200", "/alerts/0/id")),
-    thing("/v1/silences/{id}", "silence", ("/v1/silences", "201", "/id")),
-    thing("/v1/hooks/{id}", "hook", ("/v1/hooks", "201", "/id")),
-    thing("/v1/deliveries/{id}", "delivery", ("/v1/hooks/{id}/test", "202", "/id")),
-    thing("/v1/tokens/{id}", "token", ("/v1/tokens", "201", "/id")),
-    Thing { by: "serial number", ..thing("/v1/gyros/{serial}", "gyro", ("/v1/gyros", "200", "/gyros/0/serial")) },
-    Thing { by: "name", ..thing("/v1/stations/{name}", "station", ("/v1/stations", "200", "/stations/0/name")) },
-    Thing { by: "name", ..thing("/v1/imus/{imu}", "IMU", ("/v1/imus", "200", "/imus/0/imu")) },
+const RESOURCES: [Resource; 13] = [
+    resource("/v1/records/{id}", "record", ("/v1/records", "201", "/id")),
+    resource("/v1/campaigns/{id}", "campaign", ("/v1/campaigns", "201", "/id")),
+    resource("/v1/bench-results/{id}", "bench result", ("/v1/bench-results", "201", "/id")),
+    Resource {
+        by: "name",
+        ..resource("/v1/hypotheses/{id}", "hypothesis", ("/v1/hypotheses", "201", "/hypothesis/id"))
+    },
+    resource("/v1/diagnoses/{id}", "order", ("/v1/diagnoses", "202", "/id")),
+    resource("/v1/alerts/{id}", "alert", ("/v1/alerts", "200", "/alerts/0/id")),
+    resource("/v1/silences/{id}", "silence", ("/v1/silences", "201", "/id")),
+    resource("/v1/hooks/{id}", "hook", ("/v1/hooks", "201", "/id")),
+    resource("/v1/deliveries/{id}", "delivery", ("/v1/hooks/{id}/test", "202", "/id")),
+    resource("/v1/tokens/{id}", "token", ("/v1/tokens", "201", "/id")),
+    Resource { by: "serial number", ..resource("/v1/gyros/{serial}", "gyro", ("/v1/gyros", "200", "/gyros/0/serial")) },
+    Resource { by: "name", ..resource("/v1/stations/{name}", "station", ("/v1/stations", "200", "/stations/0/name")) },
+    Resource { by: "name", ..resource("/v1/imus/{imu}", "IMU", ("/v1/imus", "200", "/imus/0/imu")) },
 ];
 
-impl Thing {
+impl Resource {
     fn holds(&self, path: &str) -> bool {
         path.strip_prefix(self.at).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
     }
@@ -59,16 +66,16 @@ impl Thing {
 /// Describes what the handlers leave out.
 pub fn complete(openapi: &mut OpenApi, rules: &Rules) {
     for (path, item) in &mut openapi.paths.paths {
-        let thing = THINGS.iter().find(|thing| thing.holds(path));
+        let resource = RESOURCES.iter().find(|resource| resource.holds(path));
         for (method, operation) in operations(item) {
             let least = rules.get(&method, path).flatten();
-            if let Some(thing) = thing {
-                name_parameter(operation, thing);
+            if let Some(resource) = resource {
+                name_parameter(operation, resource);
             }
             if least.is_some() {
                 operation.security = Some(vec![SecurityRequirement::new(TOKEN, [""; 0])]);
             }
-            for (status, why) in refusals(operation, (&method, path), thing, least) {
+            for (status, why) in refusals(operation, (&method, path), resource, least) {
                 operation.responses.responses.entry(status.to_owned()).or_insert_with(|| Response::new(why).into());
             }
             for (status, response) in &mut operation.responses.responses {
@@ -85,15 +92,15 @@ pub fn complete(openapi: &mut OpenApi, rules: &Rules) {
     link(openapi);
 }
 
-fn name_parameter(operation: &mut Operation, thing: &Thing) {
+fn name_parameter(operation: &mut Operation, resource: &Resource) {
     let parameters = operation.parameters.get_or_insert_default();
-    let is_named = |parameter: &RefOr<Parameter>| matches!(parameter, RefOr::T(p) if p.name == thing.parameter());
+    let is_named = |parameter: &RefOr<Parameter>| matches!(parameter, RefOr::T(p) if p.name == resource.parameter());
     if !parameters.iter().any(is_named) {
         let named = Parameter::builder()
-            .name(thing.parameter())
+            .name(resource.parameter())
             .parameter_in(ParameterIn::Path)
             .required(Required::True)
-            .description(Some(format!("{} of the {}", thing.by, thing.name)))
+            .description(Some(format!("{} of the {}", resource.by, resource.name)))
             .schema(Some(String::schema()));
         parameters.insert(0, RefOr::T(named.build()));
     }
@@ -103,8 +110,8 @@ fn name_parameter(operation: &mut Operation, thing: &Thing) {
 fn refusals(
     operation: &Operation,
     (method, path): (&Method, &str),
-    thing: Option<&Thing>,
-    least: Least,
+    resource: Option<&Resource>,
+    least: MinimumRole,
 ) -> Vec<(&'static str, String)> {
     let writes = !method.is_safe();
     let taken: Vec<&str> = match &operation.request_body {
@@ -122,7 +129,7 @@ fn refusals(
         bad.map(|why| ("400", why.to_owned())),
         least.map(|_| ("401", "no token, or one that is not valid".to_owned())),
         least.map(|role| ("403", forbidden(role))),
-        thing.map(|thing| ("404", format!("no such {}", thing.name))),
+        resource.map(|resource| ("404", format!("no such {}", resource.name))),
         document.then(|| ("413", "too large".to_owned())),
         (!no_body).then(|| ("415", format!("not {}", taken.join(" or ")))),
         document.then(|| ("422", "a document that cannot be stored; the places are named".to_owned())),
@@ -145,9 +152,9 @@ fn forbidden(least: Role) -> String {
 
 /// Adds to answers the links to operations on what they name.
 fn link(openapi: &mut OpenApi) {
-    for thing in &THINGS {
-        let (path, status, at) = thing.answer;
-        let below = openapi.paths.paths.iter_mut().filter(|(path, _)| thing.holds(path));
+    for resource in &RESOURCES {
+        let (path, status, at) = resource.answer;
+        let below = openapi.paths.paths.iter_mut().filter(|(path, _)| resource.holds(path));
         let about: Vec<String> =
             below.flat_map(|(_, item)| operations(item)).filter_map(|(_, of)| of.operation_id.clone()).collect();
         let by = openapi.paths.paths.get_mut(path);
@@ -157,7 +164,7 @@ fn link(openapi: &mut OpenApi) {
         let Some(RefOr::T(answer)) = answer else { continue };
         for id in about {
             let from = format!("$response.body#{at}");
-            let link = Link::builder().operation_id(&id).parameter(thing.parameter(), from).build();
+            let link = Link::builder().operation_id(&id).parameter(resource.parameter(), from).build();
             answer.links.insert(id, RefOr::T(link));
         }
     }

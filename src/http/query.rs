@@ -12,7 +12,7 @@ use url::form_urlencoded;
 use crate::core::message::{Message, list};
 use crate::core::time::{Span, UtcMicros};
 use crate::http::prelude::*;
-use crate::routes::Takes;
+use crate::routes::AcceptedInputs;
 use crate::wire::cursor::{self, List};
 use crate::wire::{time, unreadable};
 
@@ -36,7 +36,7 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Parameters<T> 
 
 /// The refusal of a parameter that an operation does not take, or of a promise that it does not keep: what is ignored
 /// would be taken for granted.
-pub fn not_taken(takes: &Takes, request: &Request) -> Option<Problem> {
+pub fn not_taken(takes: &AcceptedInputs, request: &Request) -> Option<Problem> {
     let sent = form_urlencoded::parse(request.uri().query().unwrap_or_default().as_bytes());
     let mut unknown = sent.filter(|(name, _)| !takes.parameters.iter().any(|known| known == name));
     if let Some((name, _)) = unknown.next() {

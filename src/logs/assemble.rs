@@ -3,19 +3,19 @@
 use nalgebra::Vector3;
 
 use super::error::LogError;
-use super::gather::{Gathered, Role};
+use super::gather::{LogSeries, Role};
 use super::map::Map;
 use super::programme::{axis, earth_axis};
-use super::turning::{self, Turned, Turns};
+use super::turning::{self, TurningInterval, TurningIntervals};
 use super::units::Counts;
 use crate::core::campaign::{Phase, Site};
 use crate::core::dwells::averages::{later, noise, settled, standard_error, without_edges};
 use crate::core::dwells::blocks::Track;
-use crate::core::dwells::explained::{Outputs, Undecided, is_another, laid};
+use crate::core::dwells::explained::{Outputs, Undecided, align_by_outputs, is_another};
 use crate::core::dwells::intervals::{Found, Interval, Search, find, is_motion};
 use crate::core::dwells::noise::Noise;
 use crate::core::dwells::programme::{
-    Clock, Position, REST_ARCSEC_S, Seen, Table, attitude, clock_factor, clock_offset, exchanged,
+    Clock, LoggedInterval, Position, REST_ARCSEC_S, Table, attitude, clock_factor, clock_offset, exchanged,
 };
 use crate::core::dwells::turns::{TURN_ARCSEC, WHOLE};
 use crate::core::frames::{Body, Nav, Rotation, Vector};
@@ -80,7 +80,7 @@ const SAME_UP: f64 = 0.985;
 struct Candidate {
     interval: Interval,
     force: Option<Vector3<f64>>,
-    seen: Seen,
+    seen: LoggedInterval,
     attitude: Option<Rotation<Nav, Body>>,
     position: Option<Position>,
     /// When it began, before anything was cut: what its attitude is of.
@@ -91,10 +91,10 @@ struct Candidate {
 
 struct Work<'a> {
     map: &'a Map,
-    log: &'a Gathered,
+    log: &'a LogSeries,
     site: Option<Site>,
     table: Option<Table>,
-    turns: Turns,
+    turns: TurningIntervals,
     /// Whether noise may be another in each dwell. Of counts whose time is known it is not.
     differs: bool,
     remarks: Vec<Message>,
@@ -103,7 +103,7 @@ struct Work<'a> {
 /// Finds the dwells of what was gathered.
 pub fn assemble(
     map: &Map,
-    log: &mut Gathered,
+    log: &mut LogSeries,
     site: Option<Site>,
     programme: Option<&[Position]>,
 ) -> Result<Assembled, LogError> {
@@ -236,16 +236,17 @@ impl Work<'_> {
         lengths.sort_by(f64::total_cmp);
         let usual = lengths.get(lengths.len() / 2).copied().unwrap_or(0.0);
         let made: Vec<(f64, f64)> = dwells.iter().map(|d| (d.start_s, d.start_s + d.duration_s)).collect();
-        let shared = |turn: &Turned, of: &[(f64, f64)]| {
+        let shared = |turn: &TurningInterval, of: &[(f64, f64)]| {
             let part = |&(from, to): &(f64, f64)| (to.min(turn.to_s) - from.max(turn.from_s)).max(0.0);
             of.iter().map(part).sum::<f64>() / (turn.to_s - turn.from_s)
         };
-        let lost = |turn: &&Turned| turn.to_s - turn.from_s >= SHORT_TURN * usual && shared(turn, &made) < COVERED;
-        let lost: Vec<&Turned> = self.turns.stretches.iter().filter(lost).collect();
-        let (left, unsteady): (Vec<&Turned>, Vec<&Turned>) =
+        let lost =
+            |turn: &&TurningInterval| turn.to_s - turn.from_s >= SHORT_TURN * usual && shared(turn, &made) < COVERED;
+        let lost: Vec<&TurningInterval> = self.turns.stretches.iter().filter(lost).collect();
+        let (left, unsteady): (Vec<&TurningInterval>, Vec<&TurningInterval>) =
             lost.iter().partition(|turn| shared(turn, seen) >= COVERED);
         let code = if self.turns.known { "turns_unsteady" } else { "swings_unsteady" };
-        let say = |(code, turns): (&'static str, Vec<&Turned>)| {
+        let say = |(code, turns): (&'static str, Vec<&TurningInterval>)| {
             let spans = turns.iter().map(|turn| text(format_args!("{:.0}–{:.0}", turn.from_s, turn.to_s)));
             let seconds = turns.iter().map(|turn| turn.to_s - turn.from_s).sum::<f64>();
             let mut said =
@@ -296,7 +297,7 @@ impl Work<'_> {
             turn = Some(vertical);
         }
         let began_s = self.log.series.time_s[interval.from];
-        let seen = Seen { up, turn_arcsec_s: turn };
+        let seen = LoggedInterval { up, turn_arcsec_s: turn };
         Candidate { interval, force, seen, attitude, position: None, began_s, level_turn }
     }
 
@@ -446,7 +447,7 @@ impl Work<'_> {
         let series = &self.log.series;
         let spans: Vec<(f64, f64)> =
             candidates.iter().map(|c| (series.start_s(c.interval.from), series.end_s(c.interval.to))).collect();
-        let seen: Vec<Seen> = candidates.iter().map(|c| c.seen).collect();
+        let seen: Vec<LoggedInterval> = candidates.iter().map(|c| c.seen).collect();
         let clock = clock_offset(&spans, &seen, programme);
         self.remarks.extend(one_clock(clock, &spans, &seen, programme)?);
         if let Some(Clock { offset_s: offset, .. }) = clock {
@@ -469,7 +470,7 @@ impl Work<'_> {
                 (0..self.outputs()).filter_map(|k| self.mean(Role::Output(k), c.interval)).collect()
             };
             let means = candidates.iter().map(means).collect();
-            let matched = laid_over((self.map, self.log.unit.counts, self.site), &seen, spans, means, programme)?;
+            let matched = align_programme((self.map, self.log.unit.counts, self.site), &seen, spans, means, programme)?;
             let taken = matched.iter().flatten().count();
             if is_another(taken, seen.len()) {
                 let (intervals, rows) = (seen.len(), programme.len());
@@ -497,7 +498,8 @@ impl Work<'_> {
         let of = |c: &Candidate| {
             let told = c.position?.turn_arcsec_s.abs();
             let (from, to) = (series.start_s(c.interval.from), series.end_s(c.interval.to));
-            let holds = |turn: &&Turned| turn.from_s <= from + series.block_s && to - series.block_s <= turn.to_s;
+            let holds =
+                |turn: &&TurningInterval| turn.from_s <= from + series.block_s && to - series.block_s <= turn.to_s;
             let turn = self.turns.stretches.iter().filter(|turn| turn.turns >= WHOLE).find(holds)?;
             (told > 0.0).then_some((from, turn.swings_arcsec_s, told))
         };
@@ -743,7 +745,7 @@ impl Work<'_> {
     fn is_part_of_turn(&self, candidate: &Candidate, position: &Position) -> bool {
         let (series, i) = (&self.log.series, candidate.interval);
         let turned = self.turned(candidate, position).abs();
-        let is_of = |turn: &&Turned| {
+        let is_of = |turn: &&TurningInterval| {
             turn.from_s < series.start_s(i.from) + series.block_s && series.end_s(i.to) - series.block_s < turn.to_s
         };
         let is_out = self.turns.stretches.iter().filter(is_of).any(|turn| turn.turns >= WHOLE);
@@ -827,7 +829,7 @@ pub fn by_accelerometers(
 pub fn one_clock(
     clock: Option<Clock>,
     spans: &[(f64, f64)],
-    seen: &[Seen],
+    seen: &[LoggedInterval],
     programme: &[Position],
 ) -> Result<Option<Message>, Message> {
     match clock {
@@ -848,9 +850,9 @@ pub fn one_clock(
 ///
 /// # Errors
 /// No site; several ways that explain the outputs as well.
-pub fn laid_over(
+pub fn align_programme(
     (map, counts, site): (&Map, Counts, Option<Site>),
-    seen: &[Seen],
+    seen: &[LoggedInterval],
     spans: Vec<(f64, f64)>,
     means: Vec<Vec<f64>>,
     programme: &[Position],
@@ -859,7 +861,7 @@ pub fn laid_over(
     let (axes, are_rates) = (map.input_axes().unwrap_or_default(), counts == Counts::Angular);
     let outputs = Outputs { spans, means, axes, are_rates, site };
     let undecided = |Undecided| message!("programme_undecided", intervals = seen.len(), rows = programme.len());
-    laid(seen, &outputs, programme).map_err(undecided)
+    align_by_outputs(seen, &outputs, programme).map_err(undecided)
 }
 
 /// That measured verticals are those that were commanded; `off`: begin of each dwell, s, and the angle between, rad.

@@ -4,17 +4,19 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::assemble::{Commanded, Dwell, TURNING, agree, by_accelerometers, laid_over, missing, one_clock, table};
+use super::assemble::{
+    Commanded, Dwell, TURNING, agree, align_programme, by_accelerometers, missing, one_clock, table,
+};
 use super::error::LogError;
 use super::gather::{counted, same_layout};
 use super::map::{Columns, Map, Reading, TableColumns};
 use super::repeats::Rows;
 use super::source::Source;
-use super::text::LeftOut;
+use super::text::SkippedLines;
 use super::units::{Counts, Quantity, Unit};
 use crate::core::campaign::{Phase, Site};
 use crate::core::dwells::explained::is_another;
-use crate::core::dwells::programme::{Clock, Position, REST_ARCSEC_S, Seen, Table, clock_offset};
+use crate::core::dwells::programme::{Clock, LoggedInterval, Position, REST_ARCSEC_S, Table, clock_offset};
 use crate::core::frames::{Body, Nav, Rotation, Vector};
 use crate::core::message::{Message, figure};
 use crate::core::units::EARTH_RATE_DEG_H;
@@ -142,7 +144,7 @@ fn commanded(
 }
 
 /// Which readings of a row are what.
-struct Places {
+struct ReadingLayout {
     readings: Vec<Reading>,
     output: Range<usize>,
     sem: Range<usize>,
@@ -156,7 +158,7 @@ struct Places {
     samples: Range<usize>,
 }
 
-impl Places {
+impl ReadingLayout {
     /// `unit`: of the output.
     fn of(map: &Map, sources: &[(String, Source)], unit: &str) -> Result<Self, LogError> {
         let mut readings: Vec<Reading> = Vec::new();
@@ -237,11 +239,11 @@ fn rows(
     counts: Counts,
     unit: &str,
 ) -> Result<(Vec<Row>, Vec<Message>), LogError> {
-    let places = Places::of(map, sources, unit)?;
+    let places = ReadingLayout::of(map, sources, unit)?;
     let table = table(map)?;
     let wanted: Vec<usize> = places.readings.iter().map(|r| r.column).collect();
     let hz = map.rate_hz.filter(|hz| *hz > 0.0);
-    let (mut found, mut incomplete, mut bad) = (Vec::new(), 0_usize, LeftOut::default());
+    let (mut found, mut incomplete, mut bad) = (Vec::new(), 0_usize, SkippedLines::default());
     let mut seen: Vec<Rows> = Vec::new();
     let mut each = |seen: &mut Rows, row: &[f64]| {
         seen.see(row, None);
@@ -346,8 +348,8 @@ fn positions(
     remarks: &mut Vec<Message>,
 ) -> Result<Vec<Option<Position>>, Message> {
     let up = |row: &Row| row.force.and_then(|force| force.try_normalize(0.0));
-    let seen: Vec<Seen> =
-        rows.iter().zip(turns).map(|(row, turn)| Seen { up: up(row), turn_arcsec_s: *turn }).collect();
+    let seen: Vec<LoggedInterval> =
+        rows.iter().zip(turns).map(|(row, turn)| LoggedInterval { up: up(row), turn_arcsec_s: *turn }).collect();
     let blind = seen.iter().all(|s| s.up.is_none() && s.turn_arcsec_s.is_none());
     let clock = rows[0].start_s.and_then(|_| clock_offset(spans, &seen, programme));
     if rows[0].start_s.is_some() {
@@ -363,7 +365,7 @@ fn positions(
         }
         None => {
             let means = rows.iter().map(|row| row.output.clone()).collect();
-            laid_over(of, &seen, spans.to_vec(), means, programme)?
+            align_programme(of, &seen, spans.to_vec(), means, programme)?
         }
     };
     let taken: Vec<usize> = matched.iter().flatten().copied().collect();

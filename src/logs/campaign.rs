@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::assemble::{Commanded, Dwell, assemble, one_orientation};
 use super::clock::Epoch;
 use super::error::LogError;
-use super::gather::{Gathered, gather};
+use super::gather::{LogSeries, gather};
 use super::map::Map;
 use super::source::{Source, name};
 use super::units::{Counts, Quantity, Unit};
@@ -22,12 +22,12 @@ use crate::wire::campaign::{CampaignBody, CampaignGyroBody, DwellBody, commanded
 use crate::wire::numbers::tidy;
 use crate::wire::time;
 
-pub struct Made {
+pub struct LogCampaign {
     pub body: CampaignBody,
     pub dwells: Vec<Dwell>,
     pub remarks: Vec<Message>,
     /// None of a log of averages.
-    pub gathered: Option<Gathered>,
+    pub gathered: Option<LogSeries>,
     /// The unit of the outputs.
     unit: Unit,
 }
@@ -41,7 +41,7 @@ const EARLIEST: UtcMicros = UtcMicros(1_609_459_200_000_000);
 /// Room about a unit's factor.
 const UNIT_ROOM: f64 = 0.1;
 
-impl Made {
+impl LogCampaign {
     /// The campaign, held against the Earth.
     ///
     /// # Errors
@@ -95,7 +95,7 @@ fn contradicted(campaign: &Campaign) -> Option<Message> {
 ///
 /// # Errors
 /// Why they hold none, with the file, and with line and column where there is one.
-pub fn campaign_of(files: &[PathBuf], map: &Map, programme: Option<&str>) -> Result<Made, LogError> {
+pub fn campaign_of(files: &[PathBuf], map: &Map, programme: Option<&str>) -> Result<LogCampaign, LogError> {
     let positions = programme.map(programme::read).transpose()?;
     let open = |path: &PathBuf| Ok((name(path), Source::open(path)?));
     let sources = files.iter().map(open).collect::<Result<Vec<_>, LogError>>()?;
@@ -107,7 +107,7 @@ pub fn campaign_from(
     mut sources: Vec<(String, Source)>,
     map: &Map,
     positions: Option<&[Position]>,
-) -> Result<Made, LogError> {
+) -> Result<LogCampaign, LogError> {
     let site = site_of(map);
     let (dwells, unit, mut remarks, gathered) = if map.averaged {
         let (dwells, unit, remarks) = averaged::dwells(map, &mut sources, site, positions)?;
@@ -123,13 +123,13 @@ pub fn campaign_from(
     if one_orientation(&dwells) {
         remarks.push(message!("one_orientation", count = dwells.len()));
     }
-    let mut made = Made { body: body(map, &dwells, gathered.as_ref())?, dwells, remarks, gathered, unit };
+    let mut made = LogCampaign { body: body(map, &dwells, gathered.as_ref())?, dwells, remarks, gathered, unit };
     hold_e(&mut made, map)?;
     Ok(made)
 }
 
 /// That the map's date is that of the log's clock, but for the zone; what is said of a clock that was never set.
-fn clock_agrees(map: &Map, log: &Gathered) -> Result<Option<Message>, LogError> {
+fn clock_agrees(map: &Map, log: &LogSeries) -> Result<Option<Message>, LogError> {
     let Some((stated, (epoch, began_s))) = map.measured_at.as_ref().zip(log.began) else { return Ok(None) };
     // What is no time is refused with the campaign.
     let Ok(at) = time::parse(stated) else { return Ok(None) };
@@ -152,7 +152,7 @@ fn site_of(map: &Map) -> Option<Site> {
     Some(Site { latitude, gravity_g0, magnetic_field_nav: None })
 }
 
-fn body(map: &Map, dwells: &[Dwell], gathered: Option<&Gathered>) -> Result<CampaignBody, LogError> {
+fn body(map: &Map, dwells: &[Dwell], gathered: Option<&LogSeries>) -> Result<CampaignBody, LogError> {
     let missing = |key: &'static str| LogError::new("map", message!("map_missing", key));
     let began = gathered.and_then(|g| g.began).filter(|(epoch, _)| *epoch == Epoch::Unix);
     let began = began.map(|(epoch, began_s)| time::format(epoch.moment(began_s)));
@@ -187,7 +187,7 @@ fn gyro(text: &str) -> Result<CampaignGyroBody, LogError> {
 
 /// Where nothing turned at a known rate, E cannot be fitted. Of gyros that measure rates of turn it is the input axis:
 /// one pulse is one arcsec.
-fn hold_e(made: &mut Made, map: &Map) -> Result<(), LogError> {
+fn hold_e(made: &mut LogCampaign, map: &Map) -> Result<(), LogError> {
     let known = match &map.known_e {
         Some(known) if known.len() != made.body.gyros.len() => {
             let fault = message!("map_known_e", have = known.len(), gyros = made.body.gyros.len());

@@ -6,7 +6,7 @@ use super::map::{Columns, Found, Header, Map, Reading};
 use super::repeats::Rows;
 use super::sampling::Sampling;
 use super::source::Source;
-use super::text::LeftOut;
+use super::text::SkippedLines;
 use super::units::{Counts, Quantity, Unit};
 use crate::core::dwells::blocks::{Blocks, Series, Track};
 use crate::core::message::{Message, figure, list, sent, text};
@@ -34,7 +34,7 @@ pub enum Role {
 }
 
 /// All logs as one series, and what was seen while they were read.
-pub struct Gathered {
+pub struct LogSeries {
     pub series: Series,
     pub roles: Vec<Role>,
     pub unit: Unit,
@@ -53,7 +53,7 @@ pub struct Gathered {
     pub remarks: Vec<Message>,
 }
 
-impl Gathered {
+impl LogSeries {
     /// Counts as rates by the time in which they were counted: so that a mean over many blocks is their sum by its time.
     pub fn by_own_time(&mut self) {
         let Some(times) = self.own_times() else { return };
@@ -123,7 +123,7 @@ const RUNS_SAID: usize = 5;
 ///
 /// # Errors
 /// Columns that are not there, times that jump back, rows that cannot be read.
-pub fn gather(map: &Map, mut sources: Vec<(String, Source)>) -> Result<Gathered, LogError> {
+pub fn gather(map: &Map, mut sources: Vec<(String, Source)>) -> Result<LogSeries, LogError> {
     let beside = map.logs();
     if beside > 1 && sources.len() != beside {
         return Err(LogError::new("map", message!("map_logs", logs = beside, have = sources.len())));
@@ -140,7 +140,7 @@ pub fn gather(map: &Map, mut sources: Vec<(String, Source)>) -> Result<Gathered,
     let rate = channels.iter().find(|channel| matches!(channel.role, Role::Rate(_)));
     let mut reader = Reader::new(map, unit, remarks);
     reader.rate_factor = rate.map_or(0.0, |channel| channel.reading.factor.abs());
-    let mut logs: Vec<Room> = Vec::new();
+    let mut logs: Vec<BlockBuffer> = Vec::new();
     let mut roles = Vec::new();
     for (k, (place, source)) in sources.iter_mut().enumerate() {
         let own = of_log(if beside > 1 { k } else { 0 });
@@ -150,7 +150,7 @@ pub fn gather(map: &Map, mut sources: Vec<(String, Source)>) -> Result<Gathered,
         if k == 0 || beside > 1 {
             let own_roles = tracks(&own, counts);
             let unit_s = logs.first_mut().map(|first| first.begun().unit_s());
-            logs.push(Room::new(own_roles.len(), unit_s));
+            logs.push(BlockBuffer::new(own_roles.len(), unit_s));
             roles.extend(own_roles);
             reader.restart();
         } else {
@@ -160,7 +160,7 @@ pub fn gather(map: &Map, mut sources: Vec<(String, Source)>) -> Result<Gathered,
         let room = logs.last_mut().expect("a room was made for the first log");
         reader.read(map, place, source, &own, room)?;
     }
-    let blocks: Vec<Blocks> = logs.into_iter().map(Room::into_blocks).collect();
+    let blocks: Vec<Blocks> = logs.into_iter().map(BlockBuffer::into_blocks).collect();
     let series = Series::join(blocks);
     reader.into_gathered(&sources[0].0, series, roles)
 }
@@ -262,7 +262,7 @@ fn tracks(channels: &[&Channel], counts: Counts) -> Vec<Role> {
 }
 
 /// Blocks of a log, begun once the time between its samples is known.
-struct Room {
+struct BlockBuffer {
     width: usize,
     /// Unit of the blocks of the log beside it.
     unit_s: Option<f64>,
@@ -270,7 +270,7 @@ struct Room {
     blocks: Option<Blocks>,
 }
 
-impl Room {
+impl BlockBuffer {
     fn new(width: usize, unit_s: Option<f64>) -> Self {
         Self { width, unit_s, first: Vec::new(), blocks: None }
     }
@@ -423,7 +423,7 @@ fn period(before: f64, now: f64, factor: f64, back: f64, interval: f64) -> Optio
 }
 
 /// How often a channel reads what it read before.
-struct Held {
+struct StuckDetector {
     role: Role,
     last: f64,
     before: f64,
@@ -439,7 +439,7 @@ struct Held {
     runs: Vec<(f64, f64, f64, u64)>,
 }
 
-impl Held {
+impl StuckDetector {
     fn new(role: Role) -> Self {
         let (least, most) = (f64::INFINITY, f64::NEG_INFINITY);
         Self {
@@ -626,10 +626,10 @@ struct Reader {
     breaks: Vec<f64>,
     rows: u64,
     missing: u64,
-    bad: LeftOut,
+    bad: SkippedLines,
     counters: Vec<Counter>,
     temperature: Temperature,
-    held: Vec<Held>,
+    held: Vec<StuckDetector>,
     /// The rows of logs that follow one another.
     seen: Vec<Rows>,
     remarks: Vec<Message>,
@@ -649,7 +649,7 @@ impl Reader {
             breaks: Vec::new(),
             rows: 0,
             missing: 0,
-            bad: LeftOut::default(),
+            bad: SkippedLines::default(),
             counters: Vec::new(),
             temperature: Temperature::default(),
             held: Vec::new(),
@@ -677,7 +677,7 @@ impl Reader {
         place: &str,
         source: &mut Source,
         channels: &[&Channel],
-        room: &mut Room,
+        room: &mut BlockBuffer,
     ) -> Result<(), LogError> {
         let Stamps { column: time, factor, unit_s, began } = Stamps::of(map, place, source)?;
         (self.time_factor, self.time_unit_s, self.epoch) = (factor, unit_s, began.map(|(epoch, _)| epoch));
@@ -803,7 +803,7 @@ impl Reader {
         match self.held.iter_mut().find(|held| held.role == role) {
             Some(held) => held.see(value, at),
             None => {
-                let mut held = Held::new(role);
+                let mut held = StuckDetector::new(role);
                 held.see(value, at);
                 self.held.push(held);
             }
@@ -830,14 +830,15 @@ impl Reader {
         self.remarks.push(message!("samples_frozen", runs = spans.len(), count, spans = list(said)));
     }
 
-    fn into_gathered(mut self, place: &str, mut series: Series, roles: Vec<Role>) -> Result<Gathered, LogError> {
+    fn into_gathered(mut self, place: &str, mut series: Series, roles: Vec<Role>) -> Result<LogSeries, LogError> {
         self.without_frozen(&mut series);
         if let Some(dead) = self.held.iter().find(|held| held.least == held.most && self.rows > FROZEN)
             && let Role::Output(gyro) = dead.role
         {
             return Err(LogError::new(place, message!("output_dead", output = gyro + 1, value = text(dead.least))));
         }
-        let alternates = |held: &&Held| self.rows > FROZEN && held.alternating as f64 > ALTERNATE * self.rows as f64;
+        let alternates =
+            |held: &&StuckDetector| self.rows > FROZEN && held.alternating as f64 > ALTERNATE * self.rows as f64;
         if let Some(held) = self.held.iter().find(alternates) {
             let (key, column) = match held.role {
                 Role::Force(k) => ("force", k + 1),
@@ -885,7 +886,7 @@ impl Reader {
             });
         }
         let began = self.epoch.zip(self.clock.origin);
-        Ok(Gathered {
+        Ok(LogSeries {
             series,
             roles,
             unit: self.unit,
@@ -1005,7 +1006,7 @@ mod tests {
     #[test]
     fn samples_of_two_imus_alternate_and_noise_and_counts_do_not() {
         let share = |of: &dyn Fn(u32) -> f64| {
-            let mut held = Held::new(Role::Output(0));
+            let mut held = StuckDetector::new(Role::Output(0));
             (0..3000).for_each(|k| held.see(of(k), f64::from(k)));
             held.alternating as f64 / 3000.0
         };

@@ -25,9 +25,9 @@ const COUNTERS: [f64; 3] = [65_536.0, 16_777_216.0, 4_294_967_296.0];
 /// Rows up to which a log may be a table of averages.
 const FEW_ROWS: usize = 500;
 
-struct Looked {
+struct ScannedFile {
     /// What the file's name says that it holds.
-    holds: Option<Holds>,
+    holds: Option<FileContent>,
     columns: Vec<Column>,
     values: Vec<Vec<f64>>,
     /// Columns of times of day or dates, which are read as seconds.
@@ -37,7 +37,7 @@ struct Looked {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Holds {
+enum FileContent {
     Force,
     Output,
 }
@@ -77,7 +77,7 @@ pub fn guess_of(sources: Vec<(String, Source)>, language: Language) -> Result<St
     Ok(map(&looked, &names.join(", "), language))
 }
 
-fn look(name: &str, mut source: Source) -> Result<Looked, LogError> {
+fn look(name: &str, mut source: Source) -> Result<ScannedFile, LogError> {
     source.leniently();
     let columns = source.columns().to_vec();
     let wanted: Vec<usize> = (0..columns.len()).collect();
@@ -94,12 +94,12 @@ fn look(name: &str, mut source: Source) -> Result<Looked, LogError> {
         Err(error) if !stopped && values[0].is_empty() => Err(error),
         _ => {
             let (clocks, several) = (source.clocks().to_vec(), source.several(&[]));
-            Ok(Looked { holds: Holds::by_name(name), columns, values, clocks, several })
+            Ok(ScannedFile { holds: FileContent::by_name(name), columns, values, clocks, several })
         }
     }
 }
 
-impl Holds {
+impl FileContent {
     fn by_name(file: &str) -> Option<Self> {
         let name = file.to_lowercase();
         let has = |words: [&str; 3]| words.iter().any(|word| name.contains(word));
@@ -121,7 +121,7 @@ struct Parts {
     temperature: Option<Line>,
 }
 
-fn map(logs: &[Looked], name: &str, language: Language) -> String {
+fn map(logs: &[ScannedFile], name: &str, language: Language) -> String {
     let say = |message: Message| language.words(&message);
     let mut text = format!("# {}\n", say(message!("guess_head", logs = name.to_owned())));
     let example = say(message!("guess_time_example"));
@@ -129,7 +129,7 @@ fn map(logs: &[Looked], name: &str, language: Language) -> String {
     text.push_str(&format!("geometry = \"orthogonal\"  # {}\n", say(message!("guess_geometry"))));
     let of_station = say(message!("guess_site"));
     text.push_str(&format!("site = {{ latitude_deg = \"?\", gravity_g0 = \"?\" }}  # {of_station}\n"));
-    let parts: Vec<Parts> = logs.iter().map(Looked::parts).collect();
+    let parts: Vec<Parts> = logs.iter().map(ScannedFile::parts).collect();
     let gyros = parts.iter().find_map(|part| part.output.as_ref()).map_or(3, |(gyros, _)| *gyros);
     let serials: Vec<String> = (1..=gyros).map(|k| format!("\"G{k} SERIAL-{k}\"")).collect();
     text.push_str(&format!("gyros = [{}]\n", serials.join(", ")));
@@ -168,7 +168,7 @@ impl Line {
     }
 }
 
-impl Looked {
+impl ScannedFile {
     fn parts(&self) -> Parts {
         let time = self.time();
         let force = self.triple(&["acc", "accel", "force", "beschl", "加速度", "加表", "加计"], &["a", "f"]);
@@ -414,7 +414,7 @@ impl Looked {
             .filter(|places| free(places) && numeric(places))
             .collect();
         let force = threes.iter().find(|places| self.gravity(places).is_some()).cloned();
-        if self.holds == Some(Holds::Force) {
+        if self.holds == Some(FileContent::Force) {
             return (force.or(threes.first().cloned()), None);
         }
         let apart = |places: &&Vec<usize>| force.as_ref().is_none_or(|f| places.iter().all(|p| !f.contains(p)));

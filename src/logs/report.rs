@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::campaign::Made;
-use super::gather::{Gathered, Role};
+use super::campaign::LogCampaign;
+use super::gather::{LogSeries, Role};
 use crate::core::dwells::blocks::{Series, Track};
 use crate::words::Language;
 
@@ -20,7 +20,7 @@ const STYLE: &str = "body{font:14px/1.4 system-ui,sans-serif;max-width:1160px;ma
     h2{font-size:1.1em;margin:1.2em 0 .2em}.static{fill:#9cc4e4}.rate{fill:#f2c48d}";
 
 /// One page that needs nothing else.
-pub fn report(made: &Made, title: &str, language: Language) -> String {
+pub fn report(made: &LogCampaign, title: &str, language: Language) -> String {
     let page = html! {
         (DOCTYPE)
         html lang=(language.tag()) {
@@ -36,7 +36,7 @@ pub fn report(made: &Made, title: &str, language: Language) -> String {
 }
 
 /// What was noticed, the intervals over the signals, and the dwells.
-pub fn shown(made: &Made, language: Language) -> Markup {
+pub fn shown(made: &LogCampaign, language: Language) -> Markup {
     html! {
         ul { @for remark in &made.remarks { li { (language.words(remark)) } } }
         @if let Some(gathered) = &made.gathered {
@@ -66,7 +66,7 @@ fn name(role: Role) -> Option<String> {
     })
 }
 
-fn plot(made: &Made, gathered: &Gathered, track: &Track) -> Markup {
+fn plot(made: &LogCampaign, gathered: &LogSeries, track: &Track) -> Markup {
     let series = &gathered.series;
     let blocks = series.number.len();
     let (begin, end) = (series.start_s(0), series.end_s(blocks));
@@ -104,7 +104,7 @@ fn line(series: &Series, track: &Track, x: &impl Fn(f64) -> f64, y: &impl Fn(f64
     path
 }
 
-fn table(made: &Made) -> Markup {
+fn table(made: &LogCampaign) -> Markup {
     let figures =
         |values: &[f64], digits: usize| values.iter().map(|v| format!("{v:.digits$}")).collect::<Vec<_>>().join(", ");
     html! {

@@ -8,7 +8,7 @@ use calamine::{Data, Reader, Xlsx};
 
 use super::column::{Column, Named};
 use super::error::{LogError, unreadable};
-use super::text::{Ids, LeftOut, MOST, TextLog};
+use super::text::{Ids, MOST, SkippedLines, TextLog};
 use super::{clock, mat, npy};
 use crate::core::message::{Message, list, sent};
 use crate::message;
@@ -22,7 +22,7 @@ pub enum Source {
 }
 
 /// The table of a workbook.
-struct Sheet {
+struct Worksheet {
     named: Vec<Named>,
     first_line: u64,
     /// Columns of dates or times of day.
@@ -68,7 +68,7 @@ impl Source {
         }
         let mut bytes = Vec::new();
         from.read_to_end(&mut bytes).map_err(&fail)?;
-        let from_first = |named| Sheet { named, first_line: 1, clocks: Vec::new() };
+        let from_first = |named| Worksheet { named, first_line: 1, clocks: Vec::new() };
         let sheet = match kind {
             FileKind::Mat5 => mat::arrays(&bytes).map(of_arrays).map(from_first),
             FileKind::Npy => npy::columns(&bytes).map(from_first),
@@ -79,7 +79,7 @@ impl Source {
         sheet.and_then(Self::of_sheet).map_err(of_file)
     }
 
-    fn of_sheet(Sheet { named, first_line, clocks }: Sheet) -> Result<Self, Message> {
+    fn of_sheet(Worksheet { named, first_line, clocks }: Worksheet) -> Result<Self, Message> {
         let rows = named.iter().map(|(_, values)| values.len()).max().unwrap_or(0);
         let (columns, values): (Vec<_>, Vec<_>) = named.into_iter().filter(|(_, v)| v.len() == rows).unzip();
         if columns.is_empty() || rows < 2 {
@@ -156,7 +156,7 @@ impl Source {
         place: &str,
         wanted: &[usize],
         each: &mut dyn FnMut(&[f64]) -> Result<(), Message>,
-    ) -> Result<LeftOut, LogError> {
+    ) -> Result<SkippedLines, LogError> {
         match self {
             Self::Text(log) => log.rows(wanted, each),
             Self::Whole { values, first_line, .. } => {
@@ -169,7 +169,7 @@ impl Source {
                     each(&row)
                         .map_err(|fault| LogError::new(place, message!("at_line", line = line as usize, fault)))?;
                 }
-                Ok(LeftOut::default())
+                Ok(SkippedLines::default())
             }
         }
     }
@@ -247,7 +247,7 @@ fn of_parquet(_: Vec<u8>) -> Result<Vec<Named>, Message> {
 }
 
 /// The first sheet of a workbook that holds a table.
-fn of_workbook(bytes: &[u8]) -> Result<Sheet, Message> {
+fn of_workbook(bytes: &[u8]) -> Result<Worksheet, Message> {
     let broken = |error: calamine::XlsxError| message!("xlsx_broken", why = format_args!("{error}"));
     let mut book: Xlsx<_> = Xlsx::new(Cursor::new(bytes)).map_err(broken)?;
     for name in book.sheet_names() {
@@ -267,7 +267,7 @@ fn of_workbook(bytes: &[u8]) -> Result<Sheet, Message> {
         let values = (0..width).map(|k| rows[first..].iter().map(|row| row.get(k).map_or(f64::NAN, number)).collect());
         let start = range.start().map_or(0, |(row, _)| u64::from(row));
         let clocks = (0..width).filter(|&k| rows[first].get(k).is_some_and(is_clock)).collect();
-        return Ok(Sheet {
+        return Ok(Worksheet {
             named: columns.into_iter().zip(values).collect(),
             first_line: start + first as u64 + 1,
             clocks,

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
 use super::assemble::assemble;
-use super::gather::{Gathered, Role};
+use super::gather::{LogSeries, Role};
 use super::map::Map;
 use super::units::{Counts, Unit};
 use crate::core::campaign::{Phase, Site};
@@ -22,7 +22,7 @@ const RATES_DEG_S: [f64; 6] = [2.0, -2.0, 5.0, -5.0, 10.0, -10.0];
 
 /// What the log says of the table besides the outputs.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Told {
+enum CommandSource {
     /// A programme, and accelerometers.
     Force,
     /// A programme with times.
@@ -33,7 +33,8 @@ enum Told {
     Attitude,
 }
 
-const ALL: [Told; 4] = [Told::Force, Told::Clock, Told::Rate, Told::Attitude];
+const ALL: [CommandSource; 4] =
+    [CommandSource::Force, CommandSource::Clock, CommandSource::Rate, CommandSource::Attitude];
 
 fn normal(rng: &mut ChaCha8Rng, sd: f64) -> f64 {
     sd * rng.sample::<f64, _>(StandardNormal)
@@ -64,7 +65,7 @@ impl Flicker {
     }
 }
 
-fn log(seed: u64, hz: f64, told: Told) -> (Gathered, Vec<Position>, Vec<Truth>) {
+fn log(seed: u64, hz: f64, told: CommandSource) -> (LogSeries, Vec<Position>, Vec<Truth>) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     // Input axes of 1.47 pulse/arcsec in a skewed triad, and what gravity does.
     let e = [Vector3::new(0.85, -0.6, 1.04), Vector3::new(0.85, -0.6, -1.04), Vector3::new(0.85, 1.2, 0.0)];
@@ -96,10 +97,10 @@ fn log(seed: u64, hz: f64, told: Told) -> (Gathered, Vec<Position>, Vec<Truth>) 
     let mut flickers = [0; 3].map(|_| Flicker(times().map(process).collect()));
     let mut roles: Vec<Role> = (0..3).map(Role::Output).collect();
     match told {
-        Told::Force => roles.extend((0..3).map(Role::Force)),
-        Told::Clock => {}
-        Told::Rate => roles.push(Role::Rate(0)),
-        Told::Attitude => roles.extend((0..4).map(Role::Attitude)),
+        CommandSource::Force => roles.extend((0..3).map(Role::Force)),
+        CommandSource::Clock => {}
+        CommandSource::Rate => roles.push(Role::Rate(0)),
+        CommandSource::Attitude => roles.extend((0..4).map(Role::Attitude)),
     }
     let mut blocks = Blocks::new(roles.len(), step);
     let (earth, site) = (site().earth_rate().0, site());
@@ -107,7 +108,7 @@ fn log(seed: u64, hz: f64, told: Told) -> (Gathered, Vec<Position>, Vec<Truth>) 
     for (k, position) in programme.iter_mut().enumerate() {
         let begin = k as f64 * (dwell_s + slew_s) + slew_s;
         (position.start_s, position.duration_s) = match told {
-            Told::Clock => (Some(begin - 37.0), Some(dwell_s)),
+            CommandSource::Clock => (Some(begin - 37.0), Some(dwell_s)),
             _ => (None, None),
         };
         // A table keeps its rate to 3e-4 of it.
@@ -144,13 +145,13 @@ fn log(seed: u64, hz: f64, told: Told) -> (Gathered, Vec<Position>, Vec<Truth>) 
             let jitter = 0.1 * step * rng.random_range(-1.0..1.0);
             let mut values: Vec<f64> = (0..3).map(|c| felt[c] + noise[c]).collect();
             match told {
-                Told::Force => {
+                CommandSource::Force => {
                     let force = (if slewing { share } else { 1.0 }) * site.gravity_g0 * up;
                     values.extend(force.iter().map(|f| f + 2e-4 * rng.sample::<f64, _>(StandardNormal)));
                 }
-                Told::Clock => {}
-                Told::Rate => values.push(if slewing { 0.0 } else { position.turn_arcsec_s }),
-                Told::Attitude => {
+                CommandSource::Clock => {}
+                CommandSource::Rate => values.push(if slewing { 0.0 } else { position.turn_arcsec_s }),
+                CommandSource::Attitude => {
                     let stated = own.to_attitude();
                     let along: f64 = stated.iter().zip(&quaternion).map(|(now, old)| now * old).sum();
                     quaternion = stated.map(|q| if along < 0.0 { -q } else { q });
@@ -163,7 +164,7 @@ fn log(seed: u64, hz: f64, told: Told) -> (Gathered, Vec<Position>, Vec<Truth>) 
         }
         truth.push(Truth { start_s: begin, length_s: dwell_s, output: output(rate), rate, phase: position.phase() });
     }
-    let gathered = Gathered {
+    let gathered = LogSeries {
         series: Series::join(vec![blocks]),
         roles,
         unit: Unit { factor: 1.0, offset: 0.0, counts: Counts::Rate },
@@ -185,7 +186,7 @@ fn measure(seeds: std::ops::Range<u64>, hz: f64) -> (usize, Vec<f64>) {
     for seed in seeds {
         let told = ALL[seed as usize % ALL.len()];
         let (mut log, programme, truth) = log(seed, hz, told);
-        let programme = (told != Told::Attitude).then_some(&programme[..]);
+        let programme = (told != CommandSource::Attitude).then_some(&programme[..]);
         let made = assemble(&map, &mut log, Some(site()), programme);
         let dwells = made.as_ref().map(|made| &made.dwells[..]).unwrap_or_default();
         let is_of = |d: &super::assemble::Dwell, t: &Truth| {
@@ -194,7 +195,7 @@ fn measure(seeds: std::ops::Range<u64>, hz: f64) -> (usize, Vec<f64>) {
             let is_inside = early.max(late) < 1.0 + 1.5 / hz && d.duration_s > 0.5 * t.length_s;
             // As far as the table keeps its rate; from attitudes, as far as the clock, off by a tenth of a step at both
             // ends, tells it.
-            let clock = if told == Told::Attitude { 0.2 / hz / d.duration_s } else { 0.0 };
+            let clock = if told == CommandSource::Attitude { 0.2 / hz / d.duration_s } else { 0.0 };
             let off = (d.commanded.rate_arcsec_s - t.rate).norm();
             is_inside && d.commanded.phase == t.phase && off < (5.2e-4 + clock) * t.rate.norm() + 0.02
         };

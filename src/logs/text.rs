@@ -49,12 +49,12 @@ pub struct TextLog {
 
 /// Lines that are left out, and what is wrong in the first.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct LeftOut {
+pub struct SkippedLines {
     pub count: usize,
     pub first: Option<Message>,
 }
 
-impl LeftOut {
+impl SkippedLines {
     /// Adds rows that were left out; the first fault stays.
     pub fn add(&mut self, more: Self) {
         self.count += more.count;
@@ -115,7 +115,7 @@ impl TextLog {
         &mut self,
         wanted: &[usize],
         each: &mut dyn FnMut(&[f64]) -> Result<(), Message>,
-    ) -> Result<LeftOut, LogError> {
+    ) -> Result<SkippedLines, LogError> {
         let Layout { delimiter, decimal_comma, skipped, .. } = self.layout;
         let fail = unreadable(&self.place);
         let refuse =
@@ -175,14 +175,14 @@ impl RowsSeen {
         self.bad.len() as f64 > 20.0 + MOST_BAD * self.rows as f64
     }
 
-    fn left_out(self) -> Result<LeftOut, Message> {
+    fn left_out(self) -> Result<SkippedLines, Message> {
         let (count, serious) = (self.bad.len(), self.bad.iter().flatten().count());
         let (first, rows) = (self.bad.into_iter().flatten().next(), self.rows + serious);
         match first {
             Some(fault) if serious as f64 > MOST_BAD * rows as f64 => {
                 Err(message!("rows_unreadable", count = serious, rows, fault))
             }
-            first => Ok(LeftOut { count, first }),
+            first => Ok(SkippedLines { count, first }),
         }
     }
 }
@@ -714,7 +714,7 @@ mod tests {
         assert_eq!(two_kinds.code, "commas_of_two_kinds");
     }
 
-    fn read(text: &str, wanted: &[usize]) -> Result<(LeftOut, TextLog), String> {
+    fn read(text: &str, wanted: &[usize]) -> Result<(SkippedLines, TextLog), String> {
         let of = std::io::Cursor::new(text.to_owned().into_bytes());
         let mut log = TextLog::of("log", of, FileKind::Text).unwrap();
         let left_out = log.rows(wanted, &mut |_| Ok(())).map_err(|error| format!("{:?}", error.fault))?;

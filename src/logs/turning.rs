@@ -3,7 +3,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 
-use super::gather::{Gathered, Role};
+use super::gather::{LogSeries, Role};
 use super::units::Quantity;
 use crate::core::dwells::intervals::{Interval, Search, find};
 use crate::core::dwells::programme::{Position, REST_ARCSEC_S};
@@ -15,7 +15,7 @@ use crate::message;
 
 /// A stretch by the log's clock.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Turned {
+pub struct TurningInterval {
     pub from_s: f64,
     pub to_s: f64,
     /// Turns in it, where their swing was taken out; zero where it was not.
@@ -26,8 +26,8 @@ pub struct Turned {
 
 /// All stretches, and whether the log itself says that they are turns.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Turns {
-    pub stretches: Vec<Turned>,
+pub struct TurningIntervals {
+    pub stretches: Vec<TurningInterval>,
     pub known: bool,
     /// Whether the Earth's rate in the outputs shows that rates and times are in their units.
     pub proved: bool,
@@ -49,7 +49,7 @@ const PARTS: f64 = 8.0;
 const ROUNDS: f64 = 2.0;
 
 /// Takes the swing of all turns out of the outputs and the force. What was there is kept as [`Role::Raw`].
-pub fn take_out(log: &mut Gathered, min_s: Option<f64>, programme: Option<&[Position]>) -> Turns {
+pub fn take_out(log: &mut LogSeries, min_s: Option<f64>, programme: Option<&[Position]>) -> TurningIntervals {
     spin_of_attitude(log);
     let is_output = |role: &Role| matches!(role, Role::Output(_));
     let outputs: Vec<usize> = (0..log.roles.len()).filter(|&k| is_output(&log.roles[k])).collect();
@@ -74,15 +74,15 @@ pub fn take_out(log: &mut Gathered, min_s: Option<f64>, programme: Option<&[Posi
         let (from_s, to_s) = (series.start_s(turn.from), series.end_s(turn.to));
         let turns = if angles.is_empty() { 0.0 } else { turns::take_out(series, &channels, turn, angles) };
         let swings_arcsec_s = turns * turns::TURN_ARCSEC / (series.time_s[turn.to - 1] - series.time_s[turn.from]);
-        stretches.push(Turned { from_s, to_s, turns, swings_arcsec_s });
+        stretches.push(TurningInterval { from_s, to_s, turns, swings_arcsec_s });
     }
     let (proved, other_unit) = by_swing(log, &found, programme);
-    Turns { stretches, known, proved, other_unit }
+    TurningIntervals { stretches, known, proved, other_unit }
 }
 
 /// Whether the outputs swing in turns as the Earth's rate makes them, and the unit of rate or time in which they would.
 /// Angles turn as far whatever the unit of time: they tell neither.
-fn by_swing(log: &Gathered, found: &[Interval], programme: Option<&[Position]>) -> (bool, Option<Message>) {
+fn by_swing(log: &LogSeries, found: &[Interval], programme: Option<&[Position]>) -> (bool, Option<Message>) {
     let series = &log.series;
     let of_angles = [Role::Turn, Role::Spin].into_iter().any(|kind| by_blocks(log, kind).is_some());
     if of_angles && by_blocks(log, Role::Rate).is_none() {
@@ -147,7 +147,7 @@ fn mean(rates: &[Vector3<f64>], of: Interval) -> Vector3<f64> {
 
 /// That the log's rate is that of the programme, of the table's angles or of the attitude in another unit: all its
 /// turns are faster, or slower, by one factor.
-pub fn of_other_unit(log: &Gathered, programme: Option<&[Position]>) -> Option<Message> {
+pub fn of_other_unit(log: &LogSeries, programme: Option<&[Position]>) -> Option<Message> {
     let rates = by_blocks(log, Role::Rate)?;
     let turns = turns::steady_turns(&log.series, &rates);
     let seen: Vec<f64> = turns.iter().map(|turn| rates[(turn.from + turn.to) / 2].norm()).collect();
@@ -176,7 +176,7 @@ pub fn of_other_unit(log: &Gathered, programme: Option<&[Position]>) -> Option<M
 }
 
 /// That the column of the rate shows one and the same slow turn wherever the table stands.
-pub fn rate_at_rest(log: &Gathered, programme: Option<&[Position]>) -> Option<Message> {
+pub fn rate_at_rest(log: &LogSeries, programme: Option<&[Position]>) -> Option<Message> {
     let rates = by_blocks(log, Role::Rate)?;
     let is_told = told(programme.unwrap_or_default()).first().is_some_and(|slowest| *slowest < SLOWEST);
     let slow: Vec<&Vector3<f64>> = rates.iter().filter(|rate| rate.norm() < SLOWEST).collect();
@@ -191,7 +191,7 @@ pub fn rate_at_rest(log: &Gathered, programme: Option<&[Position]>) -> Option<Me
 }
 
 /// Rate of turn of a stated attitude, East North Up, arcsec/s, as three tracks more.
-fn spin_of_attitude(log: &mut Gathered) {
+fn spin_of_attitude(log: &mut LogSeries) {
     let place = |k: usize| log.roles.iter().position(|role| *role == Role::Attitude(k));
     let [Some(w), Some(x), Some(y), Some(z)] = [0, 1, 2, 3].map(place) else { return };
     let series = &log.series;
@@ -213,13 +213,13 @@ fn spin_of_attitude(log: &mut Gathered) {
 }
 
 /// Rate of turn by block, in any axes.
-fn rates(log: &Gathered) -> Option<Vec<Vector3<f64>>> {
+fn rates(log: &LogSeries) -> Option<Vec<Vector3<f64>>> {
     let kinds: [fn(usize) -> Role; 3] = [Role::Rate, Role::Turn, Role::Spin];
     kinds.into_iter().find_map(|kind| by_blocks(log, kind))
 }
 
 /// The same by one kind of columns.
-fn by_blocks(log: &Gathered, kind: fn(usize) -> Role) -> Option<Vec<Vector3<f64>>> {
+fn by_blocks(log: &LogSeries, kind: fn(usize) -> Role) -> Option<Vec<Vector3<f64>>> {
     let own: Vec<usize> = (0..3).filter_map(|k| log.roles.iter().position(|role| *role == kind(k))).collect();
     let rate = |k: usize| Vector3::from_fn(|c, _| own.get(c).map_or(0.0, |&place| log.series.tracks[place].mean[k]));
     (!own.is_empty()).then(|| (0..log.series.number.len()).map(rate).collect())
@@ -228,7 +228,7 @@ fn by_blocks(log: &Gathered, kind: fn(usize) -> Role) -> Option<Vec<Vector3<f64>
 /// Stretches in which the outputs change by no more than the Earth's rate can change them, with the angles of the rate
 /// that explains how they swing; without angles where they swing by no rate that the table was told.
 fn by_outputs(
-    log: &Gathered,
+    log: &LogSeries,
     outputs: &[usize],
     min_s: Option<f64>,
     programme: Option<&[Position]>,

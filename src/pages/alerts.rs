@@ -12,7 +12,7 @@ use super::prelude::*;
 use super::silences::{days_field, silent_until};
 use super::verdicts::violated;
 use super::{bullet, fleet, silences, status};
-use crate::core::alert_decision::Standing;
+use crate::core::alert_decision::AlertState;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::judge::{Coefficient, Severity};
 use crate::core::named::{Named, named};
@@ -48,9 +48,9 @@ impl Filters {
     }
 
     /// None for all.
-    fn standing(&self) -> Result<Option<Standing>, Problem> {
-        let (known, state) = (Standing::NAMES.iter().copied().chain([ALL]), self.state());
-        match Standing::from_name(state) {
+    fn standing(&self) -> Result<Option<AlertState>, Problem> {
+        let (known, state) = (AlertState::NAMES.iter().copied().chain([ALL]), self.state());
+        match AlertState::from_name(state) {
             None if state != ALL => Err(not_one_of("state", known, state)),
             found => Ok(found),
         }
@@ -70,7 +70,7 @@ impl Filters {
 }
 
 pub(super) async fn page(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     Query(ref filters): Query<Filters>,
 ) -> Result<Page, Problem> {
     let t = viewer.text();
@@ -84,8 +84,8 @@ pub(super) async fn page(
     };
     let nobody = gyro.is_none() && !serial.is_empty();
     let pipeline = &pages.pipeline.alerts;
-    let counts = if nobody { HashMap::new() } else { pipeline.standings(&any).await? };
-    let of = |standing: Standing| counts.get(&standing).copied().unwrap_or(0);
+    let counts = if nobody { HashMap::new() } else { pipeline.counts_by_state(&any).await? };
+    let of = |standing: AlertState| counts.get(&standing).copied().unwrap_or(0);
     let wanted = filters.standing()?;
     let filter = AlertFilter { standing: wanted, ..any };
     let above = filters.page.saturating_mul(ROWS);
@@ -98,10 +98,10 @@ pub(super) async fn page(
     let groups = together(standing_with_alerts(pages, found).await?);
     let silences = silences::list(pages, viewer).await?;
     let here = filters.address(filters.state(), filters.page);
-    let all: usize = Standing::ALL.iter().map(|standing| of(*standing)).sum();
-    let tabs = Standing::ALL.map(|standing| (standing.name(), t.standing(standing.name()), of(standing)));
+    let all: usize = AlertState::ALL.iter().map(|standing| of(*standing)).sum();
+    let tabs = AlertState::ALL.map(|standing| (standing.name(), t.standing(standing.name()), of(standing)));
     let tabs = tabs.into_iter().chain([(ALL, t.alert_all, all)]);
-    let may = viewer.may(Role::Engineer) && wanted != Some(Standing::Resolved);
+    let may = viewer.may(Role::Engineer) && wanted != Some(AlertState::Resolved);
     let body = html! {
         @if !groups.is_empty() { a.skip href="#first" { (t.skip_to_first) } }
         h1 { (t.alerts) }
@@ -155,7 +155,7 @@ fn search(t: &Text, filters: &Filters) -> Markup {
 /// A gyro and its alerts.
 struct Alerted {
     /// None for one that has just been removed.
-    standing: Option<pipeline::Standing>,
+    standing: Option<pipeline::GyroStatus>,
     alerts: Vec<AlertBody>,
 }
 
@@ -253,7 +253,7 @@ fn of_gyro(viewer: &Viewer, gyro: &Alerted, first_of_page: bool, may: bool, here
     let stands = standing.as_ref().filter(|_| alerts.iter().any(is_open)).and_then(|standing| standing.status);
     let worst = alerts.iter().filter_map(|alert| alert.status()).max().max(stands);
     let open: Vec<Violation> = alerts.iter().filter(|alert| is_open(alert)).filter_map(violation).collect();
-    let is_known = |alert: &AlertBody| alert.state != Standing::Firing.name();
+    let is_known = |alert: &AlertBody| alert.state != AlertState::Firing.name();
     html! {
         article.alerted {
             header {
@@ -308,7 +308,7 @@ pub(super) struct AlertForm {
 named! {
     /// What can be done about an alert.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-    pub enum Doing {
+    pub enum AlertAction {
         Acknowledge = "acknowledge",
         Unacknowledge = "unacknowledge",
         Silence = "silence",
@@ -316,7 +316,7 @@ named! {
     }
 }
 
-impl Doing {
+impl AlertAction {
     /// By its name in the address.
     fn of(deed: &str) -> Result<Self, Problem> {
         let unknown =
@@ -327,55 +327,55 @@ impl Doing {
 
 /// The page on which something is done about an alert.
 pub(super) async fn ask(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     Path((ref id, ref deed)): Path<(String, String)>,
     Query(word): Query<Word>,
 ) -> Result<Page, Problem> {
-    let doing = Doing::of(deed)?;
+    let action = AlertAction::of(deed)?;
     let (_, alert) = known(pages, id).await?;
     let said = AlertForm { word, ..AlertForm::default() };
-    Ok(form(viewer, &alert, doing, &said).fresh(viewer, &said.word))
+    Ok(form(viewer, &alert, action, &said).fresh(viewer, &said.word))
 }
 
 pub(super) async fn act(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     Path((ref id, ref deed)): Path<(String, String)>,
     Form(ref said): Form<AlertForm>,
 ) -> Result<Response, Problem> {
-    let doing = Doing::of(deed)?;
+    let action = AlertAction::of(deed)?;
     let (number, alert) = known(pages, id).await?;
     let mut faults = Faults::default();
     said.word.check(&mut faults);
-    let change = match doing {
-        Doing::Acknowledge => AlertChange::Acknowledge,
-        Doing::Unacknowledge => AlertChange::Unacknowledge,
-        Doing::Silence => AlertChange::Silence { until: silent_until(pages, &said.days, &mut faults) },
-        Doing::Unsilence => AlertChange::Unsilence,
+    let change = match action {
+        AlertAction::Acknowledge => AlertChange::Acknowledge,
+        AlertAction::Unacknowledge => AlertChange::Unacknowledge,
+        AlertAction::Silence => AlertChange::Silence { until: silent_until(pages, &said.days, &mut faults) },
+        AlertAction::Unsilence => AlertChange::Unsilence,
     };
     if !faults.is_empty() {
-        return Ok(form(viewer, &alert, doing, said).again(viewer, &said.word, &faults));
+        return Ok(form(viewer, &alert, action, said).again(viewer, &said.word, &faults));
     }
     let Word { by, reason, .. } = said.word.clone();
     pages.pipeline.alerts.change(AlertOrder { alert: number, change, by, reason }).await?;
     Ok(see_other(said.word.back_or("/alerts")))
 }
 
-fn form(viewer: &Viewer, alert: &AlertBody, doing: Doing, said: &AlertForm) -> ActionForm {
+fn form(viewer: &Viewer, alert: &AlertBody, action: AlertAction, said: &AlertForm) -> ActionForm {
     let t = viewer.text();
-    let (title, does, button) = match doing {
-        Doing::Acknowledge => (t.acknowledge_title, t.acknowledge_what, t.acknowledge),
-        Doing::Unacknowledge => (t.unacknowledge_title, t.unacknowledge_what, t.unacknowledge),
-        Doing::Silence => (t.silence_title, t.silence_what, t.silence),
-        Doing::Unsilence => (t.unsilence_title, t.end_silence_what, t.unsilence),
+    let (title, does, button) = match action {
+        AlertAction::Acknowledge => (t.acknowledge_title, t.acknowledge_what, t.acknowledge),
+        AlertAction::Unacknowledge => (t.unacknowledge_title, t.unacknowledge_what, t.unacknowledge),
+        AlertAction::Silence => (t.silence_title, t.silence_what, t.silence),
+        AlertAction::Unsilence => (t.unsilence_title, t.end_silence_what, t.unsilence),
     };
     let what = html! { (table(viewer, std::iter::once(alert), true, None)) p.lead { (does) } };
-    let fields = html! { @if doing == Doing::Silence { (days_field(t, &said.days, true)) } };
+    let fields = html! { @if action == AlertAction::Silence { (days_field(t, &said.days, true)) } };
     ActionForm {
         section: Section::Alerts,
         title: title.into(),
         what,
         fields,
-        action: format!("/alerts/{}/{}", alert.id, doing.name()),
+        action: format!("/alerts/{}/{}", alert.id, action.name()),
         button,
         back: said.word.back_or("/alerts").to_owned(),
         ..ActionForm::default()
@@ -390,8 +390,8 @@ mod tests {
     fn an_unknown_standing_is_refused_and_all_is_none() {
         let of =
             |state: &str| Filters { state: state.into(), ..Filters::default() }.standing().map_err(|why| why.status);
-        assert_eq!(of(""), Ok(Some(Standing::Firing)));
-        assert_eq!(of("resolved"), Ok(Some(Standing::Resolved)));
+        assert_eq!(of(""), Ok(Some(AlertState::Firing)));
+        assert_eq!(of("resolved"), Ok(Some(AlertState::Resolved)));
         assert_eq!(of("all"), Ok(None));
         assert_eq!(of("foo"), Err(400));
     }

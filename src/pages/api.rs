@@ -60,7 +60,7 @@ fn list(value: &Value) -> impl Iterator<Item = &Value> {
 }
 
 /// All routes, by group.
-pub(super) async fn all(Visit(ref pages, ref viewer): Visit) -> Page {
+pub(super) async fn all(PageContext(ref pages, ref viewer): PageContext) -> Page {
     let t = viewer.text();
     let operations = operations(&pages.api);
     let body = html! {
@@ -82,7 +82,10 @@ pub(super) async fn all(Visit(ref pages, ref viewer): Visit) -> Page {
 }
 
 /// The routes of one group, with what is sent and answered.
-pub(super) async fn group(Path(group): Path<String>, Visit(ref pages, ref viewer): Visit) -> Result<Page, Problem> {
+pub(super) async fn group(
+    Path(group): Path<String>,
+    PageContext(ref pages, ref viewer): PageContext,
+) -> Result<Page, Problem> {
     let t = viewer.text();
     let (api, operations) = (&*pages.api, operations(&pages.api));
     let own: Vec<&Operation<'_>> = operations.iter().filter(|one| one.group() == group).collect();

@@ -6,10 +6,10 @@ use super::status;
 use crate::config::JudgedMethod;
 use crate::core::figures::Figures;
 use crate::core::judge::{Event, Limit};
-use crate::pipeline::{Course, Tested, sample_of};
+use crate::pipeline::{GyroTimeline, Tested, sample_of};
 
 /// By the judged method, the newest test first; nothing for a gyro that was never tested.
-pub(super) fn section(t: &Text, course: &Course, method: JudgedMethod) -> Markup {
+pub(super) fn section(t: &Text, course: &GyroTimeline, method: JudgedMethod) -> Markup {
     html! {
         @if !course.tests.is_empty() {
             section #tests {
@@ -27,7 +27,7 @@ pub(super) fn section(t: &Text, course: &Course, method: JudgedMethod) -> Markup
     }
 }
 
-fn line(t: &Text, course: &Course, test: &Tested, (method, column): (JudgedMethod, usize)) -> Markup {
+fn line(t: &Text, course: &GyroTimeline, test: &Tested, (method, column): (JudgedMethod, usize)) -> Markup {
     let of = |figures: &Option<Figures>| figures.as_ref().map(|figures| sample_of(figures, method).d[column]);
     let (before, after) = (of(&test.before), of(&test.after));
     let difference = before.zip(after).map(|(before, after)| Measured {

@@ -2,7 +2,7 @@
 
 use super::prelude::*;
 use super::status::sign;
-use crate::pipeline::{Standing, Violation};
+use crate::pipeline::{GyroStatus, Violation};
 
 /// Loads beyond this stand at the edge, as an arrow.
 const EDGE: f64 = 1.5;
@@ -51,9 +51,9 @@ pub(super) fn rounded(load: Measured) -> String {
 }
 
 /// The load of D_I, D_S or D_O, by its column, as a bar and in figures.
-pub(super) fn of_coefficient(t: &Text, standing: &Standing, column: usize) -> Markup {
+pub(super) fn of_coefficient(t: &Text, standing: &GyroStatus, column: usize) -> Markup {
     html! {
-        @if let Some(load) = standing.outlook.load[column] {
+        @if let Some(load) = standing.projection.load[column] {
             span.leading { (symbol(DRIFTS[column])) } (bar(load, standing.drift[column])) " " span.n { (share(t, load)) }
         }
     }
@@ -63,12 +63,12 @@ pub(super) fn of_coefficient(t: &Text, standing: &Standing, column: usize) -> Ma
 const OF_LEVEL: [Rule; 5] = [Rule::Baseline, Rule::Trend, Rule::Cusum, Rule::Shift, Rule::Closure];
 
 /// The largest figure of the gravest of these: a load where it is about the level, else what its rule compares.
-pub(super) fn leading(t: &Text, standing: &Standing, of: &[Violation]) -> Markup {
+pub(super) fn leading(t: &Text, standing: &GyroStatus, of: &[Violation]) -> Markup {
     let gravest = of.iter().map(|one| one.status).max();
     let of_gravest = of.iter().filter(|one| Some(one.status) == gravest);
     let of_level = of_gravest.clone().filter(|one| OF_LEVEL.contains(&one.rule));
     let columns = of_level.filter_map(|one| one.coefficient.column());
-    let known = columns.filter_map(|column| Some((column, standing.outlook.load[column]?.value.abs())));
+    let known = columns.filter_map(|column| Some((column, standing.projection.load[column]?.value.abs())));
     if let Some((column, _)) = known.max_by(|(_, a), (_, b)| a.total_cmp(b)) {
         return of_coefficient(t, standing, column);
     }

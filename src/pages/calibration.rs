@@ -22,7 +22,10 @@ use crate::wire::campaign::CampaignBody;
 use crate::wire::record::RecordBody;
 use crate::wire::sender::SenderBody;
 
-pub(super) async fn record(Visit(ref pages, ref viewer): Visit, Path(id): Path<String>) -> Result<Response, Problem> {
+pub(super) async fn record(
+    PageContext(ref pages, ref viewer): PageContext,
+    Path(id): Path<String>,
+) -> Result<Response, Problem> {
     let stored = stored_record(pages, &id).await?;
     match stored.item.kind {
         Kind::Campaign => Ok(Redirect::to(&format!("/campaigns/{id}")).into_response()),
@@ -128,7 +131,10 @@ fn closure(
     }
 }
 
-pub(super) async fn campaign(Visit(ref pages, ref viewer): Visit, Path(ref id): Path<String>) -> Result<Page, Problem> {
+pub(super) async fn campaign(
+    PageContext(ref pages, ref viewer): PageContext,
+    Path(ref id): Path<String>,
+) -> Result<Page, Problem> {
     let stored = &stored_campaign(pages, id).await?;
     let t = viewer.text();
     let StoredCampaign { item, answer, seen } = stored;

@@ -112,7 +112,7 @@ fn form(t: &Text, title: &'static str, shown: &Markup, (action, back): (&str, &s
 }
 
 /// How a calibration stands.
-pub(super) struct Standing {
+pub(super) struct CorrectionStatus {
     /// Whether it has neither been voided nor revised.
     pub counts: bool,
     /// What was said of it, where it does not count any more or stands in another's place; and the way to void one
@@ -120,7 +120,7 @@ pub(super) struct Standing {
     pub said: Markup,
 }
 
-pub(super) async fn standing(pages: &Pages, viewer: &Viewer, kind: Kind, id: Id) -> Result<Standing, Problem> {
+pub(super) async fn standing(pages: &Pages, viewer: &Viewer, kind: Kind, id: Id) -> Result<CorrectionStatus, Problem> {
     let t = viewer.text();
     let status = pages.pipeline.queries.records.status(id).await?;
     let (counts, aside) = (status.counts(), status.set_aside);
@@ -142,7 +142,7 @@ pub(super) async fn standing(pages: &Pages, viewer: &Viewer, kind: Kind, id: Id)
             } }
         }
     };
-    Ok(Standing { counts, said })
+    Ok(CorrectionStatus { counts, said })
 }
 
 fn remark(t: &Text, row: &CorrectionItem, id: Id) -> Markup {

@@ -1,11 +1,11 @@
 //! A course over time, drawn by the service: measured points, and lines of what explains them.
 
-use super::chart::{Across, Chart, Dot, Flag, Level, Track, bounds, millis, widened};
+use super::chart::{Chart, DataPoint, Flag, Level, Track, XAxis, bounds, millis, widened};
 use super::history_plot::{MOST_FLAGS, list};
 use super::prelude::*;
 
 /// One coefficient.
-pub(super) struct Course<'a> {
+pub(super) struct CoefficientSeries<'a> {
     /// `D_I`.
     pub symbol: &'a str,
     pub name: &'a str,
@@ -19,16 +19,16 @@ pub(super) struct Course<'a> {
     pub marks: Vec<(UtcMicros, String)>,
 }
 
-impl Course<'_> {
+impl CoefficientSeries<'_> {
     pub fn markup(&self, t: &Text) -> Markup {
         let lines = || self.lines.iter().flat_map(|(_, line)| line.iter().map(|(at, _)| millis(*at)));
         let ends = bounds(self.points.iter().map(|(at, ..)| millis(*at)).chain(lines())).unwrap_or((0.0, 0.0));
-        let dot = |(at, y, sd): &(UtcMicros, f64, Option<f64>)| Dot {
+        let dot = |(at, y, sd): &(UtcMicros, f64, Option<f64>)| DataPoint {
             x: millis(*at),
             y: *y,
             sd: *sd,
             said: format!("{} · {} {} {}", at.date(), self.symbol, figure::drift(*y, *sd), t.unit),
-            ..Dot::default()
+            ..DataPoint::default()
         };
         let flag = |(k, (at, label)): (usize, &(UtcMicros, String))| Flag {
             x: millis(*at),
@@ -59,7 +59,7 @@ impl Course<'_> {
             tracks: vec![track],
             lines: self.lines.iter().map(line).collect(),
             flags,
-            ..Chart::new(label, caption, Across::Time, x)
+            ..Chart::new(label, caption, XAxis::Time, x)
         };
         html! { (chart.markup()) (named) }
     }
@@ -74,7 +74,7 @@ mod tests {
     fn points_and_lines_are_drawn_and_higher_values_stand_higher() {
         let t = Language::English.text();
         let day = |k: i64| UtcMicros(k * UtcMicros::DAY);
-        let course = Course {
+        let course = CoefficientSeries {
             symbol: "D_I",
             name: "A",
             budget: None,
@@ -89,7 +89,7 @@ mod tests {
         let heights: Vec<f64> =
             drawn.split("cy=\"").skip(1).map(|rest| rest.split('"').next().unwrap().parse().unwrap()).collect();
         assert!(heights[1] < heights[0], "{heights:?}");
-        let none = Course { points: vec![], lines: vec![], ..course };
+        let none = CoefficientSeries { points: vec![], lines: vec![], ..course };
         assert_eq!(none.markup(t).into_string(), "");
     }
 }

@@ -14,7 +14,7 @@ use crate::wire::diagnoses::{
 };
 
 pub(super) use orders::cancel;
-use orders::{Wanted, beginning};
+use orders::{DiagnosisForm, beginning};
 
 /// What the summary is narrowed down to; what is empty narrows nothing.
 #[derive(Debug, Default, Clone, Deserialize)]
@@ -42,7 +42,7 @@ impl Filters {
     }
 }
 
-pub(super) async fn start(visit: Visit, Form(wanted): Form<Wanted>) -> Result<Response, Problem> {
+pub(super) async fn start(visit: PageContext, Form(wanted): Form<DiagnosisForm>) -> Result<Response, Problem> {
     let diagnoses = &visit.0.pipeline.diagnoses;
     match diagnoses.check_wanted(wanted.which()) {
         Ok(order) => {
@@ -53,15 +53,15 @@ pub(super) async fn start(visit: Visit, Form(wanted): Form<Wanted>) -> Result<Re
     }
 }
 
-pub(super) async fn page(visit: Visit, Query(filters): Query<Filters>) -> Result<(StatusCode, Page), Problem> {
-    build(&visit, &filters, &Wanted::default(), None).await
+pub(super) async fn page(visit: PageContext, Query(filters): Query<Filters>) -> Result<(StatusCode, Page), Problem> {
+    build(&visit, &filters, &DiagnosisForm::default(), None).await
 }
 
 /// The whole page; `wrong` is what is wrong with an order that was just sent.
 async fn build(
-    Visit(pages, viewer): &Visit,
+    PageContext(pages, viewer): &PageContext,
     filters: &Filters,
-    wanted: &Wanted,
+    wanted: &DiagnosisForm,
     wrong: Option<&Faults>,
 ) -> Result<(StatusCode, Page), Problem> {
     let t = viewer.text();

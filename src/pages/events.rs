@@ -61,7 +61,7 @@ impl About {
 /// The page on which an event is noted; `?event=baseline` starts a baseline, `?event=decision_retest` records a
 /// decision.
 pub(super) async fn ask(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     Path(serial): Path<String>,
     Query(said): Query<EventForm>,
 ) -> Result<Page, Problem> {
@@ -95,7 +95,7 @@ fn known(pages: &Pages, serial: &str) -> Result<Name, Problem> {
 }
 
 pub(super) async fn act(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     Path(ref serial): Path<String>,
     Form(ref said): Form<EventForm>,
 ) -> Result<Response, Problem> {

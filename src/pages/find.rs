@@ -11,7 +11,7 @@ pub(super) struct FindQuery {
 }
 
 pub(super) async fn page(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     Query(asked): Query<FindQuery>,
 ) -> Result<Response, Problem> {
     let place = place(pages, asked.q.trim()).await?;

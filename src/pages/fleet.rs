@@ -11,7 +11,7 @@ use super::prelude::*;
 use super::{bullet, figure, spark, status as badges};
 use crate::core::judge::{Coefficient, Measured, Rule, Status};
 use crate::core::time::{Span, UtcMicros};
-use crate::pipeline::{BEYOND, DueDate, Names, RecentValues, Standing, Violation, sample_of};
+use crate::pipeline::{BEYOND, DueDate, GyroStatus, Names, RecentValues, Violation, sample_of};
 pub(super) use filters::{Filters, as_day, bad_parameter, named};
 
 /// Gyros on one page, values in one small line, and how long that is.
@@ -23,7 +23,7 @@ const BY_DATE: &str = "eta";
 /// How long the page waits for the dates of gyros that drift.
 const PATIENCE: Duration = Duration::from_millis(60);
 
-pub(super) async fn page(Visit(ref pages, ref viewer): Visit, Query(filters): Query<Filters>) -> Response {
+pub(super) async fn page(PageContext(ref pages, ref viewer): PageContext, Query(filters): Query<Filters>) -> Response {
     let shown = match filters.is_wall() {
         true => wall::build(pages, viewer, &filters).await,
         false => build(pages, viewer, &filters).await,
@@ -37,7 +37,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
     let found = queries.fleet.page(&filters.filter()?, filters.page, ROWS).await?;
     let now = pages.clock.now();
     let (by_history, undated) = queries.dues.of(&found.gyros, PATIENCE).await?;
-    let gyros: Vec<&Standing> = found.gyros.iter().collect();
+    let gyros: Vec<&GyroStatus> = found.gyros.iter().collect();
     let recent_values = queries.fleet.recent_values(&gyros, VALUES).await?;
     let table = {
         let names = queries.names();
@@ -72,7 +72,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
 
 /// A gyro with its names and last values.
 struct Row<'a> {
-    standing: &'a Standing,
+    standing: &'a GyroStatus,
     recent: &'a RecentValues,
     /// When it reaches its budget by its course, as long as it is not known to be beyond.
     due: Option<DueDate>,
@@ -82,7 +82,7 @@ struct Row<'a> {
 
 impl<'a> Row<'a> {
     fn of(
-        standing: &'a Standing,
+        standing: &'a GyroStatus,
         recent: &'a RecentValues,
         by_history: &HashMap<u32, DueDate>,
         names: &Names<'_>,
@@ -137,7 +137,7 @@ fn line(t: &Text, pages: &Pages, row: &Row<'_>, first: bool, now: UtcMicros) -> 
                 td.trend {
                     @if let Some(sample) = &newest {
                         (label("", DRIFTS[column]))
-                        (load(t, row.recent, column, (standing.outlook.load[column], standing.drift[column]), sample.d[column], now))
+                        (load(t, row.recent, column, (standing.projection.load[column], standing.drift[column]), sample.d[column], now))
                     }
                 }
             }
@@ -175,9 +175,9 @@ fn load(
 }
 
 /// Slopes that are established.
-pub(super) fn slopes(t: &Text, standing: &Standing) -> Markup {
+pub(super) fn slopes(t: &Text, standing: &GyroStatus) -> Markup {
     html! {
-        @for (slope, name) in standing.outlook.per_year.iter().zip(DRIFTS) {
+        @for (slope, name) in standing.projection.per_year.iter().zip(DRIFTS) {
             @if let Some(slope) = slope {
                 span.slope { (symbol(name)) " " (bullet::percent(*slope)) (t.percent_a_year) } " "
             }

@@ -1,7 +1,7 @@
 //! What was foretold of an IMU's campaigns, and how far it came true: over time, step by step, and which adopted
 //! coefficients are others now.
 
-use super::chart::{Across, Chart, Dot, Track, bounds, millis, widened};
+use super::chart::{Chart, DataPoint, Track, XAxis, bounds, millis, widened};
 use super::figure::short;
 use super::layout::effect_word;
 use super::prelude::*;
@@ -119,13 +119,13 @@ fn picture(t: &Text, points: &[ForecastPointBody]) -> Markup {
         })
         .collect();
     let Some(ends) = bounds(told.iter().map(|(x, ..)| *x)) else { return html! {} };
-    let dot = |x: f64, y: f64, outside: bool, said: String, campaign: &str| Dot {
+    let dot = |x: f64, y: f64, outside: bool, said: String, campaign: &str| DataPoint {
         x,
         y,
         status: outside.then_some(Status::Drifting),
         href: Some(format!("/campaigns/{campaign}/diagnosis")),
         said,
-        ..Dot::default()
+        ..DataPoint::default()
     };
     let with = told.iter().map(|(x, at, point, c)| {
         let (error, state) = (short(c.rms_deg_per_h), state_word(t, c));
@@ -137,13 +137,14 @@ fn picture(t: &Text, points: &[ForecastPointBody]) -> Markup {
         let said = format!("{} · {} {} {}", at.date(), t.without_effects, short(plain.rms_deg_per_h), t.rate_unit);
         Some(dot(*x, plain.rms_deg_per_h, false, said, &point.campaign))
     });
-    let track = |class: &str, dots: Vec<Dot>| Track { class: class.into(), dots, joined: true, ..Track::default() };
+    let track =
+        |class: &str, dots: Vec<DataPoint>| Track { class: class.into(), dots, joined: true, ..Track::default() };
     let noise = told.iter().map(|(x, .., c)| (*x, c.noise_deg_per_h)).collect();
     let caption = html! { span { (t.forecast_error) ", " (t.rate_unit) } };
     let chart = Chart {
         tracks: vec![track("k1", without.collect()), track("k0", with.collect())],
         lines: vec![("station", noise)],
-        ..Chart::new(t.forecast_error.to_owned(), caption, Across::Time, widened(ends, 0.02, 8.64e7))
+        ..Chart::new(t.forecast_error.to_owned(), caption, XAxis::Time, widened(ends, 0.02, 8.64e7))
     };
     chart.markup()
 }

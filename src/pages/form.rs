@@ -6,7 +6,7 @@ use axum::http::header::LOCATION;
 
 use super::prelude::*;
 use super::viewer::is_local;
-use crate::routes::{Least, Routes};
+use crate::routes::{MinimumRole, Routes};
 use crate::wire::text;
 
 /// Goes on with another page, which may be loaded again without sending the form again.
@@ -134,13 +134,13 @@ pub(super) trait ItemAction {
 
 impl Routes<Pages> {
     /// The page that asks, and what its form is sent to.
-    pub(super) fn action<A: ItemAction + 'static>(self, least: Least, path: &str) -> Self {
+    pub(super) fn action<A: ItemAction + 'static>(self, least: MinimumRole, path: &str) -> Self {
         self.get(least, path, ask::<A>).post(least, path, act::<A>)
     }
 }
 
 async fn ask<A: ItemAction>(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     Path(id): Path<String>,
     Query(word): Query<Word>,
 ) -> Result<Page, Problem> {
@@ -149,7 +149,7 @@ async fn ask<A: ItemAction>(
 }
 
 async fn act<A: ItemAction>(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     Path(id): Path<String>,
     Form(word): Form<Word>,
 ) -> Result<Response, Problem> {

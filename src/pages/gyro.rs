@@ -7,23 +7,23 @@ use tokio::time::Instant;
 use super::gyro_facts::{Facts, ROWS, first_row};
 use super::prelude::*;
 use super::verdicts::{self, SeenVerdict};
-use super::view::{AskedView, Shown, View};
+use super::view::{ShownMethod, View, ViewQuery};
 use super::{before_after, gyro_attributes, gyro_head, history, history_plot, status};
 use crate::core::figures::Figures;
-use crate::pipeline::{Comparison, Course, ExplainedHistory, Names, Statuses, sample_of};
+use crate::pipeline::{Comparison, ExplainedHistory, GyroTimeline, Names, Statuses, sample_of};
 use crate::wire::answer::VerdictBody;
 
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct GyroQuery {
     #[serde(flatten)]
-    view: AskedView,
+    view: ViewQuery,
     /// Names of older calibrations: how many to pass over.
     #[serde(default)]
     skip: String,
 }
 
 pub(super) async fn page(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     Path(ref serial): Path<String>,
     Query(ref asked): Query<GyroQuery>,
 ) -> Result<Page, Problem> {
@@ -92,7 +92,7 @@ fn history(t: &Text, serial: &str, view: &View, facts: &Facts, names: &Names<'_>
                     }
                 }
                 nav aria-label=(t.method) {
-                    @for shown in Shown::ALL {
+                    @for shown in ShownMethod::ALL {
                         @let here = (shown == view.shown).then_some("true");
                         a href=(to(View { shown, ..*view })) aria-current=[here] { (shown.title(t)) }
                     }
@@ -200,7 +200,7 @@ fn calibrations(
 /// `deeds`: whether each line leads to voiding it.
 pub(super) fn calibration_table<'a>(
     viewer: &Viewer,
-    shown: Shown,
+    shown: ShownMethod,
     statuses: &Statuses,
     rows: impl Iterator<Item = &'a Figures>,
     names: &Names<'_>,
@@ -241,7 +241,7 @@ fn judged(t: &Text, statuses: &Statuses, figures: &Figures) -> Markup {
 }
 
 /// Each bench result by itself, newest first.
-fn benches(viewer: &Viewer, course: &Course, names: &Names<'_>) -> Markup {
+fn benches(viewer: &Viewer, course: &GyroTimeline, names: &Names<'_>) -> Markup {
     let t = viewer.text();
     html! {
         @if !course.benches.is_empty() {

@@ -43,7 +43,10 @@ pub(super) fn edit(viewer: &Viewer, serial: &str) -> Markup {
     }
 }
 
-pub(super) async fn ask(Visit(ref pages, ref viewer): Visit, Path(ref serial): Path<String>) -> Result<Page, Problem> {
+pub(super) async fn ask(
+    PageContext(ref pages, ref viewer): PageContext,
+    Path(ref serial): Path<String>,
+) -> Result<Page, Problem> {
     let number = pages.gyro_number(serial)?;
     let found = pages.pipeline.queries.fleet.standing_in_words(number).await?;
     let (standing, _) = found.ok_or_else(|| Problem::unknown_gyro(serial))?;
@@ -54,7 +57,7 @@ pub(super) async fn ask(Visit(ref pages, ref viewer): Visit, Path(ref serial): P
 }
 
 pub(super) async fn act(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     Path(ref serial): Path<String>,
     Form(ref said): Form<Attributes>,
 ) -> Result<Response, Problem> {

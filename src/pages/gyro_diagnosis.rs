@@ -1,13 +1,16 @@
 //! `/gyros/{serial}/diagnosis`: why a gyro's coefficients changed, with the common course of its stations under its
 //! own.
 
-use super::course::Course;
+use super::course::CoefficientSeries;
 use super::gyro_head::{named, own_first};
 use super::prelude::*;
 use crate::core::changes::{DriftBudget, HistoryDiagnosis};
 use crate::pipeline::ExplainedHistory;
 
-pub(super) async fn page(Visit(ref pages, ref viewer): Visit, Path(ref serial): Path<String>) -> Result<Page, Problem> {
+pub(super) async fn page(
+    PageContext(ref pages, ref viewer): PageContext,
+    Path(ref serial): Path<String>,
+) -> Result<Page, Problem> {
     let t = viewer.text();
     let number = pages.gyro_number(serial)?;
     let explained = pages.pipeline.queries.histories.explain(number, serial).await?;
@@ -81,7 +84,7 @@ fn drawn(t: &Text, serial: &str, answer: &HistoryDiagnosis, budget: Option<Drift
     let station = of_stations.then(|| answer.course.iter().map(|one| (one.at, one.station)).collect());
     let explained: Vec<(UtcMicros, f64)> = answer.course.iter().map(|one| (one.at, one.explained - zero)).collect();
     let explained = (!answer.causes.is_empty()).then_some(("explained", explained));
-    let course = Course {
+    let course = CoefficientSeries {
         symbol: answer.coefficient.name(),
         name: serial,
         budget: budget.map(|budget| budget.limit),

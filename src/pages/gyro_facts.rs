@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::history_plot::{self, Epochs, Seen};
+use super::history_plot::{self, Epochs, PlotData};
 use super::prelude::*;
 use super::verdicts::SeenVerdict;
 use super::view::View;
@@ -11,7 +11,7 @@ use crate::config::JudgedMethod;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::figures::Figures;
 use crate::core::judge::State;
-use crate::pipeline::{Comparison, Course, FEW_RECORDS, Standing, Statuses};
+use crate::pipeline::{Comparison, FEW_RECORDS, GyroStatus, GyroTimeline, Statuses};
 use crate::wire::note::NoteBody;
 
 /// Records of a run that are told from what is only drifting; an older one began before.
@@ -31,12 +31,12 @@ type Doubted<R> = (R, Vec<NoteBody>);
 pub(super) struct Facts {
     pub now: UtcMicros,
     pub judged: JudgedMethod,
-    pub course: Course,
+    pub course: GyroTimeline,
     /// What its course is held against.
     pub epochs: Epochs,
     pub comparison: Comparison,
     /// How it stands; none for a gyro that has neither a calibration nor a bench result.
-    pub standing: Option<Standing>,
+    pub standing: Option<GyroStatus>,
     /// What the rules say of the records that are drawn and listed.
     pub statuses: Statuses,
     /// On its newest record.
@@ -116,8 +116,8 @@ impl Facts {
     }
 
     /// What its plot is made from.
-    pub fn seen(&self) -> Seen<'_> {
-        Seen { course: &self.course, epochs: &self.epochs, statuses: &self.statuses, verdicts: &self.verdicts }
+    pub fn seen(&self) -> PlotData<'_> {
+        PlotData { course: &self.course, epochs: &self.epochs, statuses: &self.statuses, verdicts: &self.verdicts }
     }
 }
 
@@ -130,7 +130,7 @@ pub(super) fn first_row(skip: usize, count: usize) -> usize {
 async fn of_newest(
     pages: &Pages,
     serial: &str,
-    course: &Course,
+    course: &GyroTimeline,
 ) -> Result<(Vec<SeenVerdict>, Option<Doubted<Id>>), Problem> {
     let Some(newest) = course.figures.last() else { return Ok(Default::default()) };
     let Some(stored) = pages.pipeline.queries.records.record(newest.record).await? else {
@@ -152,7 +152,7 @@ async fn of_newest(
 async fn odd_before(
     pages: &Pages,
     serial: &str,
-    course: &Course,
+    course: &GyroTimeline,
     statuses: &Statuses,
 ) -> Result<Option<Doubted<Figures>>, Problem> {
     let Some((newest, earlier)) = course.figures.split_last() else { return Ok(None) };

@@ -10,7 +10,7 @@ use super::{bullet, gyro_attributes, status};
 use crate::config::JudgedMethod;
 use crate::core::changes::{ChangeCause, HistoryDiagnosis, NamedCause};
 use crate::core::gyro_event::{GyroEvent, standing_decision};
-use crate::core::judge::{Coefficient, Event, Finding, Load, Standpoint, Suggestion, Verdict, suggest};
+use crate::core::judge::{Coefficient, Event, Finding, Load, Suggestion, SuggestionInput, Verdict, suggest};
 use crate::core::message::text;
 use crate::pipeline::{ExplainedHistory, Names, Violation, sample_of};
 use crate::wire::note::NoteBody;
@@ -29,7 +29,7 @@ pub(super) struct Run {
 
 /// How one coefficient stands at the newest record.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Stand {
+pub(super) struct CoefficientSummary {
     pub column: usize,
     pub measured: Measured,
     pub status: Status,
@@ -43,13 +43,13 @@ pub(super) struct Stand {
 
 impl Facts {
     /// D_I, D_S and D_O by the judged method; nothing for a gyro that was never calibrated.
-    pub fn stands(&self, judged: JudgedMethod) -> Vec<Stand> {
+    pub fn stands(&self, judged: JudgedMethod) -> Vec<CoefficientSummary> {
         let Some(newest) = self.course.figures.last() else { return Vec::new() };
         let sample = sample_of(newest, judged);
         let stand = |column: usize| {
             let of_verdict =
                 seen(&self.verdicts).filter(|verdict| verdict.coefficient.name() == DRIFTS[column]).find_map(Load::of);
-            Stand {
+            CoefficientSummary {
                 column,
                 measured: sample.d[column],
                 status: self.standing.as_ref().map_or(Status::NotEnoughData, |standing| standing.drift[column]),
@@ -129,7 +129,7 @@ impl Facts {
         let mut borderline = self.answers(explained, Status::Borderline).peekable();
         let ages = |answer: &HistoryDiagnosis| answer.causes.iter().any(|one| one.cause == ChangeCause::Ageing);
         let moves_on = |one: &&Violation| matches!(one.rule, Rule::Trend | Rule::RmsSuccessive);
-        suggest(&Standpoint {
+        suggest(&SuggestionInput {
             // Of one that was never calibrated nothing is to be calibrated again.
             status: standing.status.filter(|of| standing.newest.is_some() || *of > Status::NotEnoughData),
             record_in_doubt: self.doubted.is_some(),
@@ -255,7 +255,7 @@ pub(super) fn head(
                 " · " (t.station) " " (names.station(figures.station))
                 " · " (t.calibrated) " " (instant(figures.at))
             }
-            (another_life(t, facts, names))
+            (last_repair_or_move(t, facts, names))
             @if let Some(successor) = &facts.successor {
                 p.note { (t.seat_taken) " " a href={ "/gyros/" (encoded(successor)) } { (successor) } }
             }
@@ -274,7 +274,7 @@ pub(super) fn head(
 }
 
 /// The figure of a gyro: how much of each budget is taken up, since when it is too much.
-pub(super) fn loads(t: &Text, stands: &[Stand]) -> Markup {
+pub(super) fn loads(t: &Text, stands: &[CoefficientSummary]) -> Markup {
     html! {
         @if !stands.is_empty() {
             (wide_table("loads", html! {
@@ -286,7 +286,7 @@ pub(super) fn loads(t: &Text, stands: &[Stand]) -> Markup {
 }
 
 /// When it was repaired or moved last: what was before says little of it.
-fn another_life(t: &Text, facts: &Facts, names: &Names<'_>) -> Markup {
+fn last_repair_or_move(t: &Text, facts: &Facts, names: &Names<'_>) -> Markup {
     let repair = facts.course.events.iter().rev().find(|one| one.event == Event::Repair);
     let pairs = facts.course.figures.windows(2).rev();
     let moved = pairs.map(|pair| (&pair[0], &pair[1])).find(|(from, to)| (from.imu, from.slot) != (to.imu, to.slot));
@@ -301,7 +301,7 @@ fn another_life(t: &Text, facts: &Facts, names: &Names<'_>) -> Markup {
     }
 }
 
-fn load_row(t: &Text, stand: &Stand) -> Markup {
+fn load_row(t: &Text, stand: &CoefficientSummary) -> Markup {
     let name = DRIFTS[stand.column];
     html! {
         tr {

@@ -4,7 +4,7 @@ use super::corrections;
 use super::prelude::*;
 use crate::core::figures::Figures;
 use crate::core::gyro_event::GyroEvent;
-use crate::pipeline::{Course, Names};
+use crate::pipeline::{GyroTimeline, Names};
 
 /// `IMU-07 G1`.
 pub(super) fn seat(figures: &Figures, names: &Names<'_>) -> String {
@@ -12,7 +12,7 @@ pub(super) fn seat(figures: &Figures, names: &Names<'_>) -> String {
 }
 
 /// Changes of seat and of station from one calibration to the next.
-fn changes(t: &Text, course: &Course, names: &Names<'_>) -> Vec<(UtcMicros, Markup)> {
+fn changes(t: &Text, course: &GyroTimeline, names: &Names<'_>) -> Vec<(UtcMicros, Markup)> {
     let mut changes = Vec::new();
     for pair in course.figures.windows(2) {
         let (old, new) = (&pair[0], &pair[1]);
@@ -41,7 +41,7 @@ pub(super) fn event_name(t: &Text, event: &GyroEvent) -> Markup {
 }
 
 /// Events and changes in the order of time, newest first.
-pub(super) fn happenings(t: &Text, course: &Course, names: &Names<'_>) -> Markup {
+pub(super) fn happenings(t: &Text, course: &GyroTimeline, names: &Names<'_>) -> Markup {
     let mut all: Vec<(UtcMicros, Markup)> = course
         .events
         .iter()

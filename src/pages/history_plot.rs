@@ -2,13 +2,13 @@
 
 use std::collections::HashMap;
 
-use super::chart::{Across, Ahead, Chart, Dot, Flag, Level, Segment, Track, bounds, millis, widened};
+use super::chart::{Chart, DataPoint, Extrapolation, Flag, Level, Segment, Track, XAxis, bounds, millis, widened};
 use super::history::{event_label, seat};
 use super::layout::clock;
 use super::prelude::*;
 use super::status::sign;
 use super::verdicts::{SeenVerdict, seen};
-use super::view::{Shown, View};
+use super::view::{ShownMethod, View};
 use super::{bullet, downsample};
 use crate::config::JudgedMethod;
 use crate::core::bench::{BenchItem, BenchMethod};
@@ -16,7 +16,7 @@ use crate::core::figures::Figures;
 use crate::core::gyro_event::GyroEvent;
 use crate::core::judge::limits::DEFAULT_BUDGET;
 use crate::core::judge::{Finding, Sample};
-use crate::pipeline::{Baseline, Course, Names, Statuses, sample_of};
+use crate::pipeline::{Baseline, GyroTimeline, Names, Statuses, sample_of};
 
 /// Points of one coefficient that are drawn one by one at the most.
 pub(super) const MOST_POINTS: usize = 1000;
@@ -54,8 +54,8 @@ pub(super) type Epochs = [Vec<Epoch>; 3];
 
 /// What the pictures are made from.
 #[derive(Clone, Copy)]
-pub(super) struct Seen<'a> {
-    pub course: &'a Course,
+pub(super) struct PlotData<'a> {
+    pub course: &'a GyroTimeline,
     pub epochs: &'a Epochs,
     pub statuses: &'a Statuses,
     /// On its newest record.
@@ -72,7 +72,7 @@ pub(super) struct Plots {
     flags: Markup,
 }
 
-pub(super) fn epochs(course: &Course, method: JudgedMethod) -> Epochs {
+pub(super) fn epochs(course: &GyroTimeline, method: JudgedMethod) -> Epochs {
     let samples: Vec<Sample> = course.figures.iter().map(|figures| sample_of(figures, method)).collect();
     [0, 1, 2].map(|column| {
         let baselines = Baseline::stretches(&course.baselines, column);
@@ -109,12 +109,12 @@ fn control(values: &[f64]) -> Option<f64> {
     (count >= LEAST_RANGES).then(|| 3.0 * ranges.sum::<f64>() / (count as f64 * MEAN_RANGE))
 }
 
-fn in_view<'a>(course: &'a Course, view: &View) -> Vec<&'a Figures> {
+fn in_view<'a>(course: &'a GyroTimeline, view: &View) -> Vec<&'a Figures> {
     course.figures.iter().filter(|figures| view.holds(figures.at)).collect()
 }
 
 /// The rows whose statuses the pictures need.
-pub(super) fn drawn<'a>(course: &'a Course, view: &View) -> Vec<&'a Figures> {
+pub(super) fn drawn<'a>(course: &'a GyroTimeline, view: &View) -> Vec<&'a Figures> {
     let rows = in_view(course, view);
     if rows.len() <= MOST_POINTS {
         return rows;
@@ -137,7 +137,7 @@ struct Drawing<'a> {
     t: &'a Text,
     serial: &'a str,
     view: View,
-    seen: Seen<'a>,
+    seen: PlotData<'a>,
     names: &'a Names<'a>,
     rows: Vec<&'a Figures>,
     flags: Vec<Flag>,
@@ -146,7 +146,7 @@ struct Drawing<'a> {
 }
 
 /// `place` keeps apart what stands on one page for several gyros.
-pub(super) fn plots(t: &Text, serial: &str, view: View, seen: Seen<'_>, names: &Names<'_>, place: &str) -> Plots {
+pub(super) fn plots(t: &Text, serial: &str, view: View, seen: PlotData<'_>, names: &Names<'_>, place: &str) -> Plots {
     let rows = in_view(seen.course, &view);
     let drawing = Drawing {
         t,
@@ -159,7 +159,7 @@ pub(super) fn plots(t: &Text, serial: &str, view: View, seen: Seen<'_>, names: &
         budgets: seen.course.limits.budgets(),
         rows,
     };
-    let columns = if view.shown == Shown::Bench { 0..2 } else { 0..3 };
+    let columns = if view.shown == ShownMethod::Bench { 0..2 } else { 0..3 };
     let charts: Vec<(usize, Chart)> = columns.map(|column| (column, drawing.chart(column))).collect();
     let condensed = (drawing.rows.len() > MOST_POINTS).then_some(drawing.rows.len());
     Plots { condensed, legend: legend(t, &charts, &drawing), flags: list(&drawing.flags), charts }
@@ -177,7 +177,7 @@ impl Drawing<'_> {
     fn chart(&self, column: usize) -> Chart {
         let (t, absolute) = (self.t, self.view.absolute);
         let mut tracks = Vec::new();
-        if self.view.shown != Shown::Bench && !self.rows.is_empty() {
+        if self.view.shown != ShownMethod::Bench && !self.rows.is_empty() {
             tracks.push(self.records(column));
         }
         if column < 2 {
@@ -218,7 +218,7 @@ impl Drawing<'_> {
             lanes: self.lanes.clone(),
             flags: self.flags.iter().filter(|flag| (x.0..=x.1).contains(&flag.x)).cloned().collect(),
             tracks,
-            ..Chart::new(label, caption, Across::Time, x)
+            ..Chart::new(label, caption, XAxis::Time, x)
         }
     }
 
@@ -284,7 +284,7 @@ impl Drawing<'_> {
         Track { class: "record".into(), dots, breaks, joined: false, envelope: envelope(&times, &values) }
     }
 
-    fn dot(&self, column: usize, figures: &Figures, measured: Measured) -> Dot {
+    fn dot(&self, column: usize, figures: &Figures, measured: Measured) -> DataPoint {
         let t = self.t;
         let status = self.seen.statuses.get(figures, column);
         let rules = self.seen.statuses.rules(figures, column);
@@ -295,7 +295,7 @@ impl Drawing<'_> {
             why => format!("{}{}{why}", t.status(status), t.colon),
         };
         let place = format!("{} · {}", seat(figures, self.names), self.names.station(figures.station));
-        Dot {
+        DataPoint {
             x: millis(figures.at),
             y,
             sd: measured.sd,
@@ -326,7 +326,7 @@ impl Drawing<'_> {
         let dot = |row: &BenchItem| {
             let measured = Measured { value: row.d[column], sd: row.sd[column] };
             let y = self.y(column, row.measured_at, measured.value);
-            Dot {
+            DataPoint {
                 x: millis(row.measured_at),
                 y,
                 sd: measured.sd,
@@ -336,10 +336,10 @@ impl Drawing<'_> {
                     (y, measured),
                     &[self.t.method(method.name()), self.names.station(row.station)],
                 ),
-                ..Dot::default()
+                ..DataPoint::default()
             }
         };
-        let dots: Vec<Dot> = rows.map(dot).collect();
+        let dots: Vec<DataPoint> = rows.map(dot).collect();
         (!dots.is_empty()).then(|| Track { class: format!("bench{k}"), dots, ..Track::default() })
     }
 
@@ -380,9 +380,9 @@ struct Trend {
 }
 
 impl Trend {
-    fn drawn(&self, edge: f64) -> Ahead {
+    fn drawn(&self, edge: f64) -> Extrapolation {
         let [first, now, end] = self.line;
-        Ahead {
+        Extrapolation {
             line: [first, now, cut(now, end, edge)],
             cone: self.cone.map(|ends| ends.map(|end| cut(now, end, edge))),
         }
@@ -423,7 +423,7 @@ fn envelope(times: &[f64], values: &[f64]) -> Vec<[f64; 4]> {
 }
 
 /// What happened, numbered as in the list under the pictures.
-fn flags(t: &Text, course: &Course, view: &View, place: &str) -> Vec<Flag> {
+fn flags(t: &Text, course: &GyroTimeline, view: &View, place: &str) -> Vec<Flag> {
     let flag = |(k, event): (usize, &GyroEvent)| Flag {
         x: millis(event.at),
         until: event.until.map(millis),

@@ -11,7 +11,7 @@ use crate::wire::hook::{FilterBody, HookBody};
 pub(super) use crate::pages::hooks::actions::{DeleteHook, add, ask_add, redeliver, redeliver_dead, switch, test};
 pub(super) use deliveries::page as one;
 
-pub(super) async fn page(Visit(ref pages, ref viewer): Visit) -> Result<Page, Problem> {
+pub(super) async fn page(PageContext(ref pages, ref viewer): PageContext) -> Result<Page, Problem> {
     let t = viewer.text();
     let hooks = pages.pipeline.hooks.all().await?;
     let body = html! {

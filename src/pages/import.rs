@@ -26,11 +26,11 @@ use crate::core::alert_decision::Late;
 use crate::core::fault::Fault;
 use crate::core::history_note::HistoryNote;
 use crate::core::note::Note;
-use crate::logs::campaign::Made;
+use crate::logs::campaign::LogCampaign;
 use crate::logs::report;
 use crate::pipeline::{
-    Accepted, Calibration, Caller, Forecast, Foreseen, Origin, Pipeline, Preview, Refused, Reply, StorageError,
-    Submission,
+    Accepted, Calibration, CalibrationPreview, Caller, GyroPreview, Origin, Pipeline, Preview, Refused, Reply,
+    StorageError, Submission,
 };
 use crate::wire::campaign::Form;
 use crate::wire::document::is_csv;
@@ -39,7 +39,7 @@ use crate::wire::note::NoteBody;
 use crate::wire::record_table::{TableMap, documents, is_table};
 use crate::wire::table::open_end;
 use located::Place;
-use logs::{Looked, Sent};
+use logs::{Sent, UploadContent};
 
 /// Documents of one form that are shown; all are read and all are stored. So many of the sound ones are held against
 /// what is stored, each with queries of its own: all that are shown, and no more, for a file may hold tens of
@@ -52,7 +52,7 @@ pub(super) async fn page(viewer: Viewer) -> Page {
 
 /// What the text says, or what is wrong with it. Stores nothing.
 pub(super) async fn preview(
-    Visit(pages, viewer): Visit,
+    PageContext(pages, viewer): PageContext,
     Extension(caller): Extension<Caller>,
     request: Request,
 ) -> Result<Response, Problem> {
@@ -61,7 +61,7 @@ pub(super) async fn preview(
         Err(status) if status == StatusCode::PAYLOAD_TOO_LARGE => {
             let most = pages.config.server.max_body_bytes;
             let fault = message!("log_too_large", most, key = "server.max_body_bytes");
-            return Ok((status, unread(viewer.text(), Sent::default(), &Looked::Faulty(fault))).into_response());
+            return Ok((status, unread(viewer.text(), Sent::default(), &UploadContent::Faulty(fault))).into_response());
         }
         Err(_) => return Err(Problem::new(400, "title_broken_off", message!("body_broke_off"))),
     };
@@ -69,14 +69,14 @@ pub(super) async fn preview(
     let looked = off_the_loop(move || {
         let sent = Sent::of_form(&form);
         let (text, made) = match logs::look(&sent) {
-            Looked::Text(text) => (text, None),
-            Looked::Made(made, text) => (text, Some(made)),
+            UploadContent::Text(text) => (text, None),
+            UploadContent::LogCampaign(made, text) => (text, Some(made)),
             other => return Err(Box::new((sent, other))),
         };
         let read = read_all(&pipeline, &caller, &text);
         if made.is_none() && logs::is_foreign(&text, &read) {
             let guessed = logs::guessed(&sent);
-            if matches!(guessed, Looked::Guessed(_)) {
+            if matches!(guessed, UploadContent::Guessed(_)) {
                 return Err(Box::new((sent, guessed)));
             }
         }
@@ -101,7 +101,7 @@ struct Source {
     sent: Sent,
     /// The documents in it: those that it is, or the campaign of a log.
     text: String,
-    made: Option<Box<Made>>,
+    made: Option<Box<LogCampaign>>,
     /// What is faulty in the text.
     places: Vec<Place>,
     /// That a table may have been cut.
@@ -109,14 +109,14 @@ struct Source {
 }
 
 /// A log that needs a map, or a file that is none.
-fn unread(t: &Text, mut sent: Sent, looked: &Looked) -> Page {
-    if let Looked::Guessed(map) = looked {
+fn unread(t: &Text, mut sent: Sent, looked: &UploadContent) -> Page {
+    if let UploadContent::Guessed(map) = looked {
         sent.map.clone_from(map);
     }
     let body = html! {
         section.preview #preview aria-live="polite" {
             h2 { (t.preview) @if !sent.file.is_empty() { " · " span translate="no" { (sent.file) } } }
-            @if let Looked::Faulty(fault) = looked { p.fault { (t.words(fault)) } }
+            @if let UploadContent::Faulty(fault) = looked { p.fault { (t.words(fault)) } }
             @else { p.doubt { (t.log_needs_map) } }
         }
     };
@@ -139,13 +139,13 @@ fn places(text: &str, read: &[(usize, Result<Submission, Faults>)]) -> Vec<Place
 }
 
 /// What storing a document would come to.
-enum Prospect {
+enum ImportPreview {
     Faulty(Faults),
     Refused(Refused),
     /// Another document of the text, on this line, holds its place with other content.
     Contradicts(usize),
     /// What is foreseen of it where it is a calibration.
-    Sound(Box<Submission>, Arc<[Note]>, Option<Forecast>),
+    Sound(Box<Submission>, Arc<[Note]>, Option<CalibrationPreview>),
 }
 
 /// Every document with its line, and what storing it would come to: what is stored already may stand in the way of
@@ -153,7 +153,7 @@ enum Prospect {
 async fn previews(
     pipeline: &Pipeline,
     read: Vec<(usize, Result<Submission, Faults>)>,
-) -> Result<Vec<(usize, Prospect)>, StorageError> {
+) -> Result<Vec<(usize, ImportPreview)>, StorageError> {
     let sound: Vec<(usize, &Submission)> =
         read.iter().filter_map(|(line, read)| Some((*line, read.as_ref().ok()?))).collect();
     let documents: Vec<&Submission> = sound.iter().map(|(_, document)| *document).take(MOST_SHOWN).collect();
@@ -161,25 +161,29 @@ async fn previews(
     let mut forecasts = Vec::with_capacity(documents.len());
     for document in &documents {
         forecasts.push(match document.calibration() {
-            Some(calibration) => Some(pipeline.queries.foresee(calibration).await?),
+            Some(calibration) => Some(pipeline.queries.preview_calibration(calibration).await?),
             None => None,
         });
     }
     let lines: Vec<usize> = sound.iter().map(|(line, _)| *line).collect();
     let mut outcomes = outcomes.into_iter().zip(forecasts);
     let mut prospect = |read| match read {
-        Err(faults) => Prospect::Faulty(faults),
+        Err(faults) => ImportPreview::Faulty(faults),
         Ok(submission) => match outcomes.next() {
-            Some((Preview::Refused(why), _)) => Prospect::Refused(why),
-            Some((Preview::Contradicts(earlier), _)) => Prospect::Contradicts(lines[earlier]),
-            Some((Preview::Taken { notes }, forecast)) => Prospect::Sound(Box::new(submission), notes, forecast),
-            None => Prospect::Sound(Box::new(submission), [].into(), None),
+            Some((Preview::Refused(why), _)) => ImportPreview::Refused(why),
+            Some((Preview::Contradicts(earlier), _)) => ImportPreview::Contradicts(lines[earlier]),
+            Some((Preview::Taken { notes }, forecast)) => ImportPreview::Sound(Box::new(submission), notes, forecast),
+            None => ImportPreview::Sound(Box::new(submission), [].into(), None),
         },
     };
     Ok(read.into_iter().map(|(line, read)| (line, prospect(read))).collect())
 }
 
-pub(super) async fn store(Visit(pages, viewer): Visit, Extension(caller): Extension<Caller>, form: String) -> Page {
+pub(super) async fn store(
+    PageContext(pages, viewer): PageContext,
+    Extension(caller): Extension<Caller>,
+    form: String,
+) -> Page {
     let pipeline = pages.pipeline.clone();
     let read = off_the_loop(move || read_all(&pipeline, &caller, &Sent::of(&form).text)).await;
     let outcomes = submit(&pages.pipeline, read).await;
@@ -202,12 +206,12 @@ fn read(pipeline: &Pipeline, caller: &Caller, piece: &Piece) -> Result<Submissio
     Ok(document)
 }
 
-fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], source: &Source) -> Page {
+fn previewed(viewer: &Viewer, prospects: &[(usize, ImportPreview)], source: &Source) -> Page {
     let t = viewer.text();
-    let is_sound = |(_, prospect): &&(usize, Prospect)| matches!(prospect, Prospect::Sound(..));
+    let is_sound = |(_, prospect): &&(usize, ImportPreview)| matches!(prospect, ImportPreview::Sound(..));
     let sound = prospects.iter().filter(is_sound).count();
     let faulty = prospects.len() - sound;
-    let read = prospects.iter().filter(|(_, prospect)| !matches!(prospect, Prospect::Faulty(_))).count();
+    let read = prospects.iter().filter(|(_, prospect)| !matches!(prospect, ImportPreview::Faulty(_))).count();
     // A table of records has no text of its own for each.
     let parts = if is_table(&source.text, &TableMap::default()) { Vec::new() } else { pieces(&source.text) };
     let doubtful = prospects.iter().filter(|(_, prospect)| prospect.is_doubtful()).count();
@@ -228,18 +232,18 @@ fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], source: &Source) 
             @let unsound = prospects.iter().enumerate().filter(|(_, one)| !is_sound(one));
             @for (k, (line, prospect)) in unsound.take(MOST_SHOWN) {
                 @match prospect {
-                    Prospect::Faulty(faults) => (refused(t, &at(*line), faults)),
-                    Prospect::Refused(why) => {
+                    ImportPreview::Faulty(faults) => (refused(t, &at(*line), faults)),
+                    ImportPreview::Refused(why) => {
                         @let offer = parts.get(k).map(|piece| replace::offer(viewer, why, piece.text));
                         (hindered(t, &at(*line), &t.words(&why.message()), offer))
                     }
-                    Prospect::Contradicts(earlier) => (hindered(t, &at(*line), &format!("{} {earlier}", t.contradicts_line), None)),
-                    Prospect::Sound(..) => {}
+                    ImportPreview::Contradicts(earlier) => (hindered(t, &at(*line), &format!("{} {earlier}", t.contradicts_line), None)),
+                    ImportPreview::Sound(..) => {}
                 }
             }
             (numbered::shown(t, &source.text, &source.places))
             @for (line, prospect) in prospects.iter().take(MOST_SHOWN) {
-                @if let Prospect::Sound(submission, notes, forecast) = prospect {
+                @if let ImportPreview::Sound(submission, notes, forecast) = prospect {
                     (sound_document(t, &at(*line), submission, notes, forecast.as_ref()))
                 }
             }
@@ -410,15 +414,15 @@ fn hindered(t: &Text, place: &Markup, why: &str, offer: Option<Markup>) -> Marku
 /// Budgets by which a gyro hardly ever moves.
 const FAR: f64 = 5.0;
 
-impl Prospect {
+impl ImportPreview {
     /// Whether somebody should look at it before it is stored.
     fn is_doubtful(&self) -> bool {
         match self {
-            Prospect::Sound(submission, notes, forecast) => {
+            ImportPreview::Sound(submission, notes, forecast) => {
                 notes.iter().any(is_doubt)
                     || forecast.as_ref().zip(submission.calibration()).is_some_and(|(forecast, calibration)| {
                         !forecast.station_is_known
-                            || !strangers(calibration, forecast).is_empty()
+                            || !unknown_serials(calibration, forecast).is_empty()
                             || forecast.gyros.iter().any(|gyro| far(gyro).is_some() || !gyro.unmet.is_empty())
                     })
             }
@@ -433,13 +437,13 @@ fn is_doubt(note: &Note) -> bool {
 }
 
 /// Gyros that nobody knows, in an IMU that is known.
-fn strangers<'c>(calibration: &'c Calibration, forecast: &Forecast) -> Vec<&'c str> {
+fn unknown_serials<'c>(calibration: &'c Calibration, forecast: &CalibrationPreview) -> Vec<&'c str> {
     let unknown = calibration.gyros.iter().zip(&forecast.gyros).filter(|(_, foreseen)| !foreseen.is_known);
     unknown.filter(|_| forecast.imu_is_known).map(|(gyro, _)| gyro.serial.as_str()).collect()
 }
 
 /// What of a gyro is farther from its last value than it ever moves.
-fn far(gyro: &Foreseen) -> Option<(usize, Measured)> {
+fn far(gyro: &GyroPreview) -> Option<(usize, Measured)> {
     let changes = gyro.change.iter().enumerate().filter_map(|(column, change)| Some((column, (*change)?)));
     changes
         .filter(|(_, change)| change.value.abs() > FAR)
@@ -451,7 +455,7 @@ fn sound_document(
     place: &Markup,
     submission: &Submission,
     notes: &[Note],
-    forecast: Option<&Forecast>,
+    forecast: Option<&CalibrationPreview>,
 ) -> Markup {
     let (doubts, others): (Vec<&Note>, Vec<&Note>) = notes.iter().partition(|note| is_doubt(note));
     let others: Vec<NoteBody> = others.into_iter().map(NoteBody::of).collect();
@@ -480,7 +484,7 @@ fn sound_document(
                 ul { @for note in &doubts { li { (NoteBody::of(note).detail) } } (doubted) }
             }
             @match (submission, forecast) {
-                (Submission::Calibration(calibration), Some(forecast)) => (foreseen(t, calibration, forecast)),
+                (Submission::Calibration(calibration), Some(forecast)) => (calibration_preview(t, calibration, forecast)),
                 (Submission::Calibration(calibration), None) => (plain(calibration)),
                 _ => {}
             }
@@ -490,10 +494,10 @@ fn sound_document(
 }
 
 /// What the notes of intake do not say: of the station, of serials, of gyros one by one.
-fn doubted(t: &Text, calibration: &Calibration, forecast: &Forecast) -> Markup {
+fn doubted(t: &Text, calibration: &Calibration, forecast: &CalibrationPreview) -> Markup {
     html! {
         @if !forecast.station_is_known { li { (t.station_unknown) " " strong translate="no" { (calibration.station) } } }
-        @for serial in strangers(calibration, forecast) { li { (t.serial_unknown) " " strong translate="no" { (serial) } } }
+        @for serial in unknown_serials(calibration, forecast) { li { (t.serial_unknown) " " strong translate="no" { (serial) } } }
         @for (gyro, foreseen) in calibration.gyros.iter().zip(&forecast.gyros) {
             @if let Some((column, change)) = far(foreseen) {
                 li { strong translate="no" { (gyro.serial) } ": " (symbol(DRIFTS[column])) " " (bullet::percent(change)) (t.share_of_budget_unit) ", " (t.from_last_value) }
@@ -512,7 +516,7 @@ fn doubted(t: &Text, calibration: &Calibration, forecast: &Forecast) -> Markup {
 }
 
 /// Each coefficient beside its last value, and what it would be judged to be.
-fn foreseen(t: &Text, calibration: &Calibration, forecast: &Forecast) -> Markup {
+fn calibration_preview(t: &Text, calibration: &Calibration, forecast: &CalibrationPreview) -> Markup {
     html! {
         div.scroll tabindex="0" { table.foreseen {
             thead { tr {
@@ -537,7 +541,7 @@ fn foreseen(t: &Text, calibration: &Calibration, forecast: &Forecast) -> Markup 
                         td.n { (figure::drift(last[column].value, last[column].sd)) } td { (day(*at)) }
                     } @else { td.n { "–" } td { (t.first_calibration) } }
                     td.n { (share(foreseen.change[column])) }
-                    td.n { (share(foreseen.outlook.load[column])) }
+                    td.n { (share(foreseen.projection.load[column])) }
                     td { (status::badge(t, Some(foreseen.drift[column]))) }
                 } } }
             }

@@ -9,7 +9,7 @@ use super::prelude::*;
 use super::{bullet, forecast, status};
 use crate::core::effects::Effect;
 use crate::core::kind::{Kind, RecordEntry};
-use crate::pipeline::{Conclusion, Names, Seats, Standing, sample_of};
+use crate::pipeline::{Conclusion, GyroStatus, Names, Seats, sample_of};
 use crate::wire::campaign::CampaignBody;
 use crate::wire::record::RecordBody;
 
@@ -45,7 +45,10 @@ impl Facts {
     }
 }
 
-pub(super) async fn page(Visit(ref pages, ref viewer): Visit, Path(ref imu): Path<String>) -> Result<Page, Problem> {
+pub(super) async fn page(
+    PageContext(ref pages, ref viewer): PageContext,
+    Path(ref imu): Path<String>,
+) -> Result<Page, Problem> {
     let t = viewer.text();
     let Facts { seats, records, parameters, alerts: open } = Facts::of(pages, viewer, imu).await?;
     let number = pages.pipeline.queries.names().imu_number(imu);
@@ -123,7 +126,7 @@ pub(super) fn seated(pages: &Pages, t: &Text, seats: &Seats) -> Markup {
     }
 }
 
-fn standings(pages: &Pages, t: &Text, gyros: &[Standing], when: &str) -> Markup {
+fn standings(pages: &Pages, t: &Text, gyros: &[GyroStatus], when: &str) -> Markup {
     html! {
         (wide_table("cards", html! {
             th { (t.slot) } th { (t.serial) } th { (t.status_word) } @for name in DRIFTS { th.n { (symbol(name)) } } th { (when) }
@@ -136,7 +139,7 @@ fn standings(pages: &Pages, t: &Text, gyros: &[Standing], when: &str) -> Markup 
                     @for (column, measured) in sample_of(newest, pages.config.judging.method).d.into_iter().enumerate() {
                         td.n {
                             (label("", DRIFTS[column]))
-                            @if let Some(load) = gyro.outlook.load[column] {
+                            @if let Some(load) = gyro.projection.load[column] {
                                 strong { (bullet::share(t, load)) } br;
                                 span.quiet { (figure::drift(measured.value, measured.sd)) }
                             } @else { (figure::drift(measured.value, measured.sd)) }

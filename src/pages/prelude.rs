@@ -12,7 +12,7 @@ pub(super) use super::sent::{Form, Query};
 pub(super) use super::state::Pages;
 pub(super) use super::table::{tall_table, wide_table};
 pub(super) use super::text::Text;
-pub(super) use super::viewer::{Viewer, Visit};
+pub(super) use super::viewer::{PageContext, Viewer};
 pub(super) use crate::core::access::Role;
 pub(super) use crate::core::fault::Faults;
 pub(super) use crate::core::id::Id;

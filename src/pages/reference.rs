@@ -18,14 +18,14 @@ pub(super) struct ReferenceQuery {
 }
 
 /// What the campaign can be held against, and what came of the one that was chosen.
-pub(super) struct Against {
+pub(super) struct ReferenceComparison {
     /// Newest first.
     offered: Vec<RecordEntry>,
     chosen: Option<Id>,
     split: Option<Result<SplitBody, Message>>,
 }
 
-impl Against {
+impl ReferenceComparison {
     /// # Errors
     /// 404, where what is asked for is not stored; not where it is no reference for this campaign: the page says so.
     pub async fn of(

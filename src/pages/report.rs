@@ -22,16 +22,22 @@ const MOST_GYROS: usize = 30;
 /// How long a report waits for the diagnoses of all its histories: paper has no page to turn to.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-pub(super) async fn gyro(Visit(ref pages, ref viewer): Visit, Path(serial): Path<String>) -> Result<Response, Problem> {
+pub(super) async fn gyro(
+    PageContext(ref pages, ref viewer): PageContext,
+    Path(serial): Path<String>,
+) -> Result<Response, Problem> {
     Ok(viewer.show_for_paper(&of_gyro(pages, viewer, &serial, Instant::now() + PATIENCE).await?, &[&serial]))
 }
 
-pub(super) async fn imu(Visit(ref pages, ref viewer): Visit, Path(imu): Path<String>) -> Result<Response, Problem> {
+pub(super) async fn imu(
+    PageContext(ref pages, ref viewer): PageContext,
+    Path(imu): Path<String>,
+) -> Result<Response, Problem> {
     Ok(viewer.show_for_paper(&of_imu(pages, viewer, &imu).await?, &[&imu]))
 }
 
 pub(super) async fn several(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     Query(asked): Query<Vec<(String, String)>>,
 ) -> Result<Response, Problem> {
     let serials = asked.iter().filter(|(name, _)| name == "gyro").map(|(_, serial)| serial.as_str());

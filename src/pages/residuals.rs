@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::chart::{Across, Chart, Dot, Level, Track, bounds, widened};
+use super::chart::{Chart, DataPoint, Level, Track, XAxis, bounds, widened};
 use super::figure::{percent, short};
 use super::prelude::*;
 use crate::core::campaign::{Campaign, Dwell, Phase};
@@ -54,7 +54,12 @@ pub(super) fn before_and_after(t: &Text, all: &[ResidualBody], slot: &str, exten
 }
 
 fn track(class: &str, values: impl Iterator<Item = (usize, f64)>, unit: &str, t: &Text) -> Track {
-    let dots = values.map(|(dwell, y)| Dot { x: dwell as f64, y, said: said(t, dwell, y, unit), ..Dot::default() });
+    let dots = values.map(|(dwell, y)| DataPoint {
+        x: dwell as f64,
+        y,
+        said: said(t, dwell, y, unit),
+        ..DataPoint::default()
+    });
     Track { class: class.into(), dots: dots.collect(), ..Track::default() }
 }
 
@@ -73,21 +78,21 @@ fn picture(t: &Text, name: &str, unit: &str, tracks: Vec<Track>, band: Option<f6
         height: HEIGHT,
         levels: vec![Level { from: x.0, until: x.1, shade: band, ..Level::default() }],
         tracks,
-        ..Chart::new(format!("{} {name}", t.residuals_by_dwell), caption, Across::Figure(t.dwell.to_owned()), x)
+        ..Chart::new(format!("{} {name}", t.residuals_by_dwell), caption, XAxis::Figure(t.dwell.to_owned()), x)
     };
     chart.markup()
 }
 
 /// One dwell: the figure that an effect follows, deg/h that it does not leave unexplained, and their uncertainty.
-pub(super) fn point(t: &Text, dwell: usize, x: f64, y: f64, sd: f64) -> Dot {
-    Dot { x, y, sd: Some(sd), said: said(t, dwell, y, t.rate_unit), ..Dot::default() }
+pub(super) fn point(t: &Text, dwell: usize, x: f64, y: f64, sd: f64) -> DataPoint {
+    DataPoint { x, y, sd: Some(sd), said: said(t, dwell, y, t.rate_unit), ..DataPoint::default() }
 }
 
 /// An effect in one gyro.
 pub(super) struct Evidence {
     pub name: String,
     /// Of its dwells, as [`point`] has them.
-    pub points: Vec<Dot>,
+    pub points: Vec<DataPoint>,
     /// Of the fit through zero, deg/h per unit of x.
     pub slope: f64,
     /// Of x.
@@ -109,7 +114,7 @@ pub(super) fn evidence(t: &Text, all: &[Evidence]) -> Markup {
         ..Chart::new(
             format!("{}: {}", one.name, t.evidence_note),
             html! { span { (one.name) (t.colon) " " (t.residual_word) ", " (unit) } },
-            Across::Figure(format!("{}, {}", t.regressor, one.unit)),
+            XAxis::Figure(format!("{}, {}", t.regressor, one.unit)),
             x,
         )
     };

@@ -51,7 +51,7 @@ fn action<'a>(t: &Text, done: &'a str) -> &'a str {
     known.map_or(done, |(_, code)| t.language().word(code))
 }
 
-pub(super) async fn page(Visit(ref pages, ref viewer): Visit) -> Result<Page, Problem> {
+pub(super) async fn page(PageContext(ref pages, ref viewer): PageContext) -> Result<Page, Problem> {
     let t = viewer.text();
     let access = match viewer.may(Role::Admin) {
         true => {

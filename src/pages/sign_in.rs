@@ -18,7 +18,7 @@ pub(super) struct SignInQuery {
 }
 
 #[derive(Deserialize)]
-pub(super) struct Shown {
+pub(super) struct SignInForm {
     token: String,
     back: Option<String>,
 }
@@ -36,7 +36,7 @@ pub(super) async fn enter(
     viewer: Viewer,
     ConnectInfo(peer): ConnectInfo<SocketAddr>,
     headers: HeaderMap,
-    Form(shown): Form<Shown>,
+    Form(shown): Form<SignInForm>,
 ) -> Response {
     let back = shown.back.as_deref().filter(|back| is_local(back)).unwrap_or("/");
     let t = viewer.text();

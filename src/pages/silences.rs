@@ -79,7 +79,7 @@ pub(super) async fn ask_new(viewer: Viewer) -> Page {
 }
 
 pub(super) async fn begin(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     Form(ref new): Form<NewSilence>,
 ) -> Result<Response, Problem> {
     let mut faults = Faults::default();

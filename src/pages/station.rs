@@ -2,14 +2,17 @@
 
 use super::alerts::{self, is_open_of};
 use super::bullet::percent;
-use super::course::Course;
+use super::course::CoefficientSeries;
 use super::layout::day;
 use super::prelude::*;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{FleetStations, Shared, Spread, StationColumn, StationFigures};
 use crate::core::suspect_window::SuspectWindow;
 
-pub(super) async fn page(Visit(ref pages, ref viewer): Visit, Path(ref name): Path<String>) -> Result<Page, Problem> {
+pub(super) async fn page(
+    PageContext(ref pages, ref viewer): PageContext,
+    Path(ref name): Path<String>,
+) -> Result<Page, Problem> {
     let t = viewer.text();
     let fleet = &pages.pipeline.queries.fleet;
     let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);
@@ -116,7 +119,7 @@ fn section(
     (against, budget): (&str, f64),
 ) -> Markup {
     let t = viewer.text();
-    let course = Course {
+    let course = CoefficientSeries {
         symbol: coefficient,
         name,
         budget: Some(budget),

@@ -8,7 +8,7 @@ use super::station::{changes, drift_since};
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{Shared, StationFigures};
 
-pub(super) async fn page(Visit(ref pages, ref viewer): Visit) -> Result<Page, Problem> {
+pub(super) async fn page(PageContext(ref pages, ref viewer): PageContext) -> Result<Page, Problem> {
     let t = viewer.text();
     let fleet = &pages.pipeline.queries.fleet;
     let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);

@@ -18,7 +18,7 @@ pub(super) struct Window {
 
 /// The page on which a window is suspected, or with `TRUSTED` trusted again.
 pub(super) async fn ask<const TRUSTED: bool>(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     Path(name): Path<String>,
     Query(window): Query<Window>,
 ) -> Result<Page, Problem> {
@@ -32,7 +32,7 @@ async fn known(pages: &Pages, name: &str) -> Result<(), Problem> {
 }
 
 pub(super) async fn act<const TRUSTED: bool>(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     Path(ref name): Path<String>,
     Form(ref said): Form<Window>,
 ) -> Result<Response, Problem> {

@@ -21,7 +21,7 @@ use crate::core::first_of::{DueImu, FirstOf};
 use crate::core::gyro_event::{GyroEvent, standing_decision};
 use crate::core::message::text;
 use crate::pipeline::{
-    CommonShift, DueDate, FleetFilter, FleetPage, LINES, Names, Standing, Today, Together, Violation, today,
+    CommonFactor, CommonShift, DueDate, FleetFilter, FleetPage, GyroStatus, LINES, Names, Today, Violation, today,
 };
 
 /// Gyros that drift whose dates are asked for, beside those that their trends carry to the budget.
@@ -44,7 +44,7 @@ pub(super) struct TodayQuery {
 }
 
 pub(super) async fn page(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     uri: Uri,
     Query(asked): Query<TodayQuery>,
 ) -> Result<Response, Problem> {
@@ -77,13 +77,13 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &TodayQuery) -> Result<Pag
     let told = pages.pipeline.alerts.of_no_gyro(&AlertFilter::default()).await?;
     let of_stations = {
         let (moving, names) = (moving(stations.as_deref(), &told, &changed), queries.names());
-        let carried = |one: &Standing| Some((one.number, carried_by(one, &moving, &names)?));
+        let carried = |one: &GyroStatus| Some((one.number, carried_by(one, &moving, &names)?));
         today.approaching.first.iter().filter_map(carried).collect::<HashMap<u32, Arc<str>>>()
     };
     let drifting = queries.fleet.worst_of(&[Status::Drifting], DATED).await?;
-    let is_new = |one: &&Standing| drifting.iter().all(|known| known.number != one.number);
+    let is_new = |one: &&GyroStatus| drifting.iter().all(|known| known.number != one.number);
     let by_trend = today.approaching.first.iter().filter(|one| !of_stations.contains_key(&one.number)).take(LINES);
-    let dated: Vec<Standing> = drifting.iter().chain(by_trend.filter(is_new)).cloned().collect();
+    let dated: Vec<GyroStatus> = drifting.iter().chain(by_trend.filter(is_new)).cloned().collect();
     let (dues, undated) = queries.dues.of(&dated, PATIENCE).await?;
     let undated = undated + fleet.of_status[Status::Drifting as usize].saturating_sub(drifting.len());
     let approaching = Approaching::of(&today.approaching, &dated, &dues, &of_stations);
@@ -166,12 +166,12 @@ struct Known {
 async fn known_of(
     pages: &Pages,
     viewer: &Viewer,
-    gyros: impl Iterator<Item = &Standing>,
+    gyros: impl Iterator<Item = &GyroStatus>,
     day_asked: UtcMicros,
 ) -> Result<HashMap<u32, Known>, Problem> {
     let t = viewer.text();
     let mut all = HashMap::new();
-    for Standing { number, since, .. } in gyros {
+    for GyroStatus { number, since, .. } in gyros {
         let events = pages.pipeline.queries.histories.events(*number).await?;
         let is_newer = |done: &&GyroEvent| since.is_none_or(|since| since <= done.at);
         let decision = standing_decision(events.iter().map(|(_, done)| done)).filter(is_newer);
@@ -233,7 +233,7 @@ fn all_of<'a, T>(t: &'a Text, list: &FirstOf<T>, address: impl FnOnce() -> Strin
 }
 
 /// `first`: whether it is the first of the page, which the keyboard skips to.
-fn gyro(standing: &Standing, first: bool, names: &Names<'_>) -> Markup {
+fn gyro(standing: &GyroStatus, first: bool, names: &Names<'_>) -> Markup {
     html! {
         th scope="row" {
             a.id id=[first.then_some("first")] href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) }
@@ -249,7 +249,7 @@ fn gyro(standing: &Standing, first: bool, names: &Names<'_>) -> Markup {
 
 fn worse(
     viewer: &Viewer,
-    list: &FirstOf<Standing>,
+    list: &FirstOf<GyroStatus>,
     since: UtcMicros,
     known: &HashMap<u32, Known>,
     names: &Names<'_>,
@@ -257,7 +257,7 @@ fn worse(
     let t = viewer.text();
     let from = as_day(since);
     let title = html! { (t.worse_since) " " (day(since)) };
-    let new = |standing: &Standing| known.get(&standing.number).map_or(&[][..], |known| &known.new);
+    let new = |standing: &GyroStatus| known.get(&standing.number).map_or(&[][..], |known| &known.new);
     let rows = violating(viewer, list.first.iter().map(|one| (one, new(one))), true, known, names);
     let form = html! {
         form.search.no-print action="/" method="get" {
@@ -273,8 +273,8 @@ fn worse(
 const OUT: [Status; 4] = [Status::Drifting, Status::Unconfirmed, Status::OutOfTolerance, Status::Confirmed];
 
 /// What is out of tolerance or drifting and has not changed since: the worst of the fleet, without those in `worse`.
-fn still<'a>(fleet: &'a FleetPage, worse: &FirstOf<Standing>) -> Vec<&'a Standing> {
-    let is_out = |standing: &&Standing| {
+fn still<'a>(fleet: &'a FleetPage, worse: &FirstOf<GyroStatus>) -> Vec<&'a GyroStatus> {
+    let is_out = |standing: &&GyroStatus| {
         let is_above = worse.first.iter().any(|above| above.serial == standing.serial);
         standing.status.is_some_and(|status| OUT.contains(&status)) && !is_above
     };
@@ -284,7 +284,7 @@ fn still<'a>(fleet: &'a FleetPage, worse: &FirstOf<Standing>) -> Vec<&'a Standin
 fn still_out(
     viewer: &Viewer,
     fleet: &FleetPage,
-    (worse, out): (&FirstOf<Standing>, &[&Standing]),
+    (worse, out): (&FirstOf<GyroStatus>, &[&GyroStatus]),
     known: &HashMap<u32, Known>,
     names: &Names<'_>,
 ) -> Markup {
@@ -300,7 +300,7 @@ fn still_out(
 /// they are the first of the page.
 fn violating<'a>(
     viewer: &Viewer,
-    gyros: impl Iterator<Item = (&'a Standing, &'a [(Violation, UtcMicros)])>,
+    gyros: impl Iterator<Item = (&'a GyroStatus, &'a [(Violation, UtcMicros)])>,
     first: bool,
     known: &HashMap<u32, Known>,
     names: &Names<'_>,
@@ -333,7 +333,7 @@ fn violating<'a>(
 }
 
 /// All that is violated by the coefficients of some: by how much is told as on the page of alerts, whatever of it is new.
-fn of_same_coefficients(standing: &Standing, some: &[Violation]) -> Vec<Violation> {
+fn of_same_coefficients(standing: &GyroStatus, some: &[Violation]) -> Vec<Violation> {
     let is_same = |one: &&Violation| some.iter().any(|other| other.coefficient == one.coefficient);
     let all: Vec<Violation> = standing.violations.iter().filter(is_same).copied().collect();
     if all.is_empty() { some.to_vec() } else { all }
@@ -342,7 +342,7 @@ fn of_same_coefficients(standing: &Standing, some: &[Violation]) -> Vec<Violatio
 /// Gyros on their way to their budgets, and those that have reached them by their course and are not out of tolerance.
 struct Approaching<'a> {
     /// The first to reach it first, and when.
-    first: Vec<(&'a Standing, DueDate)>,
+    first: Vec<(&'a GyroStatus, DueDate)>,
     /// Those that their station carries there: how many of each, and when the first reaches it.
     of_stations: BTreeMap<Arc<str>, (usize, UtcMicros)>,
     of: usize,
@@ -353,18 +353,18 @@ impl<'a> Approaching<'a> {
     /// `by_trend`: what the rule `trend` carries there; `asked`: of which some have a date by their histories; `carried_by`
     /// which station others are.
     fn of(
-        by_trend: &'a FirstOf<Standing>,
-        asked: &'a [Standing],
+        by_trend: &'a FirstOf<GyroStatus>,
+        asked: &'a [GyroStatus],
         dues: &HashMap<u32, DueDate>,
         carried_by: &HashMap<u32, Arc<str>>,
     ) -> Self {
         let dated = asked.iter().filter_map(|standing| Some((standing, *dues.get(&standing.number)?)));
-        let is_by_history = |(standing, _): &(&Standing, _)| standing.outlook.reach.is_none();
+        let is_by_history = |(standing, _): &(&GyroStatus, _)| standing.projection.reach.is_none();
         let by_history_alone = dated.clone().filter(is_by_history).count();
         let others = by_trend.first.iter().filter(|standing| !dues.contains_key(&standing.number));
         let others = others.filter_map(|standing| Some((standing, DueDate::by_trend(standing)?)));
         let mut of_stations: BTreeMap<Arc<str>, (usize, UtcMicros)> = BTreeMap::new();
-        let mut first: Vec<(&Standing, DueDate)> = dated.collect();
+        let mut first: Vec<(&GyroStatus, DueDate)> = dated.collect();
         for (standing, due) in others {
             match carried_by.get(&standing.number) {
                 Some(station) => {
@@ -453,10 +453,10 @@ fn moving<'a>(
 }
 
 /// The station that carries a gyro to its budget: where it was measured last, and moves to the side that the gyro does.
-fn carried_by(standing: &Standing, moving: &[Moving<'_>], names: &Names<'_>) -> Option<Arc<str>> {
-    let column = standing.outlook.reach?.coefficient.column()?;
+fn carried_by(standing: &GyroStatus, moving: &[Moving<'_>], names: &Names<'_>) -> Option<Arc<str>> {
+    let column = standing.projection.reach?.coefficient.column()?;
     let station = names.station(standing.newest?.station);
-    let slope = standing.outlook.per_year.get(column).copied().flatten()?.value;
+    let slope = standing.projection.per_year.get(column).copied().flatten()?.value;
     let is_it = |(name, of, size): &&Moving<'_>| {
         *name == station && *of == column && size.is_none_or(|size| size * slope > 0.0)
     };
@@ -542,7 +542,7 @@ fn several(
 ) -> Markup {
     let t = viewer.text();
     let is_of = |one: &StationChange<'_>, found: &CommonShift| {
-        one.column == found.column && matches!(&found.of, Together::Station(name) if **name == *one.station)
+        one.column == found.column && matches!(&found.of, CommonFactor::Station(name) if **name == *one.station)
     };
     // What only the newest records show is told by these.
     let is_new = |one: &&StationChange<'_>| today.shifts.iter().any(|s| is_of(one, s) && s.between[0] <= one.from);
@@ -563,7 +563,7 @@ fn several(
                     } ", "
                     a href={ "/alerts/" (alert.id) } { (verdicts::violated(t, alert)) }
                     @if let Some(since) = &alert.since { " " (t.since_then) " " (written_day(since)) }
-                    @if alert.state != alert_decision::Standing::Firing.name() { ", " (t.standing(&alert.state)) }
+                    @if alert.state != alert_decision::AlertState::Firing.name() { ", " (t.standing(&alert.state)) }
                     (t.colon) " " (t.reason(&alert.finding.reason))
                 }
             }
@@ -594,8 +594,8 @@ fn several(
             @for found in &shifts {
                 li {
                     @match &found.of {
-                        Together::Station(name) => a.id href={ "/stations/" (encoded(name)) } { (name) },
-                        Together::Batch(name) => a.id href={ "/fleet?batch=" (encoded(name)) } { (t.batch) " " (name) },
+                        CommonFactor::Station(name) => a.id href={ "/stations/" (encoded(name)) } { (name) },
+                        CommonFactor::Batch(name) => a.id href={ "/fleet?batch=" (encoded(name)) } { (t.batch) " " (name) },
                     }
                     ", "
                     (day(found.between[0])) " … " (day(found.between[1])) ": "
@@ -629,18 +629,18 @@ fn outside(t: &Text, today: &Today) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::judge::{Coefficient, Outlook, Reach};
+    use crate::core::judge::{BudgetCrossing, BudgetProjection, Coefficient};
 
     /// A gyro that a trend carries to its budget on a day.
-    fn carried(number: u32, reaches: i64) -> Standing {
+    fn carried(number: u32, reaches: i64) -> GyroStatus {
         let at = UtcMicros(reaches * UtcMicros::DAY);
-        let reach = Reach { coefficient: Coefficient::DI, at, between: [None; 2], provisional: false };
-        Standing::made_for_tests(number, Outlook { reach: Some(reach), ..Outlook::default() })
+        let reach = BudgetCrossing { coefficient: Coefficient::DI, at, between: [None; 2], provisional: false };
+        GyroStatus::made_for_tests(number, BudgetProjection { reach: Some(reach), ..BudgetProjection::default() })
     }
 
     #[test]
     fn what_a_station_carries_to_the_budget_is_one_line_but_for_what_ages_by_itself() {
-        let first: Vec<Standing> = (0..20).map(|number| carried(number, 100 + i64::from(number))).collect();
+        let first: Vec<GyroStatus> = (0..20).map(|number| carried(number, 100 + i64::from(number))).collect();
         let by_trend = FirstOf { of: 20, first };
         let of_station: HashMap<u32, Arc<str>> = (0..18).map(|number| (number, Arc::from("ST-3"))).collect();
         let own = DueDate { provisional: false, ..DueDate::by_trend(&by_trend.first[4]).expect("a trend") };
@@ -658,7 +658,7 @@ mod tests {
         let old = of(Coefficient::DI, Rule::Baseline, Status::Unconfirmed);
         let new = of(Coefficient::DI, Rule::RmsSuccessive, Status::Drifting);
         let other = of(Coefficient::DS, Rule::Trend, Status::Drifting);
-        let standing = Standing { violations: vec![old, new, other], ..carried(1, 100) };
+        let standing = GyroStatus { violations: vec![old, new, other], ..carried(1, 100) };
         assert_eq!(of_same_coefficients(&standing, &[new]), [old, new]);
         let gone = of(Coefficient::DO, Rule::Closure, Status::Drifting);
         assert_eq!(of_same_coefficients(&standing, &[gone]), [gone], "what fires yet and is no more");

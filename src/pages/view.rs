@@ -5,15 +5,18 @@ use crate::config::JudgedMethod;
 
 /// Whose figures are shown.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Shown {
+pub(super) enum ShownMethod {
     Separation(JudgedMethod),
     /// The bench alone; separations beside it are by the rigid method.
     Bench,
 }
 
-impl Shown {
-    pub const ALL: [Shown; 3] =
-        [Shown::Separation(JudgedMethod::Rigid), Shown::Separation(JudgedMethod::Published), Shown::Bench];
+impl ShownMethod {
+    pub const ALL: [ShownMethod; 3] = [
+        ShownMethod::Separation(JudgedMethod::Rigid),
+        ShownMethod::Separation(JudgedMethod::Published),
+        ShownMethod::Bench,
+    ];
 
     pub fn asked(name: Option<&str>, judged: JudgedMethod) -> Self {
         Self::ALL.into_iter().find(|shown| Some(shown.name()) == name).unwrap_or(Self::Separation(judged))
@@ -55,7 +58,7 @@ impl Text {
 /// As it stands in an address; what cannot be read counts as left out.
 #[derive(Debug, Default, Clone, Deserialize)]
 #[serde(default)]
-pub(super) struct AskedView {
+pub(super) struct ViewQuery {
     /// `rigid`, `published` or `bench`; the judged one where it is left out.
     method: Option<String>,
     /// `absolute`; deviations from the baseline where it is left out.
@@ -67,7 +70,7 @@ pub(super) struct AskedView {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct View {
-    pub shown: Shown,
+    pub shown: ShownMethod,
     pub absolute: bool,
     pub from: Option<UtcMicros>,
     pub to: Option<UtcMicros>,
@@ -77,15 +80,15 @@ pub(super) struct View {
 impl View {
     /// The whole history by the judged method, as a report shows it.
     pub fn whole(judged: JudgedMethod) -> Self {
-        Self { shown: Shown::Separation(judged), absolute: false, from: None, to: None, judged }
+        Self { shown: ShownMethod::Separation(judged), absolute: false, from: None, to: None, judged }
     }
 
-    pub fn asked(asked: &AskedView, judged: JudgedMethod) -> Self {
+    pub fn asked(asked: &ViewQuery, judged: JudgedMethod) -> Self {
         let from = asked.from.as_deref().and_then(|from| time::parse_start(from).ok());
         let to = asked.to.as_deref().and_then(|to| time::parse_end(to).ok());
         let in_order = from.zip(to).is_none_or(|(from, to)| from < to);
         Self {
-            shown: Shown::asked(asked.method.as_deref(), judged),
+            shown: ShownMethod::asked(asked.method.as_deref(), judged),
             absolute: asked.axis.as_deref() == Some("absolute"),
             from: from.filter(|_| in_order),
             to: to.filter(|_| in_order),
@@ -95,7 +98,7 @@ impl View {
 
     /// Whether verdicts speak of the figures that are shown.
     pub fn is_judged(&self) -> bool {
-        self.shown == Shown::Separation(self.judged)
+        self.shown == ShownMethod::Separation(self.judged)
     }
 
     /// Whether an instant is in view.
@@ -126,7 +129,7 @@ mod tests {
     use super::*;
 
     fn of(from: &str, to: &str) -> View {
-        let asked = AskedView { from: Some(from.into()), to: Some(to.into()), ..AskedView::default() };
+        let asked = ViewQuery { from: Some(from.into()), to: Some(to.into()), ..ViewQuery::default() };
         View::asked(&asked, JudgedMethod::Rigid)
     }
 
@@ -138,7 +141,7 @@ mod tests {
         assert_eq!(view.address(), "?from=2025-03-01&to=2025-06-30");
         let hours = of("2025-03-01T08:00:00Z", "2025-03-01T20:00:00Z");
         assert_eq!(hours.address(), "?from=2025-03-01T08:00:00Z&to=2025-03-01T20:00:00Z");
-        let bench = View { shown: Shown::Bench, absolute: true, ..view };
+        let bench = View { shown: ShownMethod::Bench, absolute: true, ..view };
         assert_eq!(bench.address(), "?method=bench&axis=absolute&from=2025-03-01&to=2025-06-30");
         assert_eq!(View::whole(JudgedMethod::Published).address(), "?");
     }

@@ -10,7 +10,7 @@ use super::Pages;
 use super::prelude::*;
 use super::text::Language;
 use crate::core::named::named;
-use crate::pipeline::{By, Caller};
+use crate::pipeline::{Caller, Credential};
 use crate::{cookies, words};
 
 named! {
@@ -54,7 +54,7 @@ impl FromRequestParts<Pages> for Viewer {
         let language = words::asked();
         let here = parts.uri.path_and_query().map_or("/", |here| here.as_str()).to_owned();
         let caller = parts.extensions.get::<Caller>();
-        let session = caller.filter(|caller| matches!(caller.by, By::Session { .. }));
+        let session = caller.filter(|caller| matches!(caller.by, Credential::Session { .. }));
         let signed_in = session.map(|caller| caller.name.clone());
         let base_path = pages.config.server.base_path.clone();
         Ok(Self { language, theme, base_path, here, signed_in, role: caller.map(|caller| caller.role) })
@@ -62,9 +62,9 @@ impl FromRequestParts<Pages> for Viewer {
 }
 
 /// What every page may use, and who looks.
-pub(super) struct Visit(pub Pages, pub Viewer);
+pub(super) struct PageContext(pub Pages, pub Viewer);
 
-impl FromRequestParts<Pages> for Visit {
+impl FromRequestParts<Pages> for PageContext {
     type Rejection = Infallible;
 
     async fn from_request_parts(parts: &mut Parts, pages: &Pages) -> Result<Self, Infallible> {

@@ -94,7 +94,7 @@ impl WriteError {
 }
 
 /// An error behind which a failed write may be.
-pub(super) trait Unwritten: From<StoreError> {
+pub(super) trait WriteFailure: From<StoreError> {
     /// What the database said, if it was the database.
     fn store_error(&self) -> Option<&StoreError>;
 }
@@ -105,7 +105,7 @@ impl From<StoreError> for WriteError {
     }
 }
 
-impl Unwritten for WriteError {
+impl WriteFailure for WriteError {
     fn store_error(&self) -> Option<&StoreError> {
         match self {
             Self::Storage(error) => Some(error.store_error()),
@@ -185,7 +185,7 @@ macro_rules! unwritten {
             }
         }
 
-        impl $crate::pipeline::error::Unwritten for $error {
+        impl $crate::pipeline::error::WriteFailure for $error {
             fn store_error(&self) -> Option<&$crate::store::StoreError> {
                 if let Self::Write(error) = self { error.store_error() } else { None }
             }

@@ -18,11 +18,11 @@
 
 mod access;
 mod alerts;
+mod cached_answer;
 mod diagnoses;
 mod error;
 mod hooks;
 mod ingest;
-mod kept;
 mod prelude;
 mod queries;
 mod suspect;
@@ -42,12 +42,13 @@ use diagnoses::background::IdleDetector;
 use diagnoses::models::ModelCache;
 use ingest::stale::StaleCalibrations;
 use ingest::unpacked::UnpackedTexts;
-use ingest::writer::{self, Duties};
+use ingest::writer::{self, WriterRole};
 use write_queue::{Job, WriteQueue};
 
 pub use crate::alert::HookKind;
 pub use access::{
-    Access, AccessOrder, Actor, By, Caller, Denied, Guard, NewToken, SESSION_COOKIE, create_beside, revoke_beside,
+    Access, AccessOrder, Actor, Caller, Credential, Denied, Guard, NewToken, SESSION_COOKIE, create_beside,
+    revoke_beside,
 };
 pub use alerts::{AlertChange, AlertOrder, AlertStep, Alerts, SilenceOrder};
 pub use diagnoses::{
@@ -56,14 +57,14 @@ pub use diagnoses::{
 pub use error::{NotSplit, OrderError, StorageError, StorageFault, WriteError};
 pub use hooks::{Hooks, Order, Outbox};
 pub use ingest::{
-    Accepted, AttributesOrder, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt, EventOrder,
-    Ingest, Judged, Origin, Preview, ReadCampaign, Reader, Refused, Reply, Submission, WindowMark,
+    Accepted, AttributesOrder, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, EventOrder, Ingest,
+    Judged, Origin, Preview, ReadCampaign, Reader, Refused, Reply, SetAsideOrder, Submission, WindowMark,
 };
 pub use queries::{
-    BEYOND, Baseline, CommonShift, Compared, Comparison, Course, DueDate, ExplainedHistory, FEW_RECORDS, FleetFilter,
-    FleetPage, Forecast, Foreseen, LINES, Levels, ListFilter, Names, Queries, RecentValues, Seats, Standing,
-    StandingFilter, Statuses, StoredCampaign, StoredRecord, Tested, Today, Together, Verified, Violation, sample_of,
-    today,
+    BEYOND, Baseline, CalibrationPreview, CommonFactor, CommonShift, Compared, Comparison, DueDate, ExplainedHistory,
+    FEW_RECORDS, FleetFilter, FleetPage, GyroPreview, GyroStatus, GyroTimeline, LINES, Levels, ListFilter, Names,
+    Queries, RecentValues, Seats, StatusFilter, Statuses, StoredCampaign, StoredRecord, Tested, Today, Verified,
+    Violation, sample_of, today,
 };
 
 pub use suspect::WindowOutcome;
@@ -97,14 +98,14 @@ impl Pipeline {
         let (due, watched) = watch::channel(0);
         let Self { access, diagnoses, hooks, ingest, reader, .. } = &pipeline;
         let (wake, models, guard) = (hooks.wake.clone(), reader.models.clone(), access.guard.clone());
-        let after = writer::After { wake, models, due, guard };
+        let after = writer::WriteNotifier { wake, models, due, guard };
         // It ends when the writers, who alone tell it of more, are gone.
         tokio::spawn(diagnoses.diagnoser.clone().run(watched));
         let (queue, idle) = (pipeline.queue.downgrade(), ingest.activity.clone());
         tokio::spawn(UnpackedTexts { store: ingest.store.clone(), queue: queue.clone(), idle: idle.clone() }.run());
         tokio::spawn(StaleCalibrations { reader: reader.clone(), queue, idle }.run());
-        let writers = std::iter::once((writer, Duties::Orders))
-            .chain(partitions.into_iter().map(|partition| (partition, Duties::Partition)));
+        let writers = std::iter::once((writer, WriterRole::Orders))
+            .chain(partitions.into_iter().map(|partition| (partition, WriterRole::Partition)));
         // Each on a thread of its own: among other tasks a writer would wait its turn behind all whom it has just
         // answered.
         let runtime = Handle::current();

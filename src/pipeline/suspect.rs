@@ -4,7 +4,7 @@ use crate::core::alert_decision::Late;
 use crate::core::suspect_window::{Mark, SuspectWindow};
 use crate::pipeline::Pipeline;
 use crate::pipeline::prelude::*;
-use crate::pipeline::{Confirmation, Doubt, ListFilter, Refused, Submission, WindowMark};
+use crate::pipeline::{Confirmation, ListFilter, Refused, SetAsideOrder, Submission, WindowMark};
 use crate::wire::note;
 
 /// Records that are asked for, and submitted, at a time.
@@ -42,7 +42,7 @@ impl Pipeline {
             };
             self.submit_window(self.suspect_in(&station, span).await?, confirm).await?
         } else {
-            let doubt = |id| Submission::Doubt(Doubt { id, author: author(), reason: reason() });
+            let doubt = |id| Submission::SetAside(SetAsideOrder { id, author: author(), reason: reason() });
             self.submit_window(self.of_window(&station, span, true).await?, doubt).await?
         };
         self.ingest.look_at_shared().await?;

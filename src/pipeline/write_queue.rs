@@ -4,7 +4,7 @@ use tokio::sync::{mpsc, oneshot};
 
 use crate::core::alert_decision::Late;
 use crate::pipeline::access::Secret;
-use crate::pipeline::diagnoses::Made;
+use crate::pipeline::diagnoses::FinishedDiagnosis;
 use crate::pipeline::hooks::Found;
 use crate::pipeline::ingest::Restated;
 use crate::pipeline::prelude::*;
@@ -37,7 +37,7 @@ pub(super) enum Job {
     /// Many campaigns are to be diagnosed, or no longer.
     Diagnoses { order: DiagnosisOrder, by: Actor, reply: ReplyTo<Accepted, OrderError> },
     /// A diagnosis is to be kept.
-    Diagnosed { made: Made, reply: ReplyTo<(), WriteError> },
+    Diagnosed { made: FinishedDiagnosis, reply: ReplyTo<(), WriteError> },
     /// What somebody says of an alert.
     Alert { order: AlertOrder, by: Actor, reply: ReplyTo<AlertBody, OrderError> },
     /// A silence of many alerts is to begin or to end.

@@ -8,7 +8,7 @@ use super::inject::is_visible;
 use super::run::Simulated;
 use crate::core::augmented::{AugmentedModel, KnownEffect};
 use crate::core::campaign::TestKind;
-use crate::core::effects::{Lack, Refusal, Scope, Setting, axes};
+use crate::core::effects::{MissingInput, Refusal, Scope, Setting, axes};
 use crate::core::message::Message;
 use crate::message;
 
@@ -21,7 +21,7 @@ pub enum NotPossible {
     #[error(transparent)]
     Refused(#[from] Refusal),
     /// The campaign lacks what the effect acts by.
-    Missing { effect: &'static str, missing: Lack },
+    Missing { effect: &'static str, missing: MissingInput },
     /// The model does not say how large the effect is in this gyro.
     NoEstimate { effect: &'static str, coefficient: &'static str, slot: &'static str },
     /// A hypothesis of which this campaign shows nothing.
@@ -62,7 +62,8 @@ pub fn augment(simulated: &mut Simulated, model: &AugmentedModel) -> Result<(), 
     let setting = setting.referred_to(&simulated.campaign, reference_c);
     // Counted from the model's temperature, an effect of temperature adds nothing where that holds throughout.
     let idle = |known: &&KnownEffect| {
-        reference_c.is_some() && (known.adopted.effect.entry().missing)(&setting) == Some(Lack::TemperatureChange)
+        reference_c.is_some()
+            && (known.adopted.effect.entry().missing)(&setting) == Some(MissingInput::TemperatureChange)
     };
     let acting: Vec<&KnownEffect> = model.effects.iter().filter(|known| !idle(known)).collect();
     let responses: Vec<EffectResponse> =

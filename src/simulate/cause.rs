@@ -4,7 +4,7 @@ use nalgebra::{Rotation3, Vector3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::outside::{FAMILIES, Outside};
+use super::outside::{FAMILIES, UncataloguedCause};
 use super::programme::any_direction;
 use super::sensed::{Disturbance, Sensed, Situation};
 
@@ -175,7 +175,7 @@ pub const ALWAYS: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 #[derive(Debug, Clone, PartialEq)]
 pub enum CauseKind {
     Catalogue(Mechanism),
-    Outside(Outside),
+    Uncatalogued(UncataloguedCause),
 }
 
 /// Particulars that a person may fix; the rest is drawn.
@@ -338,7 +338,9 @@ impl Cause {
             {
                 Rotation3::new(*about * self.size)
             }
-            CauseKind::Outside(Outside::TiltedFaces(angles)) => Rotation3::new(angles[at.face] * self.size),
+            CauseKind::Uncatalogued(UncataloguedCause::TiltedFaces(angles)) => {
+                Rotation3::new(angles[at.face] * self.size)
+            }
             _ => Rotation3::identity(),
         }
     }
@@ -359,7 +361,7 @@ impl Cause {
         }
         let unit = match &self.kind {
             CauseKind::Catalogue(effect) => effect.at_unit_size(gyro, sensed, at),
-            CauseKind::Outside(outside) => outside.at_unit_size(gyro, sensed, at),
+            CauseKind::Uncatalogued(outside) => outside.at_unit_size(gyro, sensed, at),
         };
         Disturbance { drift: k * unit.drift, scale: k * unit.scale }
     }

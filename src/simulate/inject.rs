@@ -9,7 +9,7 @@ use crate::core::fault::Faults;
 use super::cause::{ALWAYS, CATALOGUE, COMMON, Cause, CauseKind, Mechanism, Particulars, known};
 use super::detectability::norm;
 use super::fault_at::fault;
-use super::outside::Outside;
+use super::outside::UncataloguedCause;
 use super::scenario::{EffectChoice, slot_named};
 use super::world::World;
 use crate::core::message::{sent, text};
@@ -33,7 +33,9 @@ pub fn injected(world: &World, choice: &EffectChoice, pointer: &str, rng: &mut C
         fault(&format!("{pointer}/effect"), unknown)
     };
     let (kind, typical) = match choice.effect.strip_prefix("outside:") {
-        Some(family) => (CauseKind::Outside(Outside::draw(family, &mid_h, rng).ok_or_else(unknown)?), 1e-6),
+        Some(family) => {
+            (CauseKind::Uncatalogued(UncataloguedCause::draw(family, &mid_h, rng).ok_or_else(unknown)?), 1e-6)
+        }
         None => {
             let typical = CATALOGUE.iter().find(|known| known.id == choice.effect).ok_or_else(unknown)?.typical;
             let effect = Mechanism::draw(&choice.effect, &fixed, &mid_h, rng).ok_or_else(unknown)?;

@@ -10,7 +10,7 @@ use super::sensed::{Disturbance, Sensed, Situation};
 
 /// Families of such causes, each with its hidden particulars.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Outside {
+pub enum UncataloguedCause {
     /// A smooth random function of the whole attitude (up and north in the body): waves of a few radians.
     Orientation(Box<[[Wave; 4]; 3]>),
     /// A number per dwell and gyro, whatever its origin.
@@ -95,7 +95,7 @@ pub fn depends_on(family: &str) -> &'static [&'static str] {
     }
 }
 
-impl Outside {
+impl UncataloguedCause {
     /// A member of a family; none where the name is unknown. `mid_h` holds the mid-times of the dwells.
     pub fn draw(family: &str, mid_h: &[f64], rng: &mut ChaCha8Rng) -> Option<Self> {
         let dwells = mid_h.len();
@@ -232,9 +232,9 @@ mod tests {
         let mut rng = random(3, Stream::Causes);
         let mid_h: Vec<f64> = (0..24).map(|k| f64::from(k) / 15.0).collect();
         for family in FAMILIES {
-            assert!(Outside::draw(family, &mid_h, &mut rng).is_some(), "{family}");
+            assert!(UncataloguedCause::draw(family, &mid_h, &mut rng).is_some(), "{family}");
         }
-        assert!(Outside::draw("temperature_bias", &mid_h, &mut rng).is_none());
+        assert!(UncataloguedCause::draw("temperature_bias", &mid_h, &mut rng).is_none());
     }
 
     #[test]

@@ -15,9 +15,9 @@ use crate::store::tables::{
     record, set_aside,
 };
 use crate::store::{
-    AccessChanges, AlertRow, ConfirmationRow, EventRow, GyroAttributeRow, HeadChanges, HistoryRow, HookRow,
-    HypothesisRow, JobChanges, KeyRow, ModelRow, NamesOf, NewDiagnosis, NewName, News, OutboxChanges, PackedText,
-    RecordRow, RejudgedSheet, SilenceRow, StepRow, StoredVerdict, WindowMarkRow,
+    AccessChanges, AlertRow, ChangeTopic, ConfirmationRow, EventRow, GyroAttributeRow, HeadChanges, HistoryRow,
+    HookRow, HypothesisRow, JobChanges, KeyRow, ModelRow, NamesOf, NewDiagnosis, NewName, OutboxChanges, PackedText,
+    RecordRow, RejudgedVerdicts, SilenceRow, StepRow, StoredVerdict, WindowMarkRow,
 };
 
 /// Everything that one transaction writes. Rows may refer to names of the same group.
@@ -65,7 +65,7 @@ pub struct Changes {
 #[derive(Debug, Default, PartialEq)]
 pub struct Rejudged {
     pub history: Vec<HistoryRow>,
-    pub sheets: Vec<(Id, RejudgedSheet)>,
+    pub sheets: Vec<(Id, RejudgedVerdicts)>,
     /// What is noted about them.
     pub notes: Vec<(Id, String)>,
     /// Rows that another model makes of stored campaigns. Judging enters them into `history`.
@@ -117,24 +117,24 @@ impl Changes {
     }
 
     /// Whether others want to hear of it.
-    pub(super) fn brings(&self, news: News) -> bool {
+    pub(super) fn brings(&self, topic: ChangeTopic) -> bool {
         let (outbox, access) = (&self.outbox, &self.access);
-        match news {
-            News::Names => self.new_names().iter().any(|names| !names.is_empty()),
-            News::Settings => {
+        match topic {
+            ChangeTopic::Names => self.new_names().iter().any(|names| !names.is_empty()),
+            ChangeTopic::Settings => {
                 let of_no_gyro = self.alerts.iter().any(|alert| alert.of.gyro().is_none());
                 of_no_gyro || !self.hooks.is_empty() || !self.silences.is_empty()
             }
-            News::Outbox => {
+            ChangeTopic::Outbox => {
                 let moved = [outbox.queued.len(), outbox.replayed.len(), outbox.dropped.len(), outbox.hastened.len()];
                 moved != [0; 4] || !self.hooks.is_empty()
             }
-            News::Models => !self.models.is_empty() || !self.hypotheses.is_empty(),
-            News::Diagnoses => {
+            ChangeTopic::Models => !self.models.is_empty() || !self.hypotheses.is_empty(),
+            ChangeTopic::Diagnoses => {
                 !(self.models.is_empty() && self.diagnosis_jobs.started.is_empty())
                     || self.records.iter().any(|record| record.kind == Kind::Campaign)
             }
-            News::Access => [access.tokens.len(), access.sessions.len(), access.ended.len()] != [0; 3],
+            ChangeTopic::Access => [access.tokens.len(), access.sessions.len(), access.ended.len()] != [0; 3],
         }
     }
 }

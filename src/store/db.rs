@@ -11,7 +11,7 @@ use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::{SqlSafeStr, SqlitePool};
 
 use super::error::Result;
-use super::postgres::Neighbours;
+use super::postgres::OtherServers;
 pub(super) use super::postgres::PgReaders;
 use super::rows::{AnyRow, Part};
 use crate::core::id::Id;
@@ -23,7 +23,7 @@ use crate::core::time::UtcMicros;
 pub(crate) enum Readers {
     Sqlite(SqlitePool, PathBuf),
     /// Other servers may use it too.
-    Postgres(PgReaders, Neighbours),
+    Postgres(PgReaders, OtherServers),
 }
 
 /// The same in the words of each database.
@@ -140,7 +140,7 @@ pub(super) fn migrator(migrations: &[MigrationFile]) -> Migrator {
 
 /// Conditions with a parameter each, from `$first` on: each by itself, so that it finds its index; one that is not asked
 /// for is no condition.
-pub(crate) fn asked<const N: usize>(first: usize, conditions: [(bool, &str); N]) -> String {
+pub(crate) fn where_conditions<const N: usize>(first: usize, conditions: [(bool, &str); N]) -> String {
     let one = |(parameter, (is_asked, words)): (usize, (bool, &str))| match is_asked {
         true => words.to_owned(),
         false => format!("${parameter} IS NULL"),
@@ -150,15 +150,15 @@ pub(crate) fn asked<const N: usize>(first: usize, conditions: [(bool, &str); N])
 
 /// What a parameter is bound as: whole numbers are 64 bits wide in the database.
 pub(crate) trait Bound {
-    type As;
+    type SqlType;
 
-    fn bound(self) -> Self::As;
+    fn bound(self) -> Self::SqlType;
 }
 
 macro_rules! bound {
     ($of:ty as $bound:ty: $as:expr) => {
         impl Bound for $of {
-            type As = $bound;
+            type SqlType = $bound;
 
             fn bound(self) -> $bound {
                 let bound: fn($of) -> $bound = $as;
@@ -178,7 +178,7 @@ bound!(Id as i64: |id| id.0);
 bound!(UtcMicros as i64: |at| at.0);
 
 impl<'a> Bound for &'a str {
-    type As = &'a str;
+    type SqlType = &'a str;
 
     fn bound(self) -> &'a str {
         self
@@ -186,7 +186,7 @@ impl<'a> Bound for &'a str {
 }
 
 impl<N: Named> Bound for N {
-    type As = &'static str;
+    type SqlType = &'static str;
 
     fn bound(self) -> &'static str {
         self.name()
@@ -194,24 +194,24 @@ impl<N: Named> Bound for N {
 }
 
 impl<B: Bound> Bound for Option<B> {
-    type As = Option<B::As>;
+    type SqlType = Option<B::SqlType>;
 
-    fn bound(self) -> Option<B::As> {
+    fn bound(self) -> Option<B::SqlType> {
         self.map(B::bound)
     }
 }
 
 /// A list for [`Readers::list`].
-impl<B: Bound<As = i64> + Copy> Bound for &[B] {
-    type As = String;
+impl<B: Bound<SqlType = i64> + Copy> Bound for &[B] {
+    type SqlType = String;
 
     fn bound(self) -> String {
         serde_json::Value::from_iter(self.iter().map(|one| one.bound())).to_string()
     }
 }
 
-impl<B: Bound<As = i64> + Copy> Bound for &Vec<B> {
-    type As = String;
+impl<B: Bound<SqlType = i64> + Copy> Bound for &Vec<B> {
+    type SqlType = String;
 
     fn bound(self) -> String {
         self.as_slice().bound()

@@ -8,7 +8,7 @@ use super::name_tables::Names;
 use super::postgres::hosts::without_password;
 use super::sqlite::lock;
 use super::sqlite::write_behind::WriteBehind;
-use crate::store::{Duty, Moves, Result, Secrets};
+use crate::store::{ChangeFeed, LeasedTask, Result, Secrets};
 
 /// Where the database is, and how it is held open.
 #[derive(Debug, Clone)]
@@ -76,18 +76,18 @@ impl Store {
     }
 
     /// Whether something that one server does for all is this one's to do now. Alone on a file, everything is.
-    pub fn is_on_duty(&self, duty: Duty) -> bool {
+    pub fn holds_lease(&self, duty: LeasedTask) -> bool {
         match &self.readers {
             Readers::Sqlite(..) => true,
-            Readers::Postgres(_, neighbours) => neighbours.is_on_duty(duty),
+            Readers::Postgres(_, other_servers) => other_servers.holds_lease(duty),
         }
     }
 
     /// What is written by any server from now on; none where there can be no other.
-    pub fn moves(&self) -> Option<Moves> {
+    pub fn change_feed(&self) -> Option<ChangeFeed> {
         match &self.readers {
             Readers::Sqlite(..) => None,
-            Readers::Postgres(_, neighbours) => Some(neighbours.moves()),
+            Readers::Postgres(_, other_servers) => Some(other_servers.change_feed()),
         }
     }
 
@@ -99,8 +99,8 @@ impl Store {
 
     /// Waits for reads under way and closes the readers.
     pub async fn close(&self) {
-        if let Readers::Postgres(readers, neighbours) = &self.readers {
-            neighbours.part(readers).await;
+        if let Readers::Postgres(readers, other_servers) = &self.readers {
+            other_servers.part(readers).await;
         }
         self.readers.close().await;
     }

@@ -20,7 +20,7 @@ mod rows;
 mod secrets;
 mod sqlite;
 mod tables;
-mod token_beside;
+mod token_database;
 mod writer;
 
 pub use crate::store::name_tables::{NamesOf, NewName, Table, Tables};
@@ -28,7 +28,7 @@ pub use crate::store::packed::history_row::HistoryRow;
 pub use crate::store::packed::verdicts::{RecordVerdicts, StoredVerdict};
 pub(crate) use crate::store::postgres::hosts::without_password;
 pub use crate::store::sqlite::backup::{
-    Holdings, backup, check, check_all_but_records, check_checksums, open_to_read, restore,
+    BackupContents, backup, check, check_all_but_records, check_checksums, open_to_read, restore,
 };
 pub use crate::store::tables::access::{AccessChanges, SessionRow};
 pub use crate::store::tables::alerts::{AlertOf, AlertRow, ExcessRow, Remark, StepRow};
@@ -38,7 +38,7 @@ pub use crate::store::tables::delivery::{
 pub use crate::store::tables::diagnosis::{DiagnosisRow, NewDiagnosis};
 pub use crate::store::tables::diagnosis_digest::DigestRow;
 pub use crate::store::tables::diagnosis_job::{
-    CampaignFilter, FailedTask, JobChanges, JobRow, NewJob, SettledTask, TaskCounts,
+    CampaignFilter, FailedTask, FinishedTask, JobChanges, JobRow, NewJob, TaskCounts,
 };
 pub use crate::store::tables::event::EventRow;
 pub use crate::store::tables::gyro_attribute::GyroAttributeRow;
@@ -49,9 +49,9 @@ pub use crate::store::tables::hypothesis::HypothesisRow;
 pub use crate::store::tables::keys::KeyRow;
 pub use crate::store::tables::model::ModelRow;
 pub use crate::store::tables::record::{
-    LongText, PackedText, RecordAt, RecordFilter, RecordRow, RejudgedSheet, StationTotals,
+    LongText, PackedText, RecordAt, RecordFilter, RecordRow, RejudgedVerdicts, StationTotals,
 };
-pub use crate::store::tables::set_aside::{ConfirmationRow, StoredAside};
+pub use crate::store::tables::set_aside::{ConfirmationRow, SetAsideRecord};
 pub use crate::store::tables::silence::SilenceRow;
 pub use crate::store::tables::suspect_window::WindowMarkRow;
 pub use cells::Cells;
@@ -61,9 +61,9 @@ pub use error::{Result, StoreError};
 pub use handle::{Options, Store};
 pub use id::IdSource;
 pub use open::{hide_stored_secrets, open};
-pub use postgres::{Duty, Missed, Moves, News, claim};
+pub use postgres::{ChangeFeed, ChangeTopic, LeasedTask, RemoteChanges, claim};
 pub use secrets::Secrets;
-pub use token_beside::Beside;
+pub use token_database::TokenDatabase;
 pub use writer::{Committer, Writer, Written};
 
 pub use tables::{

@@ -13,7 +13,7 @@ use super::postgres;
 use crate::message;
 use crate::store::sqlite::checkpoint::Checkpoints;
 use crate::store::sqlite::checksum::{Summing, settle};
-use crate::store::sqlite::halt::Halt;
+use crate::store::sqlite::flush_failure::FlushFailure;
 use crate::store::sqlite::write_behind::WriteBehind;
 use crate::store::sqlite::writer::{FileWriter, waiting_for_disk};
 use crate::store::sqlite::{lock, private};
@@ -91,14 +91,14 @@ async fn open_file(options: &Options) -> Result<(Store, Writer)> {
         .connect_with(connect.read_only(true).create_if_missing(false))
         .await?;
     let store = Store::new(Readers::Sqlite(readers, file), names.clone(), write_behind.clone());
-    let halt = Halt::default();
-    let mut checkpoints = Checkpoints::start(checkpointing, options.checkpoint_pages, halt.clone())?;
-    match halt.heed(waiting_for_disk(|| checkpoints.begin(&writing))) {
+    let flush_failure = FlushFailure::default();
+    let mut checkpoints = Checkpoints::start(checkpointing, options.checkpoint_pages, flush_failure.clone())?;
+    match flush_failure.record(waiting_for_disk(|| checkpoints.begin(&writing))) {
         // Reading goes on; a write tries it again.
         Err(StoreError::Full) => tracing::warn!("the disk is full: the write-ahead log stays as it was left"),
         copied => copied?,
     }
-    let writer = FileWriter::new(writing, names, write_behind, checkpoints, halt, lock);
+    let writer = FileWriter::new(writing, names, write_behind, checkpoints, flush_failure, lock);
     Ok((store, Writer::of_file(IdSource::after(last_id), writer)))
 }
 

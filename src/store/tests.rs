@@ -192,7 +192,7 @@ async fn judging_again_changes_states_and_verdicts_and_nothing_else() {
         .commit(&Changes { records: vec![record(id, 5, "a")], history: vec![row.clone()], ..first_names() })
         .await
         .unwrap();
-    let mut sheet = store::record::sheet_to_rejudge(&store, id).await.unwrap().unwrap();
+    let mut sheet = store::record::verdicts_to_rejudge(&store, id).await.unwrap().unwrap();
     assert!(sheet.sheet.replace(1, vec![]));
     assert!(!sheet.sheet.replace(2, vec![]));
     let mut anew = row.clone();

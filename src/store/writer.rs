@@ -10,7 +10,7 @@ use super::postgres::CellWriter;
 use super::sqlite::writer::{FileWriter, waiting_for_disk};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::store::{Cells, Changes, IdSource, Missed, Result};
+use crate::store::{Cells, Changes, IdSource, RemoteChanges, Result};
 
 /// Who writes: of a file the only one, of a database server one of many.
 #[derive(Debug)]
@@ -62,13 +62,13 @@ impl Writer {
     /// From here to [`Writer::commit`] or [`Writer::give_back`] nobody else writes what is at home in `cells`: what is
     /// read of it is what holds when this is committed. Says what others have written since these cells were held
     /// last; names that are at home in them are known.
-    pub async fn lock_cells(&mut self, cells: &Cells) -> Result<Missed> {
+    pub async fn lock_cells(&mut self, cells: &Cells) -> Result<RemoteChanges> {
         match &mut self.engine {
-            Engine::File(_) => Ok(Missed::default()),
+            Engine::File(_) => Ok(RemoteChanges::default()),
             Engine::Server(writer) => {
-                let (missed, ids) = writer.lock_cells(cells).await?;
+                let (remote_changes, ids) = writer.lock_cells(cells).await?;
                 self.ids = ids;
-                Ok(missed)
+                Ok(remote_changes)
             }
         }
     }

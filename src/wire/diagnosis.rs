@@ -6,7 +6,7 @@ use super::located::WhereBody;
 use super::note;
 use super::split::SplitBody;
 use crate::core::augmented::Adopted;
-use crate::core::calibrate::noise_found::{LawFound, MemoryFound, NoiseFound};
+use crate::core::calibrate::noise_found::{CorrelatedNoiseFound, LawFound, NoiseFound};
 use crate::core::diagnose as core;
 use crate::core::effects::{Effect, Estimate};
 use crate::wire::prelude::*;
@@ -86,7 +86,7 @@ impl DiagnosisBody {
 
     /// With what was foretold of the campaign, which is noted where it lies outside.
     #[must_use]
-    pub fn foretold(self, forecast: Option<ForecastPointBody>) -> Self {
+    pub fn with_forecast(self, forecast: Option<ForecastPointBody>) -> Self {
         let finding = forecast.as_ref().and_then(ForecastPointBody::finding);
         Self { forecast, ..self.noted(finding) }
     }
@@ -440,7 +440,7 @@ bodies! {
             _ => None,
         });
     CorrelationBody of (Slot, Slot, f64): gyros: |(a, b, _)| [*a, *b].to_body(), correlation = 2;
-    MemoryBody of MemoryFound: kind, gyros = deg_per_h, probability;
+    MemoryBody of CorrelatedNoiseFound: kind, gyros = deg_per_h, probability;
     GyroMemoryBody of (Slot, f64): slot = 0, deg_per_h = 1;
     GyroClassBody of (Slot, Vec<Effect>): slot = 0, class = 1;
     EffectDriftBody of (Slot, Vec<f64>): slot = 0,

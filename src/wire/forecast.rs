@@ -5,8 +5,8 @@ use crate::core::campaign::Campaign;
 use crate::core::effects;
 use crate::core::id::Id;
 use crate::core::imu_model::{
-    Changed, ChangedEffect, Closing, DriftShift, Forecast, ForecastComparison, GyroComparison, GyroForecast,
-    Identified, Miss, Rung, Telling,
+    Changed, ChangedEffect, DriftShift, ErrorReduction, Forecast, ForecastComparison, GyroComparison, GyroForecast,
+    Identified, InformativeDwell, ModelStep, OutlyingDwell,
 };
 use crate::core::judge;
 use crate::core::judge::{Coefficient, Finding, Limit, LimitKey, Limits, Rule, State, Unseen, Verdict};
@@ -125,7 +125,7 @@ impl ForecastPointBody {
     /// [`Self::outside`] as a note.
     pub fn finding(&self) -> Option<Message> {
         let compared = self.outside()?;
-        let Furthest { slot, rms_over_sd, p_value } = compared.furthest()?;
+        let LargestForecastError { slot, rms_over_sd, p_value } = compared.furthest()?;
         let effects = &self.effects_changed;
         let (slot, rms, p) = (text(slot), figure(rms_over_sd, 2), probability(p_value));
         Some(match effects.as_slice() {
@@ -192,7 +192,7 @@ pub struct ClosingBody {
 
 /// A gyro, the root mean square of its errors over their standard deviations, and the p of such over all gyros.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Furthest {
+pub struct LargestForecastError {
     /// Empty in digests of before.
     #[serde(default)]
     pub slot: String,
@@ -391,7 +391,7 @@ const OUTSIDE: &str = "outside";
 
 impl ForecastBody {
     /// A forecast as answers write it. `promised` is how far the effects are to close the forecast error.
-    pub fn of(model: &Identified, campaign: &Campaign, forecast: &Forecast, promised: Option<Closing>) -> Self {
+    pub fn of(model: &Identified, campaign: &Campaign, forecast: &Forecast, promised: Option<ErrorReduction>) -> Self {
         Self {
             imu: campaign.imu.to_string(),
             station: campaign.station.to_string(),
@@ -408,8 +408,8 @@ impl ForecastBody {
     }
 
     /// With the dwells that are worth measuring.
-    pub fn to_measure(mut self, campaign: &Campaign, telling: &[Telling]) -> Self {
-        let body = |one: &Telling| {
+    pub fn to_measure(mut self, campaign: &Campaign, informative: &[InformativeDwell]) -> Self {
+        let body = |one: &InformativeDwell| {
             let dwell = campaign.dwells.get(one.dwell)?;
             Some(TellingBody {
                 dwell: one.dwell,
@@ -419,7 +419,7 @@ impl ForecastBody {
                 sd_over_noise: one.sd_over_noise,
             })
         };
-        self.next_dwells = telling.iter().filter_map(body).collect();
+        self.next_dwells = informative.iter().filter_map(body).collect();
         self
     }
 
@@ -427,13 +427,13 @@ impl ForecastBody {
     pub fn compared(
         mut self,
         comparison: &ForecastComparison,
-        ladder: &[Rung],
+        ladder: &[ModelStep],
         changed: Option<&Changed>,
         (model, limits): (&Identified, [Option<Limit>; 2]),
     ) -> Self {
-        let foretold = comparison.foretold(model);
-        let verdict = judge::forecast(&foretold, limits);
-        let said = verdict.or_else(|| judge::forecast(&foretold, Limits::default().forecast()));
+        let errors = comparison.foretold(model);
+        let verdict = judge::forecast(&errors, limits);
+        let said = verdict.or_else(|| judge::forecast(&errors, Limits::default().forecast()));
         self.compared = Some(ComparedBody::of(comparison, ladder, verdict.as_ref(), said.as_ref()));
         self.effects_against_model = changed.map(ChangedBody::from);
         self
@@ -442,7 +442,7 @@ impl ForecastBody {
 
 impl ComparedBody {
     /// `verdict` is kept, `said` is what the rule says, judged or not.
-    fn of(c: &ForecastComparison, ladder: &[Rung], verdict: Option<&Verdict>, said: Option<&Verdict>) -> Self {
+    fn of(c: &ForecastComparison, ladder: &[ModelStep], verdict: Option<&Verdict>, said: Option<&Verdict>) -> Self {
         let state = match said.map(|verdict| verdict.state) {
             Some(State::Exceeded) => OUTSIDE,
             Some(State::Within) => "as_foretold",
@@ -474,14 +474,14 @@ impl ComparedBody {
     }
 
     /// The gyro that is furthest from its forecast, as the rule has it.
-    pub fn furthest(&self) -> Option<Furthest> {
+    pub fn furthest(&self) -> Option<LargestForecastError> {
         if let Some(verdict) = &self.verdict {
             let (rms_over_sd, p_value) = (verdict.value, verdict.p_value);
-            return Some(Furthest { slot: verdict.slot.clone(), rms_over_sd, p_value });
+            return Some(LargestForecastError { slot: verdict.slot.clone(), rms_over_sd, p_value });
         }
         let worst = self.gyros.iter().min_by(|a, b| a.p_value.total_cmp(&b.p_value))?;
         let p_value = (worst.p_value * self.gyros.len() as f64).min(1.0);
-        Some(Furthest { slot: worst.slot.clone(), rms_over_sd: worst.rms_over_sd, p_value })
+        Some(LargestForecastError { slot: worst.slot.clone(), rms_over_sd: worst.rms_over_sd, p_value })
     }
 
     /// For a series: what is said of whole gyros and of dwells that missed.
@@ -502,9 +502,9 @@ bodies! {
     GyroForecastBody of GyroForecast: slot, serial, scale_pulse_per_arcsec = scale, predicted_pulse_s = predicted,
         sd_pulse_s = sd, noise_sd_pulse_s = noise,
         not_foretold: |gyro| (0..gyro.foretold.len()).filter(|&k| !gyro.foretold[k]).collect();
-    ClosingBody of Closing: before_deg_per_h, after_deg_per_h, closure, interval;
-    RungBody of Rung: effect, rms_deg_per_h, rms_over_sd;
-    MissBody of Miss: slot, dwell, z;
+    ClosingBody of ErrorReduction: before_deg_per_h, after_deg_per_h, closure, interval;
+    RungBody of ModelStep: effect, rms_deg_per_h, rms_over_sd;
+    MissBody of OutlyingDwell: slot, dwell, z;
     GyroComparedBody of GyroComparison: slot, rms_over_sd, p_value, error_pulse_s = error, z, pit;
     ShiftBody of DriftShift: slot, coefficient, shift, sd;
     ChangedEffectBody of ChangedEffect: effect, slot, coefficients, p_value, changed, undecided, beyond_seen;

@@ -3,7 +3,8 @@
 use std::borrow::Cow;
 
 use crate::core::changes::{
-    AsOf, CauseEstimate, Due, Excess, HistoryDiagnosis, HistoryHeldOut, NamedCause, Outlier, Rejected, Wander,
+    AsOf, CauseEstimate, Due, ExcessScatter, HistoryDiagnosis, HistoryHeldOut, NamedCause, Outlier, RandomVariation,
+    Rejected,
 };
 use crate::wire::prelude::*;
 use crate::wire::time;
@@ -166,8 +167,8 @@ bodies! {
     HistoryEstimateBody of CauseEstimate: name, value, sd, unit;
     LeftOutBody of HistoryHeldOut: before, after, closure, interval;
     OutlierBody of Outlier: calibrated_at = at, deviation, sd;
-    WanderBody of Wander: process, size, p_value;
-    ExcessBody of Excess: sd, expected, p_value;
+    WanderBody of RandomVariation: process, size, p_value;
+    ExcessBody of ExcessScatter: sd, expected, p_value;
 }
 
 impl DueBody {

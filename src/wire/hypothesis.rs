@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::core::effects::{COMPETITORS, Effect, OwnHypothesis, Range, Written, own};
+use crate::core::effects::{COMPETITORS, Effect, HypothesisDefinition, OwnHypothesis, Range, own};
 use crate::core::message::{sent, text};
 use crate::wire::prelude::*;
 use crate::wire::text::{line_of, said_of_keys};
@@ -94,7 +94,7 @@ impl HypothesisBody {
             to: range.to,
             unit: range.unit.clone(),
         });
-        let written = Written {
+        let written = HypothesisDefinition {
             id: self.id.clone(),
             words: self.words.clone(),
             cause: if self.cause.is_empty() { self.words.clone() } else { self.cause.clone() },
@@ -113,7 +113,7 @@ impl HypothesisBody {
 }
 
 bodies! {
-    HypothesisBody of Written: id, words, cause, equation, unit, plausible, typical: |written| Some(written.typical),
+    HypothesisBody of HypothesisDefinition: id, words, cause, equation, unit, plausible, typical: |written| Some(written.typical),
         common, range: |written| written.range.iter().map(|range| (range.name.clone(), range.to_body())).collect();
     HypothesisRangeBody of Range: from, to, unit;
 }

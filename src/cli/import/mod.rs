@@ -91,7 +91,7 @@ impl Import {
         if self.print {
             return self.files.iter().try_for_each(|path| print(path, &map));
         }
-        let service = self.connection.service()?.telling(self.notify.query());
+        let service = self.connection.service()?.with_notify_query(self.notify.query());
         let digest = self.notify == Notify::Digest;
         match self.watch {
             Some(dir) => {

@@ -9,7 +9,7 @@ use reqwest::StatusCode;
 use serde_json::Value;
 
 use super::source::{Content, ImportDocument, MAX_DOCUMENT_BYTES, read_line};
-use crate::cli::client::{ImportLineAnswer, Sent, Service, Trouble};
+use crate::cli::client::{ClientError, ImportLineAnswer, Sent, Service};
 use crate::cli::faults;
 use crate::cli::prelude::*;
 use crate::core::message::{Message, list};
@@ -123,7 +123,7 @@ impl<'a> Importer<'a> {
         Ok(self.tally)
     }
 
-    async fn carry_members(&mut self, members: &[(u64, Vec<u8>)]) -> Result<(), Trouble> {
+    async fn carry_members(&mut self, members: &[(u64, Vec<u8>)]) -> Result<(), ClientError> {
         for members in members.chunks(BATCH_LINES) {
             let mut batch = UploadBatch::default();
             members.iter().for_each(|(number, text)| batch.push(*number, text.clone()));
@@ -132,7 +132,7 @@ impl<'a> Importer<'a> {
         Ok(())
     }
 
-    async fn carry_one(&mut self, document: ImportDocument) -> Result<(), Trouble> {
+    async fn carry_one(&mut self, document: ImportDocument) -> Result<(), ClientError> {
         let ImportDocument { route, content_type, body } = document;
         let (bytes, body) = (body.len() as u64, Bytes::from(body));
         match patiently(self.pauses, async || self.service.post(route, content_type, body.clone()).await).await? {
@@ -153,7 +153,7 @@ impl<'a> Importer<'a> {
     }
 
     /// Sends a batch; lines that the service was too busy for go again until they are decided.
-    async fn carry_batch(&mut self, mut batch: UploadBatch) -> Result<(), Trouble> {
+    async fn carry_batch(&mut self, mut batch: UploadBatch) -> Result<(), ClientError> {
         let bytes = batch.bytes;
         patiently(self.pauses, async || {
             let answers = self.service.import(batch.body(), batch.lines.len()).await?;
@@ -176,7 +176,7 @@ impl<'a> Importer<'a> {
         Ok(())
     }
 
-    fn decide(&mut self, line: u64, text: &[u8], answer: ImportLineAnswer) -> Result<(), Trouble> {
+    fn decide(&mut self, line: u64, text: &[u8], answer: ImportLineAnswer) -> Result<(), ClientError> {
         let why = match &answer.error {
             Some(problem) => refusal(problem, text, self.of_table),
             None => format!("status {}", answer.status),
@@ -188,9 +188,9 @@ impl<'a> Importer<'a> {
                     (self.tell)(Event::Noted { line, note: &note.detail });
                 }
             }
-            401 | 403 => return Err(Trouble::stop(StatusCode::from_u16(answer.status).ok(), why)),
+            401 | 403 => return Err(ClientError::stop(StatusCode::from_u16(answer.status).ok(), why)),
             408 | 425 | 429 | 500.. => {
-                return Err(Trouble::Again {
+                return Err(ClientError::Retry {
                     why: said(message!("at_line", line, fault = Message::verbatim(why))),
                     after: None,
                 });
@@ -258,18 +258,21 @@ fn skip_line(reader: &mut dyn BufRead) -> std::io::Result<()> {
 }
 
 /// Asks again after each of `pauses` while that can help; the service's own Retry-After goes before them.
-async fn patiently<T>(pauses: &[Duration], mut attempt: impl AsyncFnMut() -> Result<T, Trouble>) -> Result<T, Trouble> {
+async fn patiently<T>(
+    pauses: &[Duration],
+    mut attempt: impl AsyncFnMut() -> Result<T, ClientError>,
+) -> Result<T, ClientError> {
     let mut told = false;
     for &pause in pauses {
         let trouble = match attempt().await {
-            Err(trouble @ (Trouble::Again { .. } | Trouble::Away(_))) => trouble,
+            Err(trouble @ (ClientError::Retry { .. } | ClientError::Unreachable(_))) => trouble,
             decided => return decided,
         };
         if !std::mem::replace(&mut told, true) {
             eprintln!("{}", said(message!("terminal_again", trouble = trouble.to_string())));
         }
         let pause = match trouble {
-            Trouble::Again { after: Some(after), .. } => after.min(LONGEST_PAUSE),
+            ClientError::Retry { after: Some(after), .. } => after.min(LONGEST_PAUSE),
             _ => pause,
         };
         tokio::time::sleep(pause).await;
@@ -337,7 +340,7 @@ fn key(body: &[u8]) -> Option<(String, String)> {
 /// Says that the import has come to its end: the service tells what it has left firing. It does so by itself in a
 /// quarter of an hour.
 pub(super) async fn end(service: &Service) {
-    let ended = service.clone().telling("?notify=digest").import(Bytes::new(), 0).await;
+    let ended = service.clone().with_notify_query("?notify=digest").import(Bytes::new(), 0).await;
     if let Err(trouble) = ended {
         let late = message!("terminal_digest_late", trouble = trouble.to_string());
         eprintln!("{}", said(late));

@@ -38,7 +38,7 @@ pub enum Content {
 
 /// Whether somebody may still be writing a text whose last line has no end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Patience {
+pub enum UnfinishedFile {
     Waits,
     TakesAsItIs,
 }
@@ -66,7 +66,7 @@ const COUNTED: Duration = Duration::from_secs(3600);
 /// Opens a file; `-` is standard input. The outer error is the file system's, the inner one the content's.
 pub fn open(path: &Path, map: &TableMap) -> anyhow::Result<Result<Content, Unreadable>> {
     if path == Path::new("-") {
-        let read = read(BufReader::new(std::io::stdin()), map, Patience::TakesAsItIs);
+        let read = read(BufReader::new(std::io::stdin()), map, UnfinishedFile::TakesAsItIs);
         return read.with_context(|| name(path));
     }
     let file = std::fs::File::open(path).with_context(|| path.display().to_string())?;
@@ -74,17 +74,17 @@ pub fn open(path: &Path, map: &TableMap) -> anyhow::Result<Result<Content, Unrea
         let folder = path.display().to_string();
         return Err(Usage(said(message!("terminal_is_folder", folder))).into());
     }
-    read_file(file, map, Patience::TakesAsItIs).with_context(|| path.display().to_string())
+    read_file(file, map, UnfinishedFile::TakesAsItIs).with_context(|| path.display().to_string())
 }
 
 /// As [`open`], of a file that is open.
 pub fn read_file(
     mut file: std::fs::File,
     map: &TableMap,
-    patience: Patience,
+    if_unfinished: UnfinishedFile,
 ) -> anyhow::Result<Result<Content, Unreadable>> {
-    let ends = patience == Patience::TakesAsItIs || ends_with_a_line(&mut file)?;
-    Ok(match read(BufReader::with_capacity(1 << 20, file), map, patience)? {
+    let ends = if_unfinished == UnfinishedFile::TakesAsItIs || ends_with_a_line(&mut file)?;
+    Ok(match read(BufReader::with_capacity(1 << 20, file), map, if_unfinished)? {
         Ok(Content::Lines(_)) if !ends => Err(unreadable(&message!("file_last_line_open"), CUT_SHORT)),
         read => read,
     })
@@ -104,7 +104,7 @@ fn ends_with_a_line(file: &mut std::fs::File) -> std::io::Result<bool> {
 fn read(
     mut reader: impl BufRead + Send + 'static,
     map: &TableMap,
-    patience: Patience,
+    if_unfinished: UnfinishedFile,
 ) -> anyhow::Result<Result<Content, Unreadable>> {
     let mut head = Vec::new();
     while head.trim_ascii().is_empty() {
@@ -122,12 +122,12 @@ fn read(
         let why = message!("file_document_too_large", bytes = MAX_DOCUMENT_BYTES);
         return Ok(Err(unreadable(&why, Duration::ZERO)));
     }
-    Ok(classify(head, map, patience))
+    Ok(classify(head, map, if_unfinished))
 }
 
 /// The one document that a file holds.
 pub fn single(text: Vec<u8>) -> Result<ImportDocument, Unreadable> {
-    match classify(text, &TableMap::default(), Patience::TakesAsItIs)? {
+    match classify(text, &TableMap::default(), UnfinishedFile::TakesAsItIs)? {
         Content::One(document) => Ok(document),
         Content::Members(mut all) | Content::Table(mut all, _) => match (all.pop(), all.len()) {
             (Some((_, body)), 0) => Ok(ImportDocument { route: route_of(&body)?, content_type: JSON, body }),
@@ -142,14 +142,14 @@ pub fn read_line(reader: &mut (impl BufRead + ?Sized), line: &mut Vec<u8>) -> st
     reader.take(MAX_DOCUMENT_BYTES).read_until(b'\n', line)
 }
 
-fn classify(text: Vec<u8>, map: &TableMap, patience: Patience) -> Result<Content, Unreadable> {
+fn classify(text: Vec<u8>, map: &TableMap, if_unfinished: UnfinishedFile) -> Result<Content, Unreadable> {
     if starts_with(&text, b'[') {
         return members(&text);
     }
     if !starts_with(&text, b'{') {
         let text = readable(text).map_err(|fault| unreadable(&fault, Duration::ZERO))?;
         let open = open_end(&text);
-        if let (Patience::Waits, Some(open)) = (patience, &open) {
+        if let (UnfinishedFile::Waits, Some(open)) = (if_unfinished, &open) {
             return Err(Unreadable { why: said(note::message(open)), may_go_on: CUT_SHORT });
         }
         if let Some(documents) = std::str::from_utf8(&text).ok().and_then(|text| documents(text, map)) {
@@ -221,7 +221,7 @@ mod tests {
     use super::*;
 
     fn content(text: &'static str) -> Result<Content, Unreadable> {
-        read(text.as_bytes(), &TableMap::default(), Patience::TakesAsItIs).unwrap()
+        read(text.as_bytes(), &TableMap::default(), UnfinishedFile::TakesAsItIs).unwrap()
     }
 
     fn route(text: &'static str) -> &'static str {
@@ -245,7 +245,7 @@ mod tests {
     #[test]
     fn a_table_that_excel_saved_in_china_is_read() {
         const TABLE: &str = "# imu: A\n# station: 北京一站\nphase,start_s\nstatic,0\n";
-        let saved = |bytes: Vec<u8>| match classify(bytes, &TableMap::default(), Patience::TakesAsItIs) {
+        let saved = |bytes: Vec<u8>| match classify(bytes, &TableMap::default(), UnfinishedFile::TakesAsItIs) {
             Ok(Content::One(document)) => document.body,
             _ => panic!("one document"),
         };
@@ -281,7 +281,7 @@ mod tests {
         const TABLE: &str = "phase,start_s\nstatic,0\nstatic,18";
         const RECORDS: &str = "serial,measured_at,station,method,d_i_deg_per_h_g0,d_s_deg_per_h_g0\n\
                                A-1,2026-03-01T08:00:00Z,ST-1,torque_feedback,1.5,-2.2";
-        let waiting = |text: &'static str| read(text.as_bytes(), &TableMap::default(), Patience::Waits).unwrap();
+        let waiting = |text: &'static str| read(text.as_bytes(), &TableMap::default(), UnfinishedFile::Waits).unwrap();
         for text in [TABLE, RECORDS] {
             assert!(waiting(text).is_err_and(|unreadable| unreadable.may_go_on == CUT_SHORT));
         }

@@ -12,7 +12,7 @@ use clap::Parser;
 use super::send::{Event, ImportCounts, Importer};
 use super::source::Content;
 use super::watch::watch;
-use crate::cli::client::{Connection, JSON, Sent, Service, Trouble};
+use crate::cli::client::{ClientError, Connection, JSON, Sent, Service};
 use crate::system;
 use crate::wire::record_table::TableMap;
 
@@ -132,7 +132,7 @@ async fn what_is_sent_goes_by_way_of_the_proxy_that_is_named() {
     assert!(matches!(service.post("/v1/records", JSON, RECORD.into()).await, Ok(Sent::Stored(_))));
     assert_eq!(script.heard(), [RECORD]);
     let direct = line("").unwrap().connection.service().unwrap();
-    assert!(matches!(direct.post("/v1/records", JSON, RECORD.into()).await, Err(Trouble::Away(_))));
+    assert!(matches!(direct.post("/v1/records", JSON, RECORD.into()).await, Err(ClientError::Unreachable(_))));
     assert!(line("ftp://user:secret@proxy").unwrap_err().to_string().contains("must be http://host:port"));
 }
 
@@ -153,7 +153,7 @@ async fn a_token_that_is_refused_is_read_again_from_its_file() {
     let line = Line::try_parse_from(["import", "--url", &address, "--token-file", path]).unwrap();
     let service = line.connection.service().unwrap();
     let post = async || service.post("/v1/records", JSON, RECORD.into()).await;
-    assert!(matches!(post().await, Err(Trouble::Stop { status: Some(StatusCode::UNAUTHORIZED), .. })));
+    assert!(matches!(post().await, Err(ClientError::Fatal { status: Some(StatusCode::UNAUTHORIZED), .. })));
     write("two\n");
     for _ in 0..2 {
         assert!(matches!(post().await, Ok(Sent::Stored(_))));

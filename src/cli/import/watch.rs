@@ -14,8 +14,8 @@ use super::answer_summary::AnswerSummary;
 use super::folder::{Dir, FileStamp};
 use super::revise::{self, REVISE, WHY, with};
 use super::send::{Event, ImportCounts, Importer, Refusal, end};
-use super::source::{self, Content, Patience};
-use crate::cli::client::{Service, Trouble};
+use super::source::{self, Content, UnfinishedFile};
+use crate::cli::client::{ClientError, Service};
 use crate::cli::errors::with_causes;
 use crate::cli::prelude::*;
 use crate::core::message::Message;
@@ -63,14 +63,14 @@ struct Folder {
     settle: Option<Duration>,
     digest: bool,
     map: TableMap,
-    waiting: HashMap<OsString, Waiting>,
+    waiting: HashMap<OsString, PendingFile>,
     /// Symbolic links that somebody has heard of.
     links: HashSet<OsString>,
     /// Trouble that concerns every file: the folder cannot be read, or no service answers.
-    trouble: Trials,
+    trouble: RetryState,
     /// Trouble with `revise` as a whole, and with each file that waits in it.
-    revising: Trials,
-    revisions: HashMap<OsString, Trials>,
+    revising: RetryState,
+    revisions: HashMap<OsString, RetryState>,
 }
 
 fn is_left_alone(name: &str) -> bool {
@@ -85,14 +85,14 @@ fn usual_settle(name: &OsStr) -> Duration {
     if name.to_string_lossy().to_lowercase().ends_with(".json") { SETTLE } else { SETTLE_OPEN }
 }
 
-struct Waiting {
+struct PendingFile {
     stamp: FileStamp,
     since: Instant,
     /// Trouble with this file alone.
-    trouble: Trials,
+    trouble: RetryState,
 }
 
-enum Fate {
+enum FileOutcome {
     Stored(ImportCounts),
     Refused(Vec<Refusal>),
     /// Breaks off, and is young.
@@ -114,8 +114,8 @@ impl Folder {
             map: TableMap::default(),
             waiting: HashMap::new(),
             links: HashSet::new(),
-            trouble: Trials::default(),
-            revising: Trials::default(),
+            trouble: RetryState::default(),
+            revising: RetryState::default(),
             revisions: HashMap::new(),
         })
     }
@@ -129,20 +129,20 @@ impl Folder {
             return self.trouble.again(&format!("{}: {error}", self.path.display()), None);
         }
         let settle = |name: &OsStr| self.settle.unwrap_or_else(|| usual_settle(name));
-        let due = |name: &OsStr, w: &Waiting| w.since.elapsed() >= settle(name) && w.trouble.due();
+        let due = |name: &OsStr, w: &PendingFile| w.since.elapsed() >= settle(name) && w.trouble.due();
         let mut files: Vec<_> =
             self.waiting.iter().filter(|(name, w)| due(name, w)).map(|(name, _)| name.clone()).collect();
         files.sort();
         for name in files {
-            let outcome = self.deliver(&name, service).await.and_then(|fate| self.conclude(&name, fate));
+            let outcome = self.deliver(&name, service).await.and_then(|outcome| self.conclude(&name, outcome));
             let Err(error) = outcome else {
                 self.trouble.over();
                 continue;
             };
-            match error.downcast_ref::<Trouble>() {
-                Some(Trouble::Away(why)) => return self.trouble.again(why, None),
-                Some(Trouble::Again { after, .. }) => self.again(&name, &error, *after),
-                Some(Trouble::Stop { .. }) | None => self.again(&name, &error, None),
+            match error.downcast_ref::<ClientError>() {
+                Some(ClientError::Unreachable(why)) => return self.trouble.again(why, None),
+                Some(ClientError::Retry { after, .. }) => self.again(&name, &error, *after),
+                Some(ClientError::Fatal { .. }) | None => self.again(&name, &error, None),
             }
         }
     }
@@ -152,7 +152,7 @@ impl Folder {
         if !self.revising.due() {
             return;
         }
-        match self.revise_all(&service.clone().telling("")).await {
+        match self.revise_all(&service.clone().with_notify_query("")).await {
             Ok(()) => self.revising.over(),
             Err(error) => self.revising.again(&stays(format!("{REVISE}: {}", with_causes(&error))), None),
         }
@@ -168,17 +168,17 @@ impl Folder {
             if is_left_alone(&shown) || shown.ends_with(WHY) || dir.stamp(&name).is_none() {
                 continue;
             }
-            let mut trials = before.remove(&name).unwrap_or_default();
-            if trials.due() {
+            let mut retry = before.remove(&name).unwrap_or_default();
+            if retry.due() {
                 match self.revise_one(&dir, &name, service).await {
-                    Ok(()) => trials.over(),
-                    Err(error) => match error.downcast_ref::<Trouble>() {
-                        Some(Trouble::Away(_)) => return Err(error),
-                        _ => trials.again(&stays(format!("{REVISE}/{shown}: {}", with_causes(&error))), None),
+                    Ok(()) => retry.over(),
+                    Err(error) => match error.downcast_ref::<ClientError>() {
+                        Some(ClientError::Unreachable(_)) => return Err(error),
+                        _ => retry.again(&stays(format!("{REVISE}/{shown}: {}", with_causes(&error))), None),
                     },
                 }
             }
-            self.revisions.insert(name, trials);
+            self.revisions.insert(name, retry);
         }
         Ok(())
     }
@@ -230,7 +230,7 @@ impl Folder {
                 }
                 continue;
             };
-            let new = || Waiting { stamp, since: Instant::now(), trouble: Trials::default() };
+            let new = || PendingFile { stamp, since: Instant::now(), trouble: RetryState::default() };
             let waiting = before.remove(&name).filter(|w| w.stamp == stamp).unwrap_or_else(new);
             self.waiting.insert(name, waiting);
         }
@@ -238,23 +238,23 @@ impl Folder {
         Ok(())
     }
 
-    async fn deliver(&self, name: &OsStr, service: &Service) -> anyhow::Result<Fate> {
+    async fn deliver(&self, name: &OsStr, service: &Service) -> anyhow::Result<FileOutcome> {
         let path = self.path.join(name);
         // What is no plain file any more is left out from the next look on.
-        let Some(file) = self.dir.file(name)? else { return Ok(Fate::Unfinished) };
+        let Some(file) = self.dir.file(name)? else { return Ok(FileOutcome::Unfinished) };
         let age = self.age(name);
-        let patience = if age < source::CUT_SHORT { Patience::Waits } else { Patience::TakesAsItIs };
-        let read = source::read_file(file, &self.map, patience)?;
+        let if_unfinished = if age < source::CUT_SHORT { UnfinishedFile::Waits } else { UnfinishedFile::TakesAsItIs };
+        let read = source::read_file(file, &self.map, if_unfinished)?;
         // Since it was found due, others have been sent, which takes time.
         if self.dir.stamp(name) != self.waiting.get(name).map(|w| w.stamp) {
-            return Ok(Fate::Unfinished);
+            return Ok(FileOutcome::Unfinished);
         }
         let content = match read {
             // Whatever the file is called, more lines may follow.
-            Ok(Content::Lines(_)) if age < self.settle.unwrap_or(SETTLE_OPEN) => return Ok(Fate::Unfinished),
+            Ok(Content::Lines(_)) if age < self.settle.unwrap_or(SETTLE_OPEN) => return Ok(FileOutcome::Unfinished),
             Ok(content) => content,
-            Err(unreadable) if age < unreadable.may_go_on => return Ok(Fate::Unfinished),
-            Err(unreadable) => return Ok(Fate::Refused(vec![Refusal { line: None, why: unreadable.why }])),
+            Err(unreadable) if age < unreadable.may_go_on => return Ok(FileOutcome::Unfinished),
+            Err(unreadable) => return Ok(FileOutcome::Refused(vec![Refusal { line: None, why: unreadable.why }])),
         };
         let (mut refusals, mut summary) = (Vec::new(), String::new());
         let mut tell = |event: Event<'_>| match event {
@@ -271,22 +271,22 @@ impl Folder {
         if !summary.is_empty() {
             say(&format!("{}\n{}", path.display(), summary.trim_end()));
         }
-        Ok(if refusals.is_empty() { Fate::Stored(tally) } else { Fate::Refused(refusals) })
+        Ok(if refusals.is_empty() { FileOutcome::Stored(tally) } else { FileOutcome::Refused(refusals) })
     }
 
     /// Moves a file whose fate is known; one that changed meanwhile stays, to be sent as it is now.
-    fn conclude(&mut self, name: &OsStr, fate: Fate) -> anyhow::Result<()> {
+    fn conclude(&mut self, name: &OsStr, outcome: FileOutcome) -> anyhow::Result<()> {
         if self.dir.stamp(name) != self.waiting.get(name).map(|w| w.stamp) {
             return Ok(());
         }
         let shown = name.to_string_lossy();
-        match fate {
-            Fate::Stored(tally) => {
+        match outcome {
+            FileOutcome::Stored(tally) => {
                 let sent = self.within(SENT)?;
                 self.move_to(name, &sent, &free_name(&sent, name))?;
                 say(&format!("{shown}: {tally}"));
             }
-            Fate::Refused(refusals) => {
+            FileOutcome::Refused(refusals) => {
                 let refused = self.within(REFUSED)?;
                 let target = free_name(&refused, name);
                 let reasons: String = refusals.iter().map(|refusal| format!("{refusal}\n")).collect();
@@ -296,7 +296,7 @@ impl Folder {
                 let refused = word("terminal_file_refused");
                 say(&format!("{shown}: {refused}\n{}", reasons.trim_end()));
             }
-            Fate::Unfinished => return Ok(()),
+            FileOutcome::Unfinished => return Ok(()),
         }
         self.waiting.remove(name);
         Ok(())
@@ -325,19 +325,19 @@ impl Folder {
 }
 
 /// Tries that failed: when the next is due, and what has been said already.
-struct Trials {
+struct RetryState {
     not_before: Option<Instant>,
     pause: Duration,
     said: String,
 }
 
-impl Default for Trials {
+impl Default for RetryState {
     fn default() -> Self {
         Self { not_before: None, pause: FIRST_PAUSE, said: String::new() }
     }
 }
 
-impl Trials {
+impl RetryState {
     fn due(&self) -> bool {
         self.not_before.is_none_or(|instant| Instant::now() >= instant)
     }
@@ -411,8 +411,8 @@ mod tests {
         std::fs::remove_file(&file).unwrap();
         std::os::unix::fs::symlink(elsewhere.path(), &file).unwrap();
         let nobody = Service::at("127.0.0.1:1", None).unwrap();
-        let fate = folder.deliver(OsStr::new("run.json"), &nobody).await.unwrap();
-        assert!(matches!(fate, Fate::Unfinished));
+        let outcome = folder.deliver(OsStr::new("run.json"), &nobody).await.unwrap();
+        assert!(matches!(outcome, FileOutcome::Unfinished));
     }
 
     #[tokio::test]
@@ -425,7 +425,7 @@ mod tests {
         std::fs::write(at.path().join(name), "{\"gyros\": []}").unwrap();
         folder.look().unwrap();
         std::fs::write(at.path().join(name), "{\"gyros\": [], \"dwells\": []}").unwrap();
-        assert!(matches!(folder.deliver(name, &nobody).await.unwrap(), Fate::Unfinished));
+        assert!(matches!(folder.deliver(name, &nobody).await.unwrap(), FileOutcome::Unfinished));
         folder.look().unwrap();
         assert!(folder.deliver(name, &nobody).await.is_err(), "it is sent when it has not changed");
     }
@@ -442,26 +442,29 @@ mod tests {
         std::fs::write(at.path().join(name), "{\"gyros\": []}\n{\"gyros\": []}\n").unwrap();
         let mut folder = Folder::open(at.path(), None).unwrap();
         folder.look().unwrap();
-        assert!(matches!(folder.deliver(name, &nobody).await.unwrap(), Fate::Unfinished));
+        assert!(matches!(folder.deliver(name, &nobody).await.unwrap(), FileOutcome::Unfinished));
         folder.settle = Some(Duration::ZERO);
         assert!(folder.deliver(name, &nobody).await.is_err(), "lines are sent");
         std::fs::write(at.path().join(name), "{\"gyros\": []}\n{\"gyros\": []}").unwrap();
         folder.look().unwrap();
-        assert!(matches!(folder.deliver(name, &nobody).await.unwrap(), Fate::Unfinished), "its last line has no end");
+        assert!(
+            matches!(folder.deliver(name, &nobody).await.unwrap(), FileOutcome::Unfinished),
+            "its last line has no end"
+        );
     }
 
     #[test]
     fn pauses_double_up_to_a_minute_and_start_afresh_after_success() {
-        let mut trials = Trials::default();
-        assert!(trials.due());
-        trials.again("down", None);
-        assert!(!trials.due());
+        let mut retry = RetryState::default();
+        assert!(retry.due());
+        retry.again("down", None);
+        assert!(!retry.due());
         for _ in 0..20 {
-            trials.again("down", None);
+            retry.again("down", None);
         }
-        assert_eq!(trials.pause, LONGEST_PAUSE);
-        trials.over();
-        assert!(trials.due());
-        assert_eq!(trials.pause, FIRST_PAUSE);
+        assert_eq!(retry.pause, LONGEST_PAUSE);
+        retry.over();
+        assert!(retry.due());
+        assert_eq!(retry.pause, FIRST_PAUSE);
     }
 }

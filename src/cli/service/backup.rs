@@ -3,7 +3,7 @@
 use super::settings::ConfigArgs;
 use crate::cli::common::block_on;
 use crate::cli::prelude::*;
-use crate::store::{self, Holdings};
+use crate::store::{self, BackupContents};
 
 /// Copy the database into one file, served or not, and check the copy
 #[derive(Debug, Args)]
@@ -18,16 +18,16 @@ impl Backup {
     pub fn run(self) -> anyhow::Result<()> {
         let database = self.config.load()?.database;
         let copied = block_on(async { Ok(store::backup(&database.options(), &self.file).await?) });
-        let holdings =
+        let contents =
             copied.with_context(|| said(message!("terminal_not_backed_up", database = database.options().shown())))?;
-        println!("{}: {}", self.file.display(), holdings_said(&holdings));
+        println!("{}: {}", self.file.display(), contents_message(&contents));
         Ok(())
     }
 }
 
 /// What was found whole.
-pub(super) fn holdings_said(holdings: &Holdings) -> String {
-    let Holdings { gyros, records, figures, bench_results } = holdings;
+pub(super) fn contents_message(contents: &BackupContents) -> String {
+    let BackupContents { gyros, records, figures, bench_results } = contents;
     said(message!(
         "terminal_holdings",
         records = records.to_string(),

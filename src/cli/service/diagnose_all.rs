@@ -10,7 +10,7 @@ use bytes::Bytes;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use crate::cli::client::{Connection, JSON, Sent, Service, Trouble};
+use crate::cli::client::{ClientError, Connection, JSON, Sent, Service};
 use crate::cli::common::{block_on, progress};
 use crate::cli::document::{part_of, verdict};
 use crate::cli::prelude::*;
@@ -108,7 +108,7 @@ async fn order(fleet: &FleetArgs, service: &Service) -> anyhow::Result<JobDetail
     let body = Bytes::from(serde_json::to_vec(&fleet.which())?);
     let post = async || match service.post("/v1/diagnoses", JSON, body.clone()).await? {
         Sent::Stored(answer) | Sent::Known(answer) => Ok(answer),
-        Sent::Refused(problem) => Err(Trouble::stop(None, problem.detail)),
+        Sent::Refused(problem) => Err(ClientError::stop(None, problem.detail)),
     };
     patiently(post).await
 }
@@ -134,7 +134,7 @@ async fn follow(service: &Service, mut order: JobDetailBody) -> anyhow::Result<J
 }
 
 /// Asks until there is an answer, as long as that can help.
-async fn patiently<T: DeserializeOwned>(ask: impl AsyncFn() -> Result<Value, Trouble>) -> anyhow::Result<T> {
+async fn patiently<T: DeserializeOwned>(ask: impl AsyncFn() -> Result<Value, ClientError>) -> anyhow::Result<T> {
     let begun = Instant::now();
     let answer = loop {
         match ask().await {
@@ -146,11 +146,11 @@ async fn patiently<T: DeserializeOwned>(ask: impl AsyncFn() -> Result<Value, Tro
 }
 
 /// Waits before another try, where one can help and patience is left.
-async fn wait(trouble: Trouble, begun: Instant) -> anyhow::Result<()> {
+async fn wait(trouble: ClientError, begun: Instant) -> anyhow::Result<()> {
     let pause = match &trouble {
-        Trouble::Stop { .. } => return Err(trouble.into()),
-        Trouble::Away(_) => STEP,
-        Trouble::Again { after, .. } => after.unwrap_or(STEP),
+        ClientError::Fatal { .. } => return Err(trouble.into()),
+        ClientError::Unreachable(_) => STEP,
+        ClientError::Retry { after, .. } => after.unwrap_or(STEP),
     };
     if begun.elapsed() + pause > PATIENCE {
         return Err(trouble.into());

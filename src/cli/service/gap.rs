@@ -32,9 +32,9 @@ pub struct Gap {
     format: Format,
 }
 
-/// The ladder of one campaign.
+/// The nested models of one campaign.
 #[derive(Debug, Serialize)]
-struct ModelLadder {
+struct ModelSteps {
     measured_at: String,
     station: String,
     rungs: Vec<RungBody>,
@@ -51,7 +51,7 @@ impl Gap {
     }
 
     /// The campaigns of an IMU that a service stores, each from the model in force when it came in.
-    fn of_service(&self) -> anyhow::Result<(String, Vec<ModelLadder>)> {
+    fn of_service(&self) -> anyhow::Result<(String, Vec<ModelSteps>)> {
         if self.model.is_file() {
             return Err(Usage(word("terminal_gap_needs_campaigns").to_owned()).into());
         }
@@ -64,12 +64,11 @@ impl Gap {
                 eprintln!("{}: {why}", point.measured_at);
             }
         }
-        let ladder =
-            |point: ForecastPointBody| Some(ModelLadder::of(point.measured_at, point.station, point.compared?));
+        let ladder = |point: ForecastPointBody| Some(ModelSteps::of(point.measured_at, point.station, point.compared?));
         Ok((imu, series.points.into_iter().filter_map(ladder).collect()))
     }
 
-    fn of_files(&self) -> anyhow::Result<(String, Vec<ModelLadder>)> {
+    fn of_files(&self) -> anyhow::Result<(String, Vec<ModelSteps>)> {
         let model = identified(&self.model)?;
         let mut ladders = Vec::new();
         for path in &self.campaigns {
@@ -80,20 +79,20 @@ impl Gap {
             let body = ForecastBody::of(&model, &campaign, &comparison.forecast, None);
             let judged = (&*model, Limits::default().forecast());
             let Some(compared) = body.compared(&comparison, &steps, None, judged).compared else { continue };
-            ladders.push(ModelLadder::of(time::format(campaign.measured_at), campaign.station.to_string(), compared));
+            ladders.push(ModelSteps::of(time::format(campaign.measured_at), campaign.station.to_string(), compared));
         }
         Ok((model.imu.to_string(), ladders))
     }
 }
 
-impl ModelLadder {
+impl ModelSteps {
     fn of(measured_at: String, station: String, compared: ComparedBody) -> Self {
         let ComparedBody { ladder, noise_deg_per_h, closing, state, .. } = compared;
         Self { measured_at, station, rungs: ladder, noise_deg_per_h, closing, state }
     }
 }
 
-fn tables(imu: &str, ladders: &[ModelLadder]) -> String {
+fn tables(imu: &str, ladders: &[ModelSteps]) -> String {
     if ladders.is_empty() {
         return format!("{}\n", said(message!("terminal_gap_none", imu = imu.to_owned())));
     }

@@ -3,7 +3,7 @@
 use crate::cli::prelude::*;
 use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;
-use crate::core::effects::{Effect, Lack, axes};
+use crate::core::effects::{Effect, MissingInput, axes};
 use crate::wire::hypothesis::{parse_toml, with_one_id_each};
 
 /// The hypotheses in the files; beside what a model holds already, each has an id of its own or is the very same.
@@ -22,7 +22,7 @@ pub fn files(paths: &[PathBuf], in_use: &AugmentedModel) -> anyhow::Result<Vec<E
 pub fn defined_in(effects: &[Effect], campaign: &Campaign) -> anyhow::Result<()> {
     let Ok((setting, _)) = axes::setting(campaign) else { return Ok(()) };
     for effect in effects {
-        if let Some(lack @ Lack::NotFinite { dwell }) = (effect.entry().missing)(&setting) {
+        if let Some(lack @ MissingInput::NotFinite { dwell }) = (effect.entry().missing)(&setting) {
             bail!(said(message!(
                 "hypothesis_undefined",
                 id = effect.id(),

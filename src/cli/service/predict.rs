@@ -38,8 +38,8 @@ impl Predict {
         let file = || document::name(&self.campaign);
         let body = if self.campaign.extension().is_some_and(|e| e == "toml") {
             let campaign = programme(document::toml(&self.campaign)?, &model).with_context(file)?;
-            let telling = most_telling(&model, &campaign, SHOWN).with_context(file)?;
-            body(&model, &campaign).with_context(file)?.to_measure(&campaign, &telling)
+            let informative = most_telling(&model, &campaign, SHOWN).with_context(file)?;
+            body(&model, &campaign).with_context(file)?.to_measure(&campaign, &informative)
         } else {
             let campaign = settings::campaign(&self.campaign, &document::read(&self.campaign)?)?;
             held_against(&model, &campaign).with_context(file)?
@@ -96,7 +96,7 @@ fn tables(body: &ForecastBody) -> String {
     match &body.compared {
         Some(compared) => out.push_str(&comparison(compared)),
         None => {
-            out.push_str(&foretold(body));
+            out.push_str(&forecast_table(body));
             out.push_str(&to_measure(body));
         }
     }
@@ -121,7 +121,7 @@ fn closing(c: &ClosingBody) -> Message {
     }
 }
 
-fn foretold(body: &ForecastBody) -> String {
+fn forecast_table(body: &ForecastBody) -> String {
     let mut rows = table_of("terminal_foretold_head", 0..1);
     for gyro in &body.gyros {
         for k in 0..gyro.predicted_pulse_s.len() {
@@ -201,19 +201,19 @@ pub(super) fn state(state: &str) -> &'static str {
     })
 }
 
-/// A step of the ladder: the effect that it adds, the error of the forecast, and that in standard deviations.
+/// A model of the sequence: the effect that it adds, the error of the forecast, and that in standard deviations.
 pub(super) fn step(rung: &RungBody) -> [String; 3] {
     let model = || word("terminal_model_6").to_owned();
     let name = rung.effect.as_ref().map_or_else(model, |effect| format!("+ {effect}"));
     [name, format!("{:.3e}", rung.rms_deg_per_h), format!("{:.2}", rung.rms_over_sd)]
 }
 
-/// The foot of the ladder.
+/// The last line of that table.
 pub(super) fn noise_floor(deg_per_h: f64) -> [String; 3] {
     [word("terminal_noise_floor").to_owned(), format!("{deg_per_h:.3e}"), "1.00".to_owned()]
 }
 
-/// The ladder with the noise floor at its foot.
+/// The nested models, with the noise floor as the last line.
 pub(super) fn steps(c: &ComparedBody) -> String {
     let mut steps = table_of("terminal_steps_head", 1..3);
     for rung in &c.ladder {

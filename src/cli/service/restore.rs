@@ -1,6 +1,6 @@
 //! `restore`: a backup checked, and put where a database is missing.
 
-use super::backup::holdings_said;
+use super::backup::contents_message;
 use super::settings::ConfigArgs;
 use crate::cli::common::block_on;
 use crate::cli::prelude::*;
@@ -23,7 +23,7 @@ impl Restore {
         let file = self.file.display();
         if self.check {
             let checked = block_on(async { Ok(store::check(&self.file).await?) });
-            println!("{file}: {}", holdings_said(&checked.with_context(|| file.to_string())?));
+            println!("{file}: {}", contents_message(&checked.with_context(|| file.to_string())?));
             return Ok(());
         }
         let database = self.config.load()?.database;
@@ -31,7 +31,7 @@ impl Restore {
         let to = database.options().shown();
         let failed = || said(message!("terminal_not_restored", file = file.to_string(), database = to.clone()));
         let holdings = restored.with_context(failed)?;
-        println!("{to}: {}", holdings_said(&holdings));
+        println!("{to}: {}", contents_message(&holdings));
         Ok(())
     }
 }

@@ -153,14 +153,14 @@ impl Simulate {
         }
     }
 
-    fn put_in(&self) -> anyhow::Result<PutIn> {
+    fn put_in(&self) -> anyhow::Result<InjectedEffects> {
         let model = self.model.as_deref().map_or_else(|| Ok(AugmentedModel::default()), model::file)?;
         let files: Vec<PathBuf> = self.hypothesis.iter().cloned().collect();
         let effect = hypothesis::files(&files, &model)?.first().copied();
         let amount = self.size.map(Amount::Size).or(self.detectability.map(Amount::Detectability));
         let hypothesis = effect.zip(amount).map(|(effect, amount)| (effect, amount, self.gyros.clone()));
         let model_file = self.model.as_deref().map(document::name).unwrap_or_default();
-        Ok(PutIn { model, model_file, hypothesis })
+        Ok(InjectedEffects { model, model_file, hypothesis })
     }
 
     fn paper_experiment(&self) -> anyhow::Result<()> {
@@ -177,7 +177,7 @@ impl Simulate {
                     let file = move |test: &Test| format!("{seed:04}-{}.{}", test.name(), form.ending());
                     tests(seed).into_iter().map(move |test| (file(&test), test.scenario))
                 });
-                write_all(made, &PutIn::default(), dir, form)
+                write_all(made, &InjectedEffects::default(), dir, form)
             }
             None => experiment::print(seed, self.count.unwrap_or(200), self.csv),
         }
@@ -209,13 +209,13 @@ impl Simulate {
 
 /// What is put into the outputs beside the scenario's causes.
 #[derive(Default)]
-struct PutIn {
+struct InjectedEffects {
     model: AugmentedModel,
     model_file: String,
     hypothesis: Option<(Effect, Amount, Vec<Slot>)>,
 }
 
-fn made(scenario: &Scenario, put_in: &PutIn) -> anyhow::Result<Simulated> {
+fn made(scenario: &Scenario, put_in: &InjectedEffects) -> anyhow::Result<Simulated> {
     let whose = || word("terminal_scenario");
     let (scenario, model) = drawn_from(scenario, &put_in.model).with_context(whose)?;
     let mut simulated = simulate(&scenario).with_context(whose)?;
@@ -241,7 +241,13 @@ fn list(mut out: impl Write) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn many(scenario: &Scenario, put_in: &PutIn, count: u64, dir: &Path, form: CampaignFormat) -> anyhow::Result<()> {
+fn many(
+    scenario: &Scenario,
+    put_in: &InjectedEffects,
+    count: u64,
+    dir: &Path,
+    form: CampaignFormat,
+) -> anyhow::Result<()> {
     if scenario.seed.checked_add(count).is_none() {
         bail!(said(message!("terminal_seeds_end", last = u64::MAX.to_string())));
     }
@@ -255,7 +261,7 @@ fn many(scenario: &Scenario, put_in: &PutIn, count: u64, dir: &Path, form: Campa
 /// The campaigns, and their truth in key.json beside them.
 fn write_all(
     scenarios: impl Iterator<Item = (String, Scenario)>,
-    put_in: &PutIn,
+    put_in: &InjectedEffects,
     dir: &Path,
     form: CampaignFormat,
 ) -> anyhow::Result<()> {

@@ -13,7 +13,7 @@ use crate::core::fault::Faults;
 use crate::core::message::sent;
 use crate::core::time::UtcMicros;
 use crate::pipeline::{NewToken, OrderError, create_beside, revoke_beside};
-use crate::store::{Beside, StoreError};
+use crate::store::{StoreError, TokenDatabase};
 use crate::system::Clock;
 use crate::wire::text;
 
@@ -79,7 +79,7 @@ impl TokenArgs {
             if is_new {
                 eprintln!("{}", said(message!("terminal_new_database", database = options.shown())));
             }
-            let mut beside = Beside::open(&options).await?;
+            let mut beside = TokenDatabase::open(&options).await?;
             order.carry_out(&mut beside, Clock::System.now()).await
         };
         block_on(work).map_err(|error| match is_of_the_database(&error) {
@@ -95,7 +95,7 @@ fn is_of_the_database(error: &anyhow::Error) -> bool {
 }
 
 impl TokenCommand {
-    async fn carry_out(self, database: &mut Beside, now: UtcMicros) -> anyhow::Result<()> {
+    async fn carry_out(self, database: &mut TokenDatabase, now: UtcMicros) -> anyhow::Result<()> {
         match self {
             Self::Create { name, role, station, expires_at, days } => {
                 let after = days.map(|days| UtcMicros(now.0 + i64::from(days) * UtcMicros::DAY));

@@ -35,11 +35,11 @@ fn too_few() -> Verdict {
 
 /// One alert followed through verdicts and ticks; a record is calibrated when it arrives.
 #[derive(Default)]
-struct Story {
+struct AlertTimeline {
     alert: Option<Alert>,
 }
 
-impl Story {
+impl AlertTimeline {
     fn record(&mut self, at: f64, verdict: &Verdict) -> Action {
         let decision = follow(self.alert.as_ref(), verdict, day(at), day(at), &POLICY);
         self.alert = decision.alert;
@@ -63,149 +63,149 @@ impl Story {
 
 #[test]
 fn an_exceeded_limit_fires_once_and_resolves_once() {
-    let mut story = Story::default();
-    assert_eq!(story.record(0.0, &within(0.001)), Action::Silent);
-    assert_eq!(story.status(), None);
-    assert_eq!(story.record(14.0, &exceeded()), Action::Fire);
-    assert_eq!(story.record(28.0, &exceeded()), Action::Silent);
-    assert_eq!(story.record(42.0, &within(0.002)), Action::Resolve);
-    assert_eq!(story.record(56.0, &within(0.002)), Action::Silent);
-    assert_eq!(story.record(70.0, &exceeded()), Action::Fire);
+    let mut timeline = AlertTimeline::default();
+    assert_eq!(timeline.record(0.0, &within(0.001)), Action::Silent);
+    assert_eq!(timeline.status(), None);
+    assert_eq!(timeline.record(14.0, &exceeded()), Action::Fire);
+    assert_eq!(timeline.record(28.0, &exceeded()), Action::Silent);
+    assert_eq!(timeline.record(42.0, &within(0.002)), Action::Resolve);
+    assert_eq!(timeline.record(56.0, &within(0.002)), Action::Silent);
+    assert_eq!(timeline.record(70.0, &exceeded()), Action::Fire);
 }
 
 #[test]
 fn a_second_campaign_escalates_even_what_was_acknowledged() {
-    let mut story = Story::default();
-    story.record(0.0, &exceeded());
-    story.alert = story.alert.map(|alert| acknowledge(&alert));
-    assert_eq!(story.record(12.0, &exceeded()), Action::Silent);
-    assert!(story.alert.unwrap().acknowledged, "the same severity is no news");
-    assert_eq!(story.tick(10.0), Action::Silent, "acknowledged: no repeats");
-    assert_eq!(story.record(14.0, &confirmed()), Action::Escalate);
-    assert_eq!(story.alert.unwrap().severity, Severity::Critical);
-    assert!(!story.alert.unwrap().acknowledged);
-    assert_eq!(story.record(28.0, &confirmed()), Action::Silent);
-    assert_eq!(story.record(42.0, &exceeded()), Action::Silent, "an episode's severity never falls");
+    let mut timeline = AlertTimeline::default();
+    timeline.record(0.0, &exceeded());
+    timeline.alert = timeline.alert.map(|alert| acknowledge(&alert));
+    assert_eq!(timeline.record(12.0, &exceeded()), Action::Silent);
+    assert!(timeline.alert.unwrap().acknowledged, "the same severity is no news");
+    assert_eq!(timeline.tick(10.0), Action::Silent, "acknowledged: no repeats");
+    assert_eq!(timeline.record(14.0, &confirmed()), Action::Escalate);
+    assert_eq!(timeline.alert.unwrap().severity, Severity::Critical);
+    assert!(!timeline.alert.unwrap().acknowledged);
+    assert_eq!(timeline.record(28.0, &confirmed()), Action::Silent);
+    assert_eq!(timeline.record(42.0, &exceeded()), Action::Silent, "an episode's severity never falls");
 }
 
 #[test]
 fn a_step_that_the_next_campaign_confirms_goes_on_firing_and_escalates() {
     let step = |state, value, confirmed| verdict(Rule::Step, state, value, confirmed);
-    let mut story = Story::default();
-    assert_eq!(story.record(0.0, &step(State::Exceeded, 0.02, false)), Action::Fire);
-    assert_eq!(story.record(14.0, &step(State::Exceeded, 0.021, true)), Action::Escalate);
-    assert_eq!(story.status(), Some(Status::Firing));
-    assert_eq!(story.record(28.0, &step(State::Within, 0.001, false)), Action::Resolve);
+    let mut timeline = AlertTimeline::default();
+    assert_eq!(timeline.record(0.0, &step(State::Exceeded, 0.02, false)), Action::Fire);
+    assert_eq!(timeline.record(14.0, &step(State::Exceeded, 0.021, true)), Action::Escalate);
+    assert_eq!(timeline.status(), Some(Status::Firing));
+    assert_eq!(timeline.record(28.0, &step(State::Within, 0.001, false)), Action::Resolve);
 }
 
 #[test]
 fn a_requirement_missed_by_a_second_campaign_escalates_and_two_that_keep_it_resolve() {
     let requirement = |state| verdict(Rule::Requirement, state, -0.6, false);
-    let mut story = Story::default();
-    assert_eq!(story.record(0.0, &requirement(State::Exceeded)), Action::Fire);
-    assert_eq!(story.record(0.0, &requirement(State::Exceeded)), Action::Silent, "the same campaign again");
-    assert_eq!(story.record(14.0, &requirement(State::Exceeded)), Action::Escalate);
-    assert_eq!(story.record(28.0, &requirement(State::Within)), Action::Silent);
-    assert_eq!(story.record(42.0, &requirement(State::Within)), Action::Resolve);
+    let mut timeline = AlertTimeline::default();
+    assert_eq!(timeline.record(0.0, &requirement(State::Exceeded)), Action::Fire);
+    assert_eq!(timeline.record(0.0, &requirement(State::Exceeded)), Action::Silent, "the same campaign again");
+    assert_eq!(timeline.record(14.0, &requirement(State::Exceeded)), Action::Escalate);
+    assert_eq!(timeline.record(28.0, &requirement(State::Within)), Action::Silent);
+    assert_eq!(timeline.record(42.0, &requirement(State::Within)), Action::Resolve);
 }
 
 #[test]
 fn how_an_alert_stands_is_told_by_what_people_said_and_by_the_time() {
-    let mut story = Story::default();
-    story.record(0.0, &exceeded());
-    let alert = story.alert.unwrap();
+    let mut timeline = AlertTimeline::default();
+    timeline.record(0.0, &exceeded());
+    let alert = timeline.alert.unwrap();
     let known = acknowledge(&alert);
-    assert_eq!(alert.standing(day(1.0)), Standing::Firing);
-    assert_eq!(known.standing(day(1.0)), Standing::Acknowledged);
+    assert_eq!(alert.standing(day(1.0)), AlertState::Firing);
+    assert_eq!(known.standing(day(1.0)), AlertState::Acknowledged);
     let silenced = silence(&known, Some(day(5.0)));
-    assert_eq!(silenced.standing(day(4.9)), Standing::Silenced);
-    assert_eq!(silenced.standing(day(5.0)), Standing::Acknowledged);
-    assert_eq!(reset(&silenced, day(2.0)).alert.unwrap().standing(day(2.0)), Standing::Resolved);
+    assert_eq!(silenced.standing(day(4.9)), AlertState::Silenced);
+    assert_eq!(silenced.standing(day(5.0)), AlertState::Acknowledged);
+    assert_eq!(reset(&silenced, day(2.0)).alert.unwrap().standing(day(2.0)), AlertState::Resolved);
 }
 
 #[test]
 fn near_the_limit_it_takes_two_campaigns_to_resolve() {
-    let mut story = Story::default();
-    story.record(0.0, &exceeded());
-    assert_eq!(story.record(14.0, &within(0.0095)), Action::Silent);
+    let mut timeline = AlertTimeline::default();
+    timeline.record(0.0, &exceeded());
+    assert_eq!(timeline.record(14.0, &within(0.0095)), Action::Silent);
     assert_eq!(
-        story.record(14.0, &within(0.0095)),
+        timeline.record(14.0, &within(0.0095)),
         Action::Silent,
         "the same record judged again is no second campaign"
     );
-    assert_eq!(story.record(28.0, &exceeded()), Action::Silent, "no flapping: it never stopped firing");
-    assert_eq!(story.record(42.0, &within(0.0095)), Action::Silent);
-    assert_eq!(story.record(56.0, &within(0.0095)), Action::Resolve);
+    assert_eq!(timeline.record(28.0, &exceeded()), Action::Silent, "no flapping: it never stopped firing");
+    assert_eq!(timeline.record(42.0, &within(0.0095)), Action::Silent);
+    assert_eq!(timeline.record(56.0, &within(0.0095)), Action::Resolve);
 }
 
 #[test]
 fn what_is_uncertain_or_sparse_neither_fires_nor_takes_back() {
-    let mut story = Story::default();
-    assert_eq!(story.record(0.0, &too_few()), Action::Silent);
-    assert_eq!(story.record(14.0, &straddling()), Action::Silent);
-    assert_eq!(story.status(), None);
-    story.record(28.0, &exceeded());
-    assert_eq!(story.record(42.0, &straddling()), Action::Silent);
-    assert_eq!(story.status(), Some(Status::Firing));
-    assert_eq!(story.record(56.0, &too_few()), Action::Resolve, "the history was restarted");
+    let mut timeline = AlertTimeline::default();
+    assert_eq!(timeline.record(0.0, &too_few()), Action::Silent);
+    assert_eq!(timeline.record(14.0, &straddling()), Action::Silent);
+    assert_eq!(timeline.status(), None);
+    timeline.record(28.0, &exceeded());
+    assert_eq!(timeline.record(42.0, &straddling()), Action::Silent);
+    assert_eq!(timeline.status(), Some(Status::Firing));
+    assert_eq!(timeline.record(56.0, &too_few()), Action::Resolve, "the history was restarted");
 }
 
 #[test]
 fn a_firing_alert_repeats_until_it_is_acknowledged() {
-    let mut story = Story::default();
-    story.record(0.0, &exceeded());
-    assert_eq!(story.tick(6.9), Action::Silent);
-    assert_eq!(story.tick(7.0), Action::Repeat);
-    assert_eq!(story.tick(7.1), Action::Silent);
-    assert_eq!(story.tick(14.0), Action::Repeat);
-    story.alert = story.alert.map(|alert| acknowledge(&alert));
-    assert_eq!(story.tick(40.0), Action::Silent);
+    let mut timeline = AlertTimeline::default();
+    timeline.record(0.0, &exceeded());
+    assert_eq!(timeline.tick(6.9), Action::Silent);
+    assert_eq!(timeline.tick(7.0), Action::Repeat);
+    assert_eq!(timeline.tick(7.1), Action::Silent);
+    assert_eq!(timeline.tick(14.0), Action::Repeat);
+    timeline.alert = timeline.alert.map(|alert| acknowledge(&alert));
+    assert_eq!(timeline.tick(40.0), Action::Silent);
 }
 
 #[test]
 fn a_silence_holds_back_and_loses_nothing() {
-    let mut story = Story::default();
-    story.record(0.0, &exceeded());
-    story.silence(20.0);
-    assert_eq!(story.record(5.0, &confirmed()), Action::Silent);
-    assert_eq!(story.tick(19.9), Action::Silent);
-    assert!(story.alert.unwrap().silenced_until.is_some());
-    assert_eq!(story.tick(20.0), Action::Escalate, "what was escalated under the silence is told at its end");
-    assert_eq!(story.alert.unwrap().silenced_until, None, "it is over");
+    let mut timeline = AlertTimeline::default();
+    timeline.record(0.0, &exceeded());
+    timeline.silence(20.0);
+    assert_eq!(timeline.record(5.0, &confirmed()), Action::Silent);
+    assert_eq!(timeline.tick(19.9), Action::Silent);
+    assert!(timeline.alert.unwrap().silenced_until.is_some());
+    assert_eq!(timeline.tick(20.0), Action::Escalate, "what was escalated under the silence is told at its end");
+    assert_eq!(timeline.alert.unwrap().silenced_until, None, "it is over");
 
-    let mut story = Story::default();
-    story.record(0.0, &exceeded());
-    story.silence(20.0);
-    assert_eq!(story.record(5.0, &within(0.001)), Action::Silent);
-    assert_eq!(story.tick(20.0), Action::Resolve, "nobody is left believing that it fires");
-    assert_eq!(story.tick(21.0), Action::Silent);
+    let mut timeline = AlertTimeline::default();
+    timeline.record(0.0, &exceeded());
+    timeline.silence(20.0);
+    assert_eq!(timeline.record(5.0, &within(0.001)), Action::Silent);
+    assert_eq!(timeline.tick(20.0), Action::Resolve, "nobody is left believing that it fires");
+    assert_eq!(timeline.tick(21.0), Action::Silent);
 
-    let mut story = Story::default();
-    story.record(0.0, &exceeded());
-    story.record(1.0, &within(0.001));
-    story.silence(20.0);
-    assert_eq!(story.record(5.0, &exceeded()), Action::Silent);
-    assert_eq!(story.record(6.0, &within(0.001)), Action::Silent);
-    assert_eq!(story.tick(20.0), Action::Silent, "what came and went in silence is not told");
-    assert_eq!(story.record(30.0, &exceeded()), Action::Fire);
+    let mut timeline = AlertTimeline::default();
+    timeline.record(0.0, &exceeded());
+    timeline.record(1.0, &within(0.001));
+    timeline.silence(20.0);
+    assert_eq!(timeline.record(5.0, &exceeded()), Action::Silent);
+    assert_eq!(timeline.record(6.0, &within(0.001)), Action::Silent);
+    assert_eq!(timeline.tick(20.0), Action::Silent, "what came and went in silence is not told");
+    assert_eq!(timeline.record(30.0, &exceeded()), Action::Fire);
 }
 
 #[test]
 fn a_clock_that_jumps_neither_doubles_nor_loses_an_alert() {
-    let mut story = Story::default();
-    story.record(0.0, &exceeded());
-    assert_eq!(story.tick(3650.0), Action::Repeat);
-    assert_eq!(story.tick(3650.1), Action::Silent);
-    assert_eq!(story.tick(1.0), Action::Silent, "set back ten years");
-    assert_eq!(story.tick(7.9), Action::Silent);
-    assert_eq!(story.tick(8.0), Action::Repeat, "it repeats on the new clock");
+    let mut timeline = AlertTimeline::default();
+    timeline.record(0.0, &exceeded());
+    assert_eq!(timeline.tick(3650.0), Action::Repeat);
+    assert_eq!(timeline.tick(3650.1), Action::Silent);
+    assert_eq!(timeline.tick(1.0), Action::Silent, "set back ten years");
+    assert_eq!(timeline.tick(7.9), Action::Silent);
+    assert_eq!(timeline.tick(8.0), Action::Repeat, "it repeats on the new clock");
 }
 
 #[test]
 fn an_event_that_resets_the_rule_resolves_the_alert() {
-    let mut story = Story::default();
-    story.record(0.0, &exceeded());
-    let decision = reset(&story.alert.unwrap(), day(1.0));
+    let mut timeline = AlertTimeline::default();
+    timeline.record(0.0, &exceeded());
+    let decision = reset(&timeline.alert.unwrap(), day(1.0));
     assert_eq!(decision.action, Action::Resolve);
     assert_eq!(decision.alert.unwrap().resolved_at, Some(day(1.0)));
     assert_eq!(reset(&decision.alert.unwrap(), day(2.0)).action, Action::Silent);
@@ -218,7 +218,7 @@ fn on(at: f64) -> Arrival {
 
 /// A record of one day comes in on another.
 fn heard(alert: Option<&Alert>, verdict: &Verdict, record_at: f64, now: f64, late: Late) -> Decision {
-    hear(alert, verdict, &Arrival { now: day(now), late, ..on(record_at) }, &POLICY)
+    follow_arrival(alert, verdict, &Arrival { now: day(now), late, ..on(record_at) }, &POLICY)
 }
 
 #[test]
@@ -246,7 +246,7 @@ fn what_is_overdue_is_so_since_its_last_calibration_says_and_ends_with_the_next_
     let later = heard(Some(&first), &overdue(309.0, 400.0), 309.0, 400.0, Late::Digest);
     let alert = later.alert.unwrap();
     assert_eq!((alert.since, alert.fired_at), (day(399.0), day(400.0)), "since the day on which that became overdue");
-    assert_eq!((later.action, alert.hushed.map(|hushed| hushed.digest)), (Action::Silent, Some(true)));
+    assert_eq!((later.action, alert.suppressed.map(|suppressed| suppressed.digest)), (Action::Silent, Some(true)));
     let told = digest(&alert, day(400.0)).unwrap();
     assert_eq!(told.action, Action::Fire);
     // 85 of 90 days: within is within.
@@ -260,7 +260,7 @@ fn an_old_record_that_is_sent_by_itself_is_told_to_nobody_and_a_recent_one_that_
         assert_eq!(heard(None, &exceeded(), 0.0, now, Late::Quiet).action, action, "{now} days");
     }
     let old = heard(None, &exceeded(), 0.0, 400.0, Late::Quiet).alert.unwrap();
-    assert_eq!((old.status, old.hushed.map(|hushed| hushed.digest)), (Status::Firing, Some(false)));
+    assert_eq!((old.status, old.suppressed.map(|suppressed| suppressed.digest)), (Status::Firing, Some(false)));
     assert_eq!(tick(&old, day(430.0), &POLICY).action, Action::Silent, "nor is it told later");
     let escalated = heard(Some(&old), &confirmed(), 14.0, 400.0, Late::Quiet);
     assert_eq!((escalated.action, escalated.alert.unwrap().severity), (Action::Silent, Severity::Critical));
@@ -269,14 +269,18 @@ fn an_old_record_that_is_sent_by_itself_is_told_to_nobody_and_a_recent_one_that_
     let recent = heard(unsure.alert.as_ref(), &exceeded(), 399.0, 400.0, Late::Quiet);
     assert_eq!((recent.action, recent.alert.unwrap().since), (Action::Fire, day(0.0)));
     let ended = heard(Some(&old), &within(0.001), 399.0, 400.0, Late::Quiet);
-    assert_eq!((ended.action, ended.alert.unwrap().hushed), (Action::Silent, None), "nobody believes that it fires");
+    assert_eq!(
+        (ended.action, ended.alert.unwrap().suppressed),
+        (Action::Silent, None),
+        "nobody believes that it fires"
+    );
 }
 
 #[test]
 fn an_import_keeps_what_fires_since_long_ago_for_its_digest_or_to_itself() {
     let waits = heard(None, &exceeded(), 0.0, 400.0, Late::Digest);
     let alert = waits.alert.unwrap();
-    assert_eq!((waits.action, alert.hushed), (Action::Silent, Some(Hushed { at: day(400.0), digest: true })));
+    assert_eq!((waits.action, alert.suppressed), (Action::Silent, Some(Suppressed { at: day(400.0), digest: true })));
     let recent = heard(Some(&alert), &exceeded(), 399.0, 400.0, Late::Digest);
     assert_eq!(recent.action, Action::Silent, "since long ago, so the digest tells it");
     assert_eq!(
@@ -285,7 +289,7 @@ fn an_import_keeps_what_fires_since_long_ago_for_its_digest_or_to_itself() {
         "recent ones are told as ever"
     );
     let told = digest(&alert, day(401.0)).unwrap();
-    assert_eq!((told.action, told.alert.unwrap().hushed), (Action::Fire, None));
+    assert_eq!((told.action, told.alert.unwrap().suppressed), (Action::Fire, None));
     assert_eq!(digest(&told.alert.unwrap(), day(401.0)), None, "once");
     let silenced = digest(&silence(&alert, Some(day(500.0))), day(401.0)).unwrap();
     assert_eq!(silenced.action, Action::Silent);
@@ -313,19 +317,22 @@ fn what_was_told_long_ago_is_told_its_end_whenever_that_is_found_and_a_late_rise
 fn what_was_told_already_is_not_kept_back_when_it_is_found_once_more() {
     let told = heard(None, &exceeded(), 399.0, 400.0, Late::Quiet).alert.unwrap();
     let again = heard(Some(&told), &exceeded(), 14.0, 400.0, Late::Quiet).alert.unwrap();
-    assert_eq!((again.severity, again.hushed), (told.severity, None), "as severe as its hooks believe");
+    assert_eq!((again.severity, again.suppressed), (told.severity, None), "as severe as its hooks believe");
 }
 
 #[test]
 fn without_what_confirmed_it_an_alert_is_lowered_and_whoever_was_told_more_hears_so() {
-    let mut story = Story::default();
-    assert_eq!([story.record(0.0, &exceeded()), story.record(1.0, &confirmed())], [Action::Fire, Action::Escalate]);
-    let critical = story.alert.unwrap();
+    let mut timeline = AlertTimeline::default();
+    assert_eq!(
+        [timeline.record(0.0, &exceeded()), timeline.record(1.0, &confirmed())],
+        [Action::Fire, Action::Escalate]
+    );
+    let critical = timeline.alert.unwrap();
     let lowered = lower(&critical, Severity::Warning, day(2.0));
     let alert = lowered.alert.unwrap();
     assert_eq!((lowered.action, alert.severity, alert.since), (Action::Lower, Severity::Warning, critical.since));
-    story.alert = lowered.alert;
-    assert_eq!(story.record(3.0, &confirmed()), Action::Escalate, "another record confirms it anew");
+    timeline.alert = lowered.alert;
+    assert_eq!(timeline.record(3.0, &confirmed()), Action::Escalate, "another record confirms it anew");
     let silenced = lower(&silence(&critical, Some(day(9.0))), Severity::Warning, day(2.0));
     assert_eq!(silenced.action, Action::Silent);
     assert_eq!(tick(&silenced.alert.unwrap(), day(9.0), &POLICY).action, Action::Lower, "told when the silence ends");
@@ -337,7 +344,7 @@ fn what_ended_by_a_record_that_counts_no_more_goes_on_as_it_was() {
     let known = acknowledge(&fires);
     let ended = heard(Some(&known), &within(0.001), 30.0, 30.0, Late::Told).alert.unwrap();
     let goes_on = resume(&ended, &Alert { record_at: day(20.0), ..fires }, false);
-    assert_eq!(goes_on, Alert { record_at: day(20.0), told: None, ..known });
+    assert_eq!(goes_on, Alert { record_at: day(20.0), last_notification: None, ..known });
     let told = heard(Some(&goes_on), &exceeded(), 20.0, 31.0, Late::Told);
     assert_eq!(told.action, Action::Fire, "those who heard of its end hear that it fires");
     assert!(told.alert.unwrap().acknowledged);
@@ -381,8 +388,8 @@ fn a_hook_hears_the_end_of_what_it_heard_fire_and_nothing_of_what_it_did_not() {
     assert_eq!(told(&fires, warning, Action::Repeat), Some(Action::Repeat));
     assert_eq!(told(&fires, warning, Action::Silent), None);
     assert_eq!(told(&fires, Some(Severity::Critical), Action::Silent), Some(Action::Lower));
-    let hushed = Alert { hushed: Some(Hushed { at: day(1.0), digest: false }), ..critical };
-    assert_eq!((told(&hushed, none, Action::Fire), told(&hushed, warning, Action::Escalate)), (None, None));
+    let suppressed = Alert { suppressed: Some(Suppressed { at: day(1.0), digest: false }), ..critical };
+    assert_eq!((told(&suppressed, none, Action::Fire), told(&suppressed, warning, Action::Escalate)), (None, None));
     for silenced in [silence(&ended, Some(day(9.0))), Alert { muted_until: Some(day(9.0)), ..ended }] {
         assert_eq!(told(&silenced, warning, Action::Resolve), None);
         assert_eq!(for_hook(&silenced, warning, Action::Silent, day(9.0)), Some(Action::Resolve));
@@ -392,9 +399,9 @@ fn a_hook_hears_the_end_of_what_it_heard_fire_and_nothing_of_what_it_did_not() {
 #[test]
 fn a_silence_of_many_holds_back_as_that_of_one_does_and_is_gone_at_its_end() {
     let arrival = Arrival { late: Late::Quiet, muted_until: Some(day(20.0)), ..on(0.0) };
-    let muted = hear(None, &exceeded(), &arrival, &POLICY);
+    let muted = follow_arrival(None, &exceeded(), &arrival, &POLICY);
     let alert = muted.alert.unwrap();
-    assert_eq!((muted.action, alert.standing(day(19.0))), (Action::Silent, Standing::Silenced));
+    assert_eq!((muted.action, alert.standing(day(19.0))), (Action::Silent, AlertState::Silenced));
     assert_eq!(tick(&alert, day(19.9), &POLICY), Decision { alert: Some(alert), action: Action::Silent });
     let told = tick(&alert, day(20.0), &POLICY);
     assert_eq!((told.action, told.alert.unwrap().muted_until), (Action::Fire, None));
@@ -402,12 +409,12 @@ fn a_silence_of_many_holds_back_as_that_of_one_does_and_is_gone_at_its_end() {
 
 #[test]
 fn an_acknowledgement_that_is_taken_back_lets_repeats_go_on() {
-    let mut story = Story::default();
-    story.record(0.0, &exceeded());
-    story.alert = story.alert.map(|alert| acknowledge(&alert));
-    assert_eq!(story.tick(10.0), Action::Silent);
-    story.alert = story.alert.map(|alert| unacknowledge(&alert));
-    assert_eq!(story.tick(10.1), Action::Repeat);
+    let mut timeline = AlertTimeline::default();
+    timeline.record(0.0, &exceeded());
+    timeline.alert = timeline.alert.map(|alert| acknowledge(&alert));
+    assert_eq!(timeline.tick(10.0), Action::Silent);
+    timeline.alert = timeline.alert.map(|alert| unacknowledge(&alert));
+    assert_eq!(timeline.tick(10.1), Action::Repeat);
 }
 
 mod properties {
@@ -415,7 +422,7 @@ mod properties {
     use proptest::prelude::*;
 
     #[derive(Debug, Clone)]
-    enum Happening {
+    enum Input {
         Verdict(Box<Verdict>),
         Tick,
         Acknowledge,
@@ -424,18 +431,18 @@ mod properties {
         Lower,
     }
 
-    fn happening() -> impl Strategy<Value = Happening> {
+    fn happening() -> impl Strategy<Value = Input> {
         prop_oneof![
             4 => prop::sample::select(vec![
                 exceeded(), confirmed(), within(0.001), within(0.0095), straddling(), too_few(),
                 verdict(Rule::Step, State::Within, 0.001, true),
             ])
-            .prop_map(|verdict| Happening::Verdict(Box::new(verdict))),
-            3 => Just(Happening::Tick),
-            1 => Just(Happening::Acknowledge),
-            1 => (0.0..40.0).prop_map(Happening::Silence),
-            1 => Just(Happening::Reset),
-            1 => Just(Happening::Lower),
+            .prop_map(|verdict| Input::Verdict(Box::new(verdict))),
+            3 => Just(Input::Tick),
+            1 => Just(Input::Acknowledge),
+            1 => (0.0..40.0).prop_map(Input::Silence),
+            1 => Just(Input::Reset),
+            1 => Just(Input::Lower),
         ]
     }
 
@@ -450,17 +457,17 @@ mod properties {
             for (happening, days) in happenings {
                 now += days;
                 let decision = match (&happening, alert) {
-                    (Happening::Verdict(verdict), _) => follow(alert.as_ref(), verdict, day(now), day(now), &POLICY),
+                    (Input::Verdict(verdict), _) => follow(alert.as_ref(), verdict, day(now), day(now), &POLICY),
                     (_, None) => continue,
-                    (Happening::Tick, Some(alert)) => tick(&alert, day(now), &POLICY),
-                    (Happening::Acknowledge, Some(alert)) => {
+                    (Input::Tick, Some(alert)) => tick(&alert, day(now), &POLICY),
+                    (Input::Acknowledge, Some(alert)) => {
                         Decision { alert: Some(acknowledge(&alert)), action: Action::Silent }
                     }
-                    (Happening::Silence(d), Some(alert)) => {
+                    (Input::Silence(d), Some(alert)) => {
                         Decision { alert: Some(silence(&alert, Some(day(now + d)))), action: Action::Silent }
                     }
-                    (Happening::Reset, Some(alert)) => reset(&alert, day(now)),
-                    (Happening::Lower, Some(alert)) => lower(&alert, Severity::Warning, day(now)),
+                    (Input::Reset, Some(alert)) => reset(&alert, day(now)),
+                    (Input::Lower, Some(alert)) => lower(&alert, Severity::Warning, day(now)),
                 };
                 let is_critical = decision.alert.is_some_and(|alert| alert.severity == Severity::Critical);
                 if decision.action != Action::Silent {
@@ -486,19 +493,22 @@ mod properties {
 
 #[test]
 fn what_a_station_explains_is_told_when_it_does_not_any_more_and_ends_as_ever() {
-    let fired = hear(None, &exceeded(), &Arrival { inhibited: true, ..on(0.0) }, &POLICY);
+    let fired = follow_arrival(None, &exceeded(), &Arrival { inhibited: true, ..on(0.0) }, &POLICY);
     let alert = fired.alert.unwrap();
-    assert_eq!((fired.action, alert.standing(day(0.0)), alert.told), (Action::Silent, Standing::Inhibited, None));
+    assert_eq!(
+        (fired.action, alert.standing(day(0.0)), alert.last_notification),
+        (Action::Silent, AlertState::Inhibited, None)
+    );
     assert_eq!(tick(&alert, day(30.0), &POLICY).action, Action::Silent, "no repeats");
     assert_eq!(for_hook(&alert, None, Action::Fire, day(1.0)), None);
     // The station's alert is over, and the gyro's is not.
     let told = inhibit(&alert, false, day(5.0));
-    assert_eq!((told.action, told.alert.unwrap().standing(day(5.0))), (Action::Fire, Standing::Firing));
+    assert_eq!((told.action, told.alert.unwrap().standing(day(5.0))), (Action::Fire, AlertState::Firing));
     // A record that the station does not explain.
-    assert_eq!(hear(Some(&alert), &confirmed(), &on(7.0), &POLICY).action, Action::Fire);
+    assert_eq!(follow_arrival(Some(&alert), &confirmed(), &on(7.0), &POLICY).action, Action::Fire);
     // Told before the station was found: no word meanwhile, and its end is told at once.
     let known = inhibit(&told.alert.unwrap(), true, day(6.0));
-    assert_eq!((known.action, known.alert.unwrap().standing(day(6.0))), (Action::Silent, Standing::Inhibited));
-    let over = hear(known.alert.as_ref(), &within(0.001), &on(8.0), &POLICY);
+    assert_eq!((known.action, known.alert.unwrap().standing(day(6.0))), (Action::Silent, AlertState::Inhibited));
+    let over = follow_arrival(known.alert.as_ref(), &within(0.001), &on(8.0), &POLICY);
     assert_eq!((over.action, over.alert.unwrap().inhibited), (Action::Resolve, false));
 }

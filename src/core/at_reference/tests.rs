@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 
 use super::*;
 use crate::core::augmented::KnownEffect;
-use crate::core::effects::{Estimate, OwnHypothesis, Shape, Written, own};
+use crate::core::effects::{Estimate, HypothesisDefinition, OwnHypothesis, Shape, own};
 use crate::core::imu_model::{Identified, ModelGyro, NoiseLaw, Validity};
 use crate::core::model::Terms;
 use crate::core::mounting::{Geometry, Slot};
@@ -80,7 +80,7 @@ fn model((effect, shape): (Effect, Shape), slot: Option<Slot>, values: &[f64], s
 }
 
 fn square_of_temperature(common: bool) -> Effect {
-    let written = Written {
+    let written = HypothesisDefinition {
         id: if common { "bent_in_common" } else { "bent" }.into(),
         words: "bent".into(),
         cause: "oil".into(),

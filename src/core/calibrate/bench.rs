@@ -14,10 +14,10 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::bench_form::{BenchForm, Squares};
 use super::calibration::remembers;
+use super::correlated_noise::{self, DepartureWeights, FittedGyro};
 use super::drift::LEAST_SCALE_TO_NOISE;
 use super::gyro_fit::standardised;
-use super::law::Course;
-use super::memory::{self, DepartureWeights, FittedGyro};
+use super::law::DwellConditions;
 use super::noise::{Evidence, NoiseScale, noise, overstated};
 use super::noise_found::NoiseFound;
 use super::noise_report;
@@ -232,7 +232,7 @@ impl BenchProblem<'_> {
         let dwells = &self.campaign.dwells;
         let times: Vec<f64> = dwells.iter().map(Dwell::mid_s).collect();
         let (durations, rates): (Vec<f64>, Vec<_>) = dwells.iter().map(|d| (d.duration_s, d.rate_arcsec_s)).unzip();
-        let course = Course { times: &times, durations: &durations, rates: &rates };
+        let course = DwellConditions { times: &times, durations: &durations, rates: &rates };
         let even = DVector::from_element(dwells.len(), 1.0);
         let fitted = FittedGyro {
             basis: factor.basis(),
@@ -242,7 +242,7 @@ impl BenchProblem<'_> {
             residuals: &residuals,
             dof: fit.dof.saturating_sub(taken),
         };
-        memory::weigh(&course, &[fitted], std::slice::from_mut(coordinates), has_sem)
+        correlated_noise::weigh(&course, &[fitted], std::slice::from_mut(coordinates), has_sem)
     }
 
     /// Standard errors shrunk to the law that they scatter about, and their scatter; none where residuals follow them.
@@ -443,7 +443,7 @@ impl BenchProblem<'_> {
         });
         let slot = self.campaign.gyros[0].slot;
         let usual = sigma.as_ref().and_then(|sigma| median_of(sigma.iter().copied()));
-        let wander = |power: f64| usual.map(|usual| (slot, power.sqrt() * usual / k.abs())).into_iter().collect();
+        let sds = |power: f64| usual.map(|usual| (slot, power.sqrt() * usual / k.abs())).into_iter().collect();
         if let Some(parts) = uncertainty.as_ref().filter(|_| first > 0)
             && self.method == BenchMethod::TorqueFeedback
             && k.abs() < LEAST_SCALE_TO_NOISE * parts.fit.view((0, 0), (first, first)).trace().max(0.0).sqrt()
@@ -502,7 +502,7 @@ impl BenchProblem<'_> {
             sigma,
             noise,
             errors_scatter: self.errors_scatter,
-            noise_found: noise_report::of_kinds(&kinds, wander),
+            noise_found: noise_report::of_kinds(&kinds, sds),
             notes: station.notes,
             residuals: fit.residuals,
             leverage: fit.leverage,

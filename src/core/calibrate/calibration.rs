@@ -241,8 +241,8 @@ impl GyroCalibration {
         self.known_e.or_else(|| self.of(Term::Scale).map(vector))
     }
 
-    /// Standard deviation of a wander of this power over the square of the median noise of a dwell, deg/h.
-    pub(super) fn wander(&self, power: f64) -> Option<f64> {
+    /// Standard deviation of correlated noise of this power over the square of the median noise of a dwell, deg/h.
+    pub(super) fn correlated_noise_sd(&self, power: f64) -> Option<f64> {
         let usual = median_of(self.sigma.as_ref()?.iter().copied())?;
         Some(power.sqrt() * usual / self.scale_factor()?)
     }

@@ -6,8 +6,8 @@ use super::design::Design;
 use super::regressor::{Regressor, adding, told_apart};
 use crate::core::augmented::{Adopted, KnownCoefficient};
 use crate::core::calibrate::shared_coefficients::SharedRegressors;
-use crate::core::campaign::{Campaign, CampaignNote, LeftOut, Temperatures, any_kelvin};
-use crate::core::effects::{Effect, Entry, Lack, OwnHypothesis, Scope, Setting, Shape, axes};
+use crate::core::campaign::{Campaign, CampaignNote, EffectNotFitted, Temperatures, any_kelvin};
+use crate::core::effects::{Effect, Entry, MissingInput, OwnHypothesis, Scope, Setting, Shape, axes};
 use crate::core::mounting::Slot;
 use crate::core::numerics::basis::Basis;
 use crate::core::numerics::least_squares::{Factor, Fit};
@@ -62,18 +62,18 @@ pub(super) fn regressors(
         let of_any = unknown.as_ref().filter(|_| is_restated);
         let of_any: Option<Vec<_>> = of_any.map(|settings| settings.iter().filter(has_a_value).collect());
         let missing = match &of_any {
-            Some(settings) => settings.is_empty().then_some(Lack::Temperature),
+            Some(settings) => settings.is_empty().then_some(MissingInput::Temperature),
             None => (entry.missing)(&setting),
         };
         if let Some(missing) = missing {
-            let (effect, why) = (adopted.effect, LeftOut::Lacks(missing));
+            let (effect, why) = (adopted.effect, EffectNotFitted::Lacks(missing));
             all.notes.push(CampaignNote::EffectLeftOut { slot: None, effect, why });
             continue;
         }
         if of_any.is_some() {
             let of_others = adopted.slots.iter().filter(|slot| !is_known(**slot));
             all.notes.extend(of_others.map(|slot| {
-                let (slot, why) = (Some(*slot), LeftOut::Lacks(Lack::Temperature));
+                let (slot, why) = (Some(*slot), EffectNotFitted::Lacks(MissingInput::Temperature));
                 CampaignNote::EffectLeftOut { slot, effect: adopted.effect, why }
             }));
             all.any_temperature.push(adopted.effect);

@@ -3,9 +3,9 @@
 use nalgebra::{DMatrix, DVector, DVectorView, Vector3};
 
 use super::calibration::{EffectParameter, GAUGE, GyroCalibration, NullDirection, Parameter, ScaleSource};
+use super::correlated_noise::{self, FittedGyro};
 use super::design::{self, Design};
 use super::growth::{Exposure, Unweighted};
-use super::memory::{self, FittedGyro};
 use super::noise::{Evidence, NoiseScale};
 use super::uncertainty::{StationResponse, Uncertainty};
 use crate::core::augmented::KnownCoefficient;
@@ -62,9 +62,9 @@ pub(super) struct GyroFit {
     regressors: Vec<Regressor>,
     pub hidden: Vec<Effect>,
     /// Those held as the model has them.
-    held: Option<Held>,
+    held: Option<HeldCoefficients>,
     /// What this gyro shares with the others.
-    common: Option<OfCommon>,
+    common: Option<SharedTerms>,
     /// Variances over those of the weights; and the same without a growth with rate.
     pub variances: DVector<f64>,
     pub even: DVector<f64>,
@@ -76,7 +76,7 @@ pub(super) struct GyroFit {
 }
 
 /// Coefficients held at what a model says of them.
-struct Held {
+struct HeldCoefficients {
     effects: Vec<Regressor>,
     values: DVector<f64>,
     variances: DVector<f64>,
@@ -85,7 +85,7 @@ struct Held {
 }
 
 /// The shared coefficients as one gyro sees them.
-struct OfCommon {
+struct SharedTerms {
     effects: Vec<Regressor>,
     /// Their values, and covariance over the gyro's noise as weighted.
     values: DVector<f64>,
@@ -128,7 +128,7 @@ pub(super) fn fit_gyro(
     let held = (!to_hold.is_empty()).then(|| {
         let into: Vec<DVector<f64>> =
             to_hold.iter().map(|(regressor, _)| shared.0[factor].2.fit(&regressor.column).estimate).collect();
-        Held {
+        HeldCoefficients {
             values: DVector::from_iterator(to_hold.len(), to_hold.iter().map(|(_, known)| known.value)),
             variances: DVector::from_iterator(to_hold.len(), to_hold.iter().map(|(_, known)| known.sd * known.sd)),
             into: DMatrix::from_columns(&into),
@@ -215,7 +215,7 @@ impl GyroFit {
         let pure_error = PureError::of(repeats, |k| self.of_position[k], |k| sd[k]);
         self.evidence = Evidence::of(self.fit.chi2, self.fit.dof, pure_error);
         let (places, effects): (Vec<usize>, Vec<Regressor>) = effects.into_iter().unzip();
-        self.common = Some(OfCommon {
+        self.common = Some(SharedTerms {
             effects,
             values: common.estimate.select_rows(&places),
             covariance: common.covariance.select_rows(&places).select_columns(&places) / common.variances[j],
@@ -291,13 +291,14 @@ impl GyroFit {
     /// Covariance of the coordinates on the design's basis without a memory of the noise.
     pub fn coordinates(&self, noise: &NoiseScale, shared: &SharedFactors) -> Option<DMatrix<f64>> {
         let basis = shared.0[self.factor].2.basis();
-        Some(memory::scaled(basis, &self.variances) * noise.covariance_scale()?)
+        Some(correlated_noise::scaled(basis, &self.variances) * noise.covariance_scale()?)
     }
 
     /// Covariance of the fit's parameters: `own`, and what comes in with coefficients that are shared or held.
     fn covariance(&self, own: DMatrix<f64>, scale: f64) -> DMatrix<f64> {
-        let of_common = |common: &OfCommon| &common.into * &common.covariance * common.into.transpose() * scale;
-        let of_held = |held: &Held| &held.into * DMatrix::from_diagonal(&held.variances) * held.into.transpose();
+        let of_common = |common: &SharedTerms| &common.into * &common.covariance * common.into.transpose() * scale;
+        let of_held =
+            |held: &HeldCoefficients| &held.into * DMatrix::from_diagonal(&held.variances) * held.into.transpose();
         let shared = self.common.iter().map(of_common).fold(own, |sum, one| sum + one);
         self.held.iter().map(of_held).fold(shared, |sum, one| sum + one)
     }

@@ -14,7 +14,7 @@ const OTHER_DURATION: f64 = 0.2;
 
 /// What the laws take of the dwells.
 #[derive(Debug, Clone, Copy)]
-pub struct Course<'a> {
+pub struct DwellConditions<'a> {
     /// Of the middle of each dwell, s.
     pub times: &'a [f64],
     pub durations: &'a [f64],
@@ -32,7 +32,7 @@ pub enum Law {
     Time(f64),
 }
 
-impl Course<'_> {
+impl DwellConditions<'_> {
     fn usual_duration(&self) -> f64 {
         median_of(self.durations.iter().copied()).unwrap_or(1.0)
     }
@@ -44,7 +44,7 @@ impl Course<'_> {
 
 impl Law {
     /// Those that these dwells let tell apart.
-    pub fn all(course: &Course) -> Vec<Self> {
+    pub fn all(course: &DwellConditions) -> Vec<Self> {
         let usual = course.usual_duration();
         let unequal = course.durations.iter().any(|d| (d / usual).ln().abs() > OTHER_DURATION);
         let durations = [0.25, 0.5].into_iter().filter(|_| unequal).map(Self::Duration);
@@ -54,7 +54,7 @@ impl Law {
     }
 
     /// On the standard deviation of each dwell.
-    pub fn factors(self, course: &Course) -> Vec<f64> {
+    pub fn factors(self, course: &DwellConditions) -> Vec<f64> {
         match self {
             Self::Duration(power) => {
                 let usual = course.usual_duration();
@@ -96,7 +96,7 @@ mod tests {
     #[test]
     fn laws_go_with_duration_rate_and_time_as_defined() {
         let (durations, rates) = ([50.0, 100.0, 200.0, 400.0, 100.0], turning([0.0, 40.0, 80.0, 20.0, 10.0]));
-        let course = Course { times: &TIMES, durations: &durations, rates: &rates };
+        let course = DwellConditions { times: &TIMES, durations: &durations, rates: &rates };
         let close = |found: Vec<f64>, expected: [f64; 5]| {
             assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} is not {expected:?}");
         };
@@ -111,7 +111,7 @@ mod tests {
     #[test]
     fn only_laws_that_the_dwells_can_show_are_tried() {
         let of = |durations: [f64; 5], rates: [f64; 5]| {
-            Law::all(&Course { times: &TIMES, durations: &durations, rates: &turning(rates) })
+            Law::all(&DwellConditions { times: &TIMES, durations: &durations, rates: &turning(rates) })
         };
         let (even, still) = ([100.0, 100.0, 110.0, 90.0, 100.0], [0.0, 15.0, 15.0, 0.0, 15.0]);
         assert_eq!(of(even, still), [-1.1, -0.55, 0.55, 1.1].map(Law::Time), "noise may grow as well as fall");

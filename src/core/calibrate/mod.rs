@@ -8,13 +8,13 @@
 pub mod bench;
 mod bench_form;
 mod calibration;
+pub mod correlated_noise;
 pub mod design;
 pub mod drift;
 pub mod effect_columns;
 pub mod growth;
 mod gyro_fit;
 pub mod law;
-pub mod memory;
 pub mod noise;
 pub mod noise_found;
 mod noise_report;
@@ -33,17 +33,17 @@ pub use calibration::{
 use nalgebra::DMatrix;
 
 use super::augmented::{Adopted, KnownCoefficient, Options};
-use super::campaign::{Campaign, CampaignNote, Dwell, LeftOut, Phase, StationUncertainty};
+use super::campaign::{Campaign, CampaignNote, Dwell, EffectNotFitted, Phase, StationUncertainty};
 use super::effects::Effect;
 use super::model::Terms;
 use crate::core::calibrate::effect_columns::Regressors;
 use crate::core::calibrate::regressor::Regressor;
 use crate::core::calibrate::shared_coefficients::{CommonFit, OwnFit, SharedRegressors};
 use crate::core::campaign::repeats::PureError;
+use correlated_noise::FittedGyro;
 use growth::{Exposure, NoiseGrowth};
 use gyro_fit::{GyroFit, SharedFactors, fit_gyro};
-use law::Course;
-use memory::FittedGyro;
+use law::DwellConditions;
 use noise::{Evidence, NoiseScale};
 
 /// Fits `terms` to every gyro of a campaign that passed [`Campaign::check`].
@@ -68,7 +68,7 @@ pub fn calibrate(campaign: &Campaign, terms: Terms) -> Calibration {
 }
 
 /// As [`calibrate`], with the noise as standard errors, repeats and residuals give it: white, independent, and without
-/// the laws and memories that [`memory`] weighs. Where something may be wrong with the commanded vectors, what they
+/// the laws and memories that [`correlated_noise`] weighs. Where the commanded vectors may be wrong, what they
 /// leave must not pass for noise that wanders.
 pub fn calibrate_in_white_noise(campaign: &Campaign, terms: Terms) -> Calibration {
     calibrate_in(Kinds::White, campaign, terms, (&[], &[]), None, &StationUncertainty::default())
@@ -153,12 +153,18 @@ fn calibrate_in(
     }
     for (fit, gyro) in fits.iter().zip(&campaign.gyros) {
         let note = |effect: &Effect, why| CampaignNote::EffectLeftOut { slot: Some(gyro.slot), effect: *effect, why };
-        notes.extend(fit.hidden.iter().map(|effect| note(effect, LeftOut::NotTold)));
-        let held = |effect| if any_temperature.contains(effect) { LeftOut::AnyTemperature } else { LeftOut::Held };
+        notes.extend(fit.hidden.iter().map(|effect| note(effect, EffectNotFitted::NotDistinguished)));
+        let held = |effect| {
+            if any_temperature.contains(effect) { EffectNotFitted::AnyTemperature } else { EffectNotFitted::Held }
+        };
         notes.extend(fit.held_effects().iter().map(|effect| note(effect, held(effect))));
     }
     let common = (!of_all.is_empty()).then(|| fit_common(of_all, &mut fits, has_sem, &repeats, &shared));
-    let told = |effect: &Effect| CampaignNote::EffectLeftOut { slot: None, effect: *effect, why: LeftOut::NotTold };
+    let told = |effect: &Effect| CampaignNote::EffectLeftOut {
+        slot: None,
+        effect: *effect,
+        why: EffectNotFitted::NotDistinguished,
+    };
     notes.extend(common.iter().flat_map(|common| &common.hidden).map(told));
     if stated.is_stated() {
         notes.extend(station::spread(campaign, stated, &mut fits, common.as_ref(), (has_sem, &shared)));
@@ -196,12 +202,12 @@ fn weigh(
     fits: &[GyroFit],
     coordinates: &mut [Option<DMatrix<f64>>],
     shared: &SharedFactors,
-) -> memory::DepartureWeights {
+) -> correlated_noise::DepartureWeights {
     let fitted: Vec<FittedGyro> = fits.iter().map(|fit| fit.fitted(shared)).collect();
     let times: Vec<f64> = dwells.iter().map(Dwell::mid_s).collect();
     let (durations, rates): (Vec<f64>, Vec<_>) = dwells.iter().map(|d| (d.duration_s, d.rate_arcsec_s)).unzip();
-    let course = Course { times: &times, durations: &durations, rates: &rates };
-    memory::weigh(&course, &fitted, coordinates, has_sem)
+    let course = DwellConditions { times: &times, durations: &durations, rates: &rates };
+    correlated_noise::weigh(&course, &fitted, coordinates, has_sem)
 }
 
 /// Fits what all gyros share and takes it out of each gyro's fit.

@@ -9,13 +9,13 @@ use crate::message;
 pub struct NoiseFound {
     /// Correlations of gyros.
     pub between_gyros: Vec<(Slot, Slot, f64)>,
-    pub memory: Option<MemoryFound>,
+    pub memory: Option<CorrelatedNoiseFound>,
     pub laws: Vec<LawFound>,
 }
 
 /// A bias that wanders from dwell to dwell.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MemoryFound {
+pub struct CorrelatedNoiseFound {
     /// `flicker` or `random_walk`, whichever is likelier.
     pub kind: &'static str,
     /// Its standard deviation in each gyro, of a random walk at mid-campaign.
@@ -35,7 +35,7 @@ pub enum LawFound {
     Time { times: f64 },
 }
 
-impl MemoryFound {
+impl CorrelatedNoiseFound {
     /// Standard deviation in the gyro that wanders most, deg/h.
     pub fn largest(&self) -> f64 {
         self.deg_per_h.iter().map(|(_, size)| *size).fold(0.0, f64::max)
@@ -79,7 +79,7 @@ mod tests {
     #[test]
     fn the_size_of_a_wander_is_said_in_two_digits() {
         for (size, said) in [(0.046_744_88, "0.047 deg/h"), (123.4, "123 deg/h"), (4.56e-6, "0.0000046 deg/h")] {
-            let memory = MemoryFound { kind: "flicker", deg_per_h: vec![(Slot::G1, size)], probability: 0.99 };
+            let memory = CorrelatedNoiseFound { kind: "flicker", deg_per_h: vec![(Slot::G1, size)], probability: 0.99 };
             let found = NoiseFound { memory: Some(memory), ..NoiseFound::default() };
             let words = Language::English.words(&found.notes()[0]);
             assert!(words.contains(&format!("about {said}")), "{words}");

@@ -3,8 +3,8 @@
 use nalgebra::DMatrix;
 
 use super::GyroCalibration;
-use super::memory::{DepartureWeights, NoiseDeparture};
-use super::noise_found::{MemoryFound, NoiseFound};
+use super::correlated_noise::{DepartureWeights, NoiseDeparture};
+use super::noise_found::{CorrelatedNoiseFound, NoiseFound};
 use crate::core::mounting::Slot;
 use crate::core::numerics::tails::chi2_tail;
 
@@ -17,7 +17,7 @@ const SHARED: f64 = 1e-3;
 /// Whether the noise is said to be other than white, independent and as stated.
 pub(super) fn is_other(found: &DepartureWeights) -> bool {
     let weight = |memory: bool| -> f64 {
-        let of_kind = found.iter().filter(|(kind, _)| matches!(kind, NoiseDeparture::Memory(..)) == memory);
+        let of_kind = found.iter().filter(|(kind, _)| matches!(kind, NoiseDeparture::CorrelatedNoise(..)) == memory);
         of_kind.map(|(_, weight)| weight).sum()
     };
     weight(true) > CERTAIN || weight(false) > CERTAIN
@@ -25,24 +25,24 @@ pub(super) fn is_other(found: &DepartureWeights) -> bool {
 
 /// What the residuals of a fit say.
 pub(super) fn report(found: &DepartureWeights, gyros: &[GyroCalibration]) -> NoiseFound {
-    let wander = |power| gyros.iter().filter_map(|gyro| Some((gyro.slot, gyro.wander(power)?))).collect();
-    let of_kinds = of_kinds(found, wander);
+    let sds = |power| gyros.iter().filter_map(|gyro| Some((gyro.slot, gyro.correlated_noise_sd(power)?))).collect();
+    let of_kinds = of_kinds(found, sds);
     // Gyros that wander each for itself seem to go together, too.
     let between_gyros = if of_kinds.memory.is_some() { Vec::new() } else { between(gyros) };
     NoiseFound { between_gyros, ..of_kinds }
 }
 
-/// What is certain of each gyro by itself; `wander` is what a memory of this power makes of them, deg/h.
-pub(super) fn of_kinds(found: &DepartureWeights, wander: impl Fn(f64) -> Vec<(Slot, f64)>) -> NoiseFound {
+/// What is certain of each gyro by itself; `sds` are those of correlated noise of a power, deg/h.
+pub(super) fn of_kinds(found: &DepartureWeights, sds: impl Fn(f64) -> Vec<(Slot, f64)>) -> NoiseFound {
     let certain = |of_kind: &dyn Fn(&NoiseDeparture) -> bool| {
         let those = found.iter().filter(|(kind, _)| of_kind(kind));
         let probability: f64 = those.clone().map(|(_, weight)| weight).sum();
         let likeliest = those.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(kind, _)| *kind);
         likeliest.filter(|_| probability > CERTAIN).map(|kind| (kind, probability))
     };
-    let memory = match certain(&|kind| matches!(kind, NoiseDeparture::Memory(..))) {
-        Some((NoiseDeparture::Memory(memory, power), probability)) => {
-            Some(MemoryFound { kind: memory.name(), deg_per_h: wander(power), probability })
+    let memory = match certain(&|kind| matches!(kind, NoiseDeparture::CorrelatedNoise(..))) {
+        Some((NoiseDeparture::CorrelatedNoise(memory, power), probability)) => {
+            Some(CorrelatedNoiseFound { kind: memory.name(), deg_per_h: sds(power), probability })
         }
         _ => None,
     };

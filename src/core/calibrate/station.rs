@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector};
 use super::gyro_fit::{GyroFit, SharedFactors};
 use super::shared_coefficients::{self, CommonFit, OwnFit};
 use super::uncertainty::StationResponse;
-use crate::core::campaign::{Campaign, CampaignNote, StationLack, StationPart, StationUncertainty};
+use crate::core::campaign::{Campaign, CampaignNote, StationPart, StationUncertainty, StationUndetermined};
 use crate::core::effects::{Effect, GyroAxes, Setting, Shape};
 use crate::core::numerics::least_squares::{Factor, Fit};
 use crate::core::numerics::normal_equations::{NormalEquations, Solution};
@@ -146,7 +146,7 @@ fn of_gyros(
     let (mut notes, mut known, mut places) = (Vec::new(), Vec::new(), Vec::new());
     for (gyro, axes) in campaign.gyros.iter().zip(axes) {
         if axes.is_none() {
-            notes.push(left_out(parts().collect(), StationLack::Scale(gyro.slot)));
+            notes.push(left_out(parts().collect(), StationUndetermined::Scale(gyro.slot)));
         }
         places.push(axes.is_some().then_some(known.len()));
         known.extend(axes);
@@ -154,7 +154,7 @@ fn of_gyros(
     let setting = Setting::of(campaign, known);
     let of_table: Vec<StationPart> = parts().filter(|part| *part != StationPart::Fixture).collect();
     if setting.nav_to_body.is_none() && !of_table.is_empty() && !setting.gyros.is_empty() {
-        notes.push(left_out(of_table, StationLack::Attitude));
+        notes.push(left_out(of_table, StationUndetermined::Attitude));
     }
     (rotations(&setting, stated), places, notes)
 }

@@ -5,7 +5,7 @@ use super::station_uncertainty::StationPart;
 use super::steps::CoarseStep;
 use super::stuck::StuckOutput;
 use crate::core::bench::Alias;
-use crate::core::effects::{Effect, Lack, Refusal};
+use crate::core::effects::{Effect, MissingInput, Refusal};
 use crate::core::mounting::Slot;
 use crate::core::named::named;
 
@@ -47,13 +47,13 @@ pub enum CampaignNote {
     /// Gyros whose residuals are more than the noise of their outputs.
     ResidualsExceedNoise { gyros: Vec<Slot> },
     /// An effect of the model was not fitted.
-    EffectLeftOut { slot: Option<Slot>, effect: Effect, why: LeftOut },
+    EffectLeftOut { slot: Option<Slot>, effect: Effect, why: EffectNotFitted },
     /// D_I and D_S leave out what a hypothesis of one's own is at the reference temperature.
     EffectAtReference { effect: Effect },
     /// None of the model's effects was fitted.
     EffectsLeftOut { why: Refusal },
     /// What a station states of itself is not in the standard deviations.
-    StationLeftOut { parts: Vec<StationPart>, why: StationLack },
+    StationLeftOut { parts: Vec<StationPart>, why: StationUndetermined },
     /// A product of specific forces that a bench test does not fit moves a coefficient by so much of itself.
     ProductAliased(Alias),
     /// The positions of a bench test follow time: a drift of so many deg/h an hour moves D_I and D_S, deg/(h g0).
@@ -75,7 +75,7 @@ pub enum CampaignNote {
 
 /// Why the campaign cannot tell what an error of its station does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StationLack {
+pub enum StationUndetermined {
     Attitude,
     /// E is neither held nor determined.
     Scale(Slot),
@@ -93,10 +93,10 @@ pub enum DwellColumn {
 
 /// Why an effect of the model was not fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LeftOut {
-    Lacks(Lack),
+pub enum EffectNotFitted {
+    Lacks(MissingInput),
     /// It and the other terms are one to these dwells.
-    NotTold,
+    NotDistinguished,
     /// The model knows it better than these dwells tell it.
     Held,
     /// Nobody states the temperature: standard deviations hold what any would do.

@@ -79,7 +79,7 @@ impl StationForm {
 
 /// What a cause is tied to.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Tie {
+pub enum Attribution {
     /// The time, throughout.
     Slope,
     /// A repair makes another gyro of it: a slope of its own before and after.
@@ -105,7 +105,7 @@ pub enum Tie {
     Instant { after: UtcMicros, before: UtcMicros },
 }
 
-impl Tie {
+impl Attribution {
     /// The regressor of the cause at a record; years count from `origin`, and constants do not matter.
     pub fn regressor(&self, entry: &HistoryEntry, origin: UtcMicros) -> f64 {
         let years = entry.at.days_since(origin) / YEAR_DAYS;
@@ -242,7 +242,7 @@ pub struct NamedCause {
     pub cause: ChangeCause,
     /// Every cause that explains this change equally well, itself included.
     pub class: Vec<ChangeCause>,
-    pub tie: Tie,
+    pub tie: Attribution,
     pub estimate: CauseEstimate,
     /// None where no block can be predicted from the others, or where they say nothing of it.
     pub held_out: Option<HistoryHeldOut>,
@@ -284,7 +284,7 @@ impl WhyRejected {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rejected {
     pub cause: ChangeCause,
-    pub tie: Tie,
+    pub tie: Attribution,
     pub why: WhyRejected,
 }
 
@@ -310,7 +310,7 @@ impl Outlier {
 
 /// A coefficient that changes without a cause that records can name.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wander {
+pub struct RandomVariation {
     pub process: Process,
     /// Standard deviation: of a year, of one record to the next, and altogether.
     pub size: f64,
@@ -319,7 +319,7 @@ pub struct Wander {
 
 /// What is left varies far more than calibrations of such gyros scatter.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Excess {
+pub struct ExcessScatter {
     /// Standard deviation of what is left, and that expected of calibrations, deg/(h g0).
     pub sd: f64,
     pub expected: f64,
@@ -377,8 +377,8 @@ pub struct HistoryDiagnosis {
     pub outliers: Vec<Outlier>,
     /// Whether there are records enough, and all of one day: too few, for they tell nothing of time.
     pub is_of_a_day: bool,
-    pub wander: Option<Wander>,
-    pub excess: Option<Excess>,
+    pub wander: Option<RandomVariation>,
+    pub excess: Option<ExcessScatter>,
     /// Significance of what is left beyond the scatter.
     pub remaining_p_value: f64,
     /// Where it ages and its budget is known.
@@ -448,7 +448,7 @@ impl HistoryDiagnosis {
         self.outliers.iter().find(|outlier| Some(outlier.at) == as_of.newest)
     }
 
-    fn wanders(&self) -> Option<Message> {
+    fn random_variation_message(&self) -> Option<Message> {
         self.wander.as_ref().map(|wander| {
             let size = figure(wander.size, 5);
             match wander.process {
@@ -463,13 +463,17 @@ impl HistoryDiagnosis {
     /// is said of the newest record, and what lies ahead.
     pub fn in_brief(&self, as_of: AsOf) -> Vec<Message> {
         let left_out = self.newest_left_out(as_of).map(|outlier| outlier.message(true));
-        std::iter::once(self.opening()).chain(self.wanders()).chain(left_out).chain(self.ahead(as_of)).collect()
+        std::iter::once(self.opening())
+            .chain(self.random_variation_message())
+            .chain(left_out)
+            .chain(self.ahead(as_of))
+            .collect()
     }
 
     /// What is said besides the causes: how it wanders, what is left, what lies off, when it reaches its budget.
     pub fn besides(&self, as_of: AsOf) -> Vec<Message> {
         let mut all = Vec::new();
-        all.extend(self.wanders());
+        all.extend(self.random_variation_message());
         all.extend(self.excess.iter().map(|excess| {
             message!("history_excess", sd = figure(excess.sd, 5), expected = figure(excess.expected, 5))
         }));
@@ -560,7 +564,14 @@ mod tests {
 
     fn named(cause: ChangeCause, class: &[ChangeCause]) -> NamedCause {
         let estimate = CauseEstimate { name: "k", value: 0.018, sd: 7e-4, unit: "deg/(h*g0)" };
-        NamedCause { cause, class: class.to_vec(), tie: Tie::Slope, estimate, held_out: None, p_value_adjusted: 1e-6 }
+        NamedCause {
+            cause,
+            class: class.to_vec(),
+            tie: Attribution::Slope,
+            estimate,
+            held_out: None,
+            p_value_adjusted: 1e-6,
+        }
     }
 
     fn explained_by(causes: Vec<NamedCause>) -> HistoryDiagnosis {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::core::judge::{Coefficient, Event, Mark};
 use crate::core::time::UtcMicros;
 
-use super::answer::{ChangeCause, StationForm, Tie, YEAR_DAYS};
+use super::answer::{Attribution, ChangeCause, StationForm, YEAR_DAYS};
 use super::series::{Observation, RecordSeries};
 use super::station::{CoursePart, StationCourse, beside_level};
 use super::unlike_window::Unlike;
@@ -30,7 +30,7 @@ const FEWEST_TEMPERATURES: usize = 5;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct CandidateCause {
     pub cause: ChangeCause,
-    pub tie: Tie,
+    pub tie: Attribution,
     pub parameter: &'static str,
     pub unit: &'static str,
     pub column: Vec<f64>,
@@ -73,7 +73,7 @@ pub(super) fn all(
     found
 }
 
-fn candidate(cause: ChangeCause, tie: Tie, unit: &'static str, column: Vec<f64>) -> CandidateCause {
+fn candidate(cause: ChangeCause, tie: Attribution, unit: &'static str, column: Vec<f64>) -> CandidateCause {
     CandidateCause { cause, tie, parameter: "k", unit, column, tried: 1, part: None, missing: Vec::new(), spread: 0.0 }
 }
 
@@ -82,11 +82,11 @@ fn ageing(series: &RecordSeries, marks: &[Mark]) -> Vec<CandidateCause> {
     let slope = |tie, column| candidate(ChangeCause::Ageing, tie, "deg/(h*g0)/year", column);
     let is_within = |at| series.rows[0].at < at && series.rows.last().is_some_and(|newest| at <= newest.at);
     let repair = marks.iter().rev().find(|mark| mark.event == Event::Repair && is_within(mark.at));
-    let Some(Mark { at, .. }) = repair else { return vec![slope(Tie::Slope, series.column(|row| row.years))] };
+    let Some(Mark { at, .. }) = repair else { return vec![slope(Attribution::Slope, series.column(|row| row.years))] };
     let years = |row: &Observation| row.at.days_since(*at) / YEAR_DAYS;
     vec![
-        slope(Tie::SlopeUntil(*at), series.column(|row| years(row).min(0.0))),
-        slope(Tie::SlopeAfter(*at), series.column(|row| years(row).max(0.0))),
+        slope(Attribution::SlopeUntil(*at), series.column(|row| years(row).min(0.0))),
+        slope(Attribution::SlopeAfter(*at), series.column(|row| years(row).max(0.0))),
     ]
 }
 
@@ -97,7 +97,7 @@ fn steps_at_events(series: &RecordSeries, marks: &[Mark]) -> Vec<CandidateCause>
     }
     let step = |(cut, events): (usize, Vec<(Event, UtcMicros)>)| {
         let column = step_column(series, cut)?;
-        Some(candidate(ChangeCause::StepAtEvent, Tie::Events(events), "deg/(h*g0)", column))
+        Some(candidate(ChangeCause::StepAtEvent, Attribution::Events(events), "deg/(h*g0)", column))
     };
     gaps.into_iter().filter_map(step).collect()
 }
@@ -108,7 +108,7 @@ fn re_mountings(series: &RecordSeries) -> Vec<CandidateCause> {
         .filter(|&k| series.rows[k].seat != series.rows[k - 1].seat)
         .filter_map(|cut| {
             let (from, to) = (name(&series.rows[cut - 1]), name(&series.rows[cut]));
-            let tie = Tie::Moved { from, to, at: series.rows[cut].at };
+            let tie = Attribution::Moved { from, to, at: series.rows[cut].at };
             step_column(series, cut).map(|column| candidate(ChangeCause::ReMounting, tie, "deg/(h*g0)", column))
         })
         .collect()
@@ -124,7 +124,7 @@ fn temperature(series: &RecordSeries) -> Option<CandidateCause> {
     let variance = known.iter().map(|t| (t - mean).powi(2)).sum::<f64>() / known.len() as f64;
     let missing: Vec<usize> = (0..series.len()).filter(|k| series.rows[*k].temperature_c.is_none()).collect();
     (variance.sqrt() > LEAST_TEMPERATURE_SD).then(|| {
-        let tie = Tie::Temperature { mean_c: mean, missing: missing.len() };
+        let tie = Attribution::Temperature { mean_c: mean, missing: missing.len() };
         let column = series.column(|row| row.temperature_c.map_or(0.0, |t| t - mean));
         CandidateCause { missing, spread: variance, ..candidate(ChangeCause::Temperature, tie, "deg/(h*g0)/K", column) }
     })
@@ -160,13 +160,13 @@ fn of_station(series: &RecordSeries, reference: usize, station: usize, form: Sta
     let part = CoursePart { station, form };
     let column = series.column(|row| part.at(row.station, row.at, row.years));
     let tried = if form.is_searched() { series.len() } else { 1 };
-    let tie = tie(series, reference, &part);
+    let tie = attribution(series, reference, &part);
     Some(CandidateCause { part: Some(part), tried, ..candidate(ChangeCause::Station, tie, form.unit(), column) })
 }
 
-pub(super) fn tie(series: &RecordSeries, reference: usize, part: &CoursePart) -> Tie {
+pub(super) fn attribution(series: &RecordSeries, reference: usize, part: &CoursePart) -> Attribution {
     let name = |station: usize| -> Arc<str> { series.stations[station].clone() };
-    Tie::Station { name: name(part.station), against: name(reference), form: part.form }
+    Attribution::Station { name: name(part.station), against: name(reference), form: part.form }
 }
 
 /// Where a station's gyros were off, each in its own direction: from the record on, and up to the one, that fit this
@@ -188,7 +188,7 @@ fn off_with_others(series: &RecordSeries, name: &Arc<str>, seen: &Unlike) -> Opt
     let tried = edges.len();
     let all = edges.into_iter().map(|edges| (column(edges), edges));
     let (column, (from, until)) = all.max_by(|a, b| gain(&a.0).total_cmp(&gain(&b.0)))?;
-    let tie = Tie::Unlike { name: name.clone(), seen: *seen, from, until };
+    let tie = Attribution::Unlike { name: name.clone(), seen: *seen, from, until };
     Some(CandidateCause { tried, ..candidate(ChangeCause::Station, tie, "deg/(h*g0)", column) })
 }
 
@@ -199,7 +199,7 @@ fn clocking(series: &RecordSeries) -> Option<CandidateCause> {
     let spread = (series.rows.iter().map(|row| (row.d_s - mean).powi(2)).sum::<f64>() / n).sqrt();
     (spread > 5.0 * series.d_s_sd && spread > 1e-9 * mean.abs()).then(|| CandidateCause {
         parameter: "delta",
-        ..candidate(ChangeCause::Clocking, Tie::Proportion, "rad", series.column(|row| row.d_s - mean))
+        ..candidate(ChangeCause::Clocking, Attribution::Proportion, "rad", series.column(|row| row.d_s - mean))
     })
 }
 
@@ -213,7 +213,7 @@ fn onsets_of_ageing(series: &RecordSeries) -> Vec<CandidateCause> {
         let column = series.column(|row| (row.years - began).max(0.0));
         CandidateCause {
             tried,
-            ..candidate(ChangeCause::Ageing, Tie::SlopeSince(series.rows[cut].at), "deg/(h*g0)/year", column)
+            ..candidate(ChangeCause::Ageing, Attribution::SlopeSince(series.rows[cut].at), "deg/(h*g0)/year", column)
         }
     })
     .collect()
@@ -225,7 +225,7 @@ fn free_steps(series: &RecordSeries) -> Vec<CandidateCause> {
     let tried = cuts.len();
     cuts.into_iter()
         .map(|(cut, column)| {
-            let tie = Tie::Instant { after: series.rows[cut - 1].at, before: series.rows[cut].at };
+            let tie = Attribution::Instant { after: series.rows[cut - 1].at, before: series.rows[cut].at };
             CandidateCause { tried, ..candidate(ChangeCause::Step, tie, "deg/(h*g0)", column) }
         })
         .collect()

@@ -45,8 +45,8 @@ use series::RecordSeries;
 use station::{CoursePart, StationCourse};
 
 pub use answer::{
-    AsOf, CauseEstimate, ChangeCause, DrawnRecord, Due, Excess, FEWEST_RECORDS, GyroHistory, HistoryDiagnosis,
-    HistoryEntry, HistoryHeldOut, HistoryVerdict, NamedCause, Outlier, Rejected, StationForm, Wander,
+    AsOf, CauseEstimate, ChangeCause, DrawnRecord, Due, ExcessScatter, FEWEST_RECORDS, GyroHistory, HistoryDiagnosis,
+    HistoryEntry, HistoryHeldOut, HistoryVerdict, NamedCause, Outlier, RandomVariation, Rejected, StationForm,
 };
 pub use due::DriftBudget;
 pub use noise::Process;

@@ -11,7 +11,10 @@ use crate::core::numerics::normal::normal_cdf;
 use crate::core::numerics::normal_equations::{NormalEquations, Solution};
 use crate::core::numerics::tails::{chi2_tail, f_tail, squares_tail};
 
-use super::answer::{CauseEstimate, ChangeCause, Excess, NamedCause, Rejected, StationForm, Tie, Wander, WhyRejected};
+use super::answer::{
+    Attribution, CauseEstimate, ChangeCause, ExcessScatter, NamedCause, RandomVariation, Rejected, StationForm,
+    WhyRejected,
+};
 use super::candidates::{self, CandidateCause};
 use super::closure;
 use super::noise::{self, NoiseCovariance, Process};
@@ -104,11 +107,11 @@ impl FittedRows {
     }
 
     /// White noise against what is known of its scale beforehand: F of the two variances.
-    fn excess(&self) -> Option<Excess> {
+    fn excess(&self) -> Option<ExcessScatter> {
         let freedom = self.n.checked_sub(self.parameters()).filter(|freedom| *freedom > 0)?;
         let (sd, expected) = ((self.squares[0] / freedom as f64).sqrt(), self.prior.variance.sqrt());
         let p_value = squares_tail(self.squares[0] / self.prior.variance, freedom, self.prior.freedom);
-        (sd > EXCESSIVE * expected && p_value < EXCESS_REMAINS).then_some(Excess { sd, expected, p_value })
+        (sd > EXCESSIVE * expected && p_value < EXCESS_REMAINS).then_some(ExcessScatter { sd, expected, p_value })
     }
 
     fn white(&self) -> f64 {
@@ -139,8 +142,8 @@ struct CandidateTrial {
 pub(super) struct SearchResult {
     pub named: Vec<NamedCause>,
     pub rejected: Vec<Rejected>,
-    pub wander: Option<Wander>,
-    pub excess: Option<Excess>,
+    pub wander: Option<RandomVariation>,
+    pub excess: Option<ExcessScatter>,
     pub remaining_p_value: f64,
     /// By the instants at which ageing may have begun, with their likelihoods over that of the one named, which is the first.
     pub levels: Vec<(f64, NewestLevel)>,
@@ -266,7 +269,7 @@ impl CauseSearch<'_> {
         let (best, model) = fitted.best();
         let gain = 2.0 * (best - fitted.white());
         let remaining_p_value = if gain > 0.0 { (1.5 * chi2_tail(gain, 1).unwrap_or(1.0)).min(1.0) } else { 1.0 };
-        let wander = (remaining_p_value < REMAINS).then(|| self.wander(&fitted, model, remaining_p_value));
+        let wander = (remaining_p_value < REMAINS).then(|| self.random_variation(&fitted, model, remaining_p_value));
         let mut stations = self.stations_named(y, &stated, &columns);
         stations.append(&mut named);
         Some(SearchResult { named: stations, rejected, wander, excess: fitted.excess(), remaining_p_value, levels })
@@ -445,8 +448,9 @@ impl CauseSearch<'_> {
     ) -> Option<(Vec<(f64, f64)>, NewestLevel)> {
         let (_, m) = fitted.best();
         let model = &fitted.models[m];
-        let goes_on =
-            |candidate: &&CandidateCause| matches!(candidate.tie, Tie::Slope | Tie::SlopeAfter(_) | Tie::SlopeSince(_));
+        let goes_on = |candidate: &&CandidateCause| {
+            matches!(candidate.tie, Attribution::Slope | Attribution::SlopeAfter(_) | Attribution::SlopeSince(_))
+        };
         let columns = taken.iter().map(|candidate| {
             let newest = Some(candidate).filter(goes_on).and_then(|one| one.column.last().copied()).unwrap_or(0.0);
             candidate.column.iter().map(|value| value - newest).collect()
@@ -486,8 +490,8 @@ impl CauseSearch<'_> {
         taken: &[CandidateCause],
         pool: &[CandidateCause],
     ) -> Vec<(f64, NewestLevel)> {
-        let is_onset = |candidate: &CandidateCause| matches!(candidate.tie, Tie::SlopeSince(_));
-        let ages = |candidate: &CandidateCause| candidate.tie == Tie::Slope || is_onset(candidate);
+        let is_onset = |candidate: &CandidateCause| matches!(candidate.tie, Attribution::SlopeSince(_));
+        let ages = |candidate: &CandidateCause| candidate.tie == Attribution::Slope || is_onset(candidate);
         let mut levels = vec![(1.0, level)];
         let Some(place) = taken.iter().position(ages) else { return levels };
         let instants = taken.iter().chain(pool).filter(|candidate| is_onset(candidate)).count() as f64;
@@ -506,7 +510,7 @@ impl CauseSearch<'_> {
         levels
     }
 
-    fn wander(&self, fitted: &FittedRows, model: usize, p_value: f64) -> Wander {
+    fn random_variation(&self, fitted: &FittedRows, model: usize, p_value: f64) -> RandomVariation {
         let noise = &fitted.models[model];
         let variance = fitted.variance(fitted.squares[model]) * noise.power;
         let rows = &self.series.rows;
@@ -516,7 +520,7 @@ impl CauseSearch<'_> {
             Process::WalkByRecord => (rows.len() - 1) as f64,
             Process::White | Process::Flicker => 1.0,
         };
-        Wander { process: noise.process, size: (variance / per).sqrt(), p_value }
+        RandomVariation { process: noise.process, size: (variance / per).sqrt(), p_value }
     }
 
     /// Whether the gyros that share a station's drift do not go on alike where they are elsewhere: then they do not all age
@@ -537,7 +541,7 @@ impl CauseSearch<'_> {
             if common.value.abs() * information.sqrt() < SEEN {
                 continue;
             }
-            let tie: Tie = candidates::tie(self.series, self.reference, part);
+            let tie: Attribution = candidates::attribution(self.series, self.reference, part);
             let may_age = part.form.is_drift() && !self.is_parted_from_ageing(part, common);
             out.push(NamedCause {
                 cause: ChangeCause::Station,
@@ -578,7 +582,7 @@ fn rank(candidate: &CandidateCause) -> u8 {
 fn rank_of_searched(candidate: &CandidateCause) -> Option<u8> {
     match candidate.part {
         Some(CoursePart { form, .. }) if form == StationForm::Drift || form.is_searched() => Some(3),
-        _ => (candidate.cause == ChangeCause::Step || matches!(candidate.tie, Tie::SlopeSince(_))).then_some(2),
+        _ => (candidate.cause == ChangeCause::Step || matches!(candidate.tie, Attribution::SlopeSince(_))).then_some(2),
     }
 }
 

@@ -2,7 +2,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
-use super::answer::Tie;
+use super::answer::Attribution;
 use super::*;
 use crate::core::judge::{Event, Mark, Measured};
 use crate::core::mounting::Slot;
@@ -87,9 +87,10 @@ fn what_aged_before_a_repair_does_not_age_after_it() {
         gyro.marks.push(Mark::of(repair, Event::Repair));
         let budget = DriftBudget { baseline: gyro.entries[0].d[1].value, limit: 0.01, measured_since: None };
         let answer = super::diagnose_history(&gyro, &[], [Some(budget); 3]).swap_remove(1);
-        let ages = |tie: &Tie| answer.causes.iter().any(|one| one.cause == ChangeCause::Ageing && one.tie == *tie);
-        before += usize::from(ages(&Tie::SlopeUntil(repair)));
-        after += usize::from(ages(&Tie::SlopeAfter(repair)) || answer.due.is_some());
+        let ages =
+            |tie: &Attribution| answer.causes.iter().any(|one| one.cause == ChangeCause::Ageing && one.tie == *tie);
+        before += usize::from(ages(&Attribution::SlopeUntil(repair)));
+        after += usize::from(ages(&Attribution::SlopeAfter(repair)) || answer.due.is_some());
     }
     assert!(before >= 36, "the slope before the repair is named in {before} of 40");
     assert!(after <= 1, "one after it in {after} of 40");
@@ -118,7 +119,10 @@ fn a_jump_at_a_transport_is_tied_to_it_and_one_without_an_event_is_only_a_step()
     assert!(unknown.causes[0].cause == ChangeCause::Step && unknown.is_one_step(), "{unknown:?}");
     gyro.marks.push(Mark::of(UtcMicros(11 * 30 * UtcMicros::DAY - 5), Event::Transport));
     let answer = of(&gyro, &[], Coefficient::DS);
-    assert!(matches!(answer.causes[0].tie, Tie::Events(ref events) if events[0].0 == Event::Transport), "{answer:?}");
+    assert!(
+        matches!(answer.causes[0].tie, Attribution::Events(ref events) if events[0].0 == Event::Transport),
+        "{answer:?}"
+    );
     assert!(answer.causes[0].held_out.is_some_and(|held_out| held_out.closure > 0.9), "{answer:?}");
 }
 
@@ -131,7 +135,7 @@ fn events_between_two_records_are_named_together_and_a_note_is_none() {
     gyro.marks.extend(events.map(|(event, at)| Mark::of(at, event)));
     gyro.marks.extend([5.0, 5.5, 6.0].map(|days| Mark::of(day(days), Event::Note)));
     let answer = of(&gyro, &[], Coefficient::DS);
-    assert_eq!(answer.causes[0].tie, Tie::Events(events.to_vec()), "{answer:?}");
+    assert_eq!(answer.causes[0].tie, Attribution::Events(events.to_vec()), "{answer:?}");
     let said = answer.causes[0].tie.message().to_string();
     assert!(said.contains("repair") && said.contains("transport"), "{said}");
 }
@@ -192,7 +196,7 @@ fn a_station_that_begins_to_drift_midway_drifts_since_then_for_every_gyro() {
             let peers: Vec<GyroHistory> = before.iter().chain(&own[3..]).cloned().collect();
             let answer = of(&own[0], &peers, Coefficient::DI);
             let [cause] = &answer.causes[..] else { panic!("{seed}: {answer:?}") };
-            let is_since = matches!(cause.tie, Tie::Station { form: StationForm::DriftSince(_), .. });
+            let is_since = matches!(cause.tie, Attribution::Station { form: StationForm::DriftSince(_), .. });
             assert!(cause.cause == ChangeCause::Station && is_since, "{seed}: {answer:?}");
             assert_eq!(cause.class, [ChangeCause::Ageing, ChangeCause::Station], "they were never elsewhere");
         }
@@ -250,7 +254,7 @@ fn a_gyro_that_is_off_with_many_others_each_its_own_way_is_its_stations_and_one_
             let causes = answer(asked).causes;
             let is_its = |cause: &NamedCause| {
                 let may_be_its_own = cause.class.iter().any(|one| *one != ChangeCause::Station);
-                matches!(cause.tie, Tie::Unlike { .. }) && may_be_its_own == (until > 1000)
+                matches!(cause.tie, Attribution::Unlike { .. }) && may_be_its_own == (until > 1000)
             };
             station += usize::from(causes.len() == 1 && causes.iter().all(is_its));
         }
@@ -447,7 +451,7 @@ fn slopes_of_two_stations_that_differ_besides_have_the_standard_deviations_that_
         let mut pulls = [vec![], vec![]];
         for answer in (0..100).map(|seed| of_two_that_drift(6000 + seed, slopes, offset)) {
             for cause in &answer.causes {
-                let Tie::Station { form: StationForm::Drift, name, .. } = &cause.tie else { continue };
+                let Attribution::Station { form: StationForm::Drift, name, .. } = &cause.tie else { continue };
                 let (k, estimate) = (usize::from(&**name == "ST-2"), &cause.estimate);
                 pulls[k].push((estimate.value - slopes[k]) / estimate.sd);
             }
@@ -464,7 +468,7 @@ fn two_stations_that_drift_at_once_both_drift() {
     let mut right = 0;
     for (seed, slopes) in (0..20).flat_map(|seed| [(seed, [5e-3, -5e-3]), (seed, [4e-3, 6e-3])]) {
         let answer = of_two_that_drift(4000 + seed, slopes, 0.0);
-        let drifts = |cause: &NamedCause| matches!(cause.tie, Tie::Station { form: StationForm::Drift, .. });
+        let drifts = |cause: &NamedCause| matches!(cause.tie, Attribution::Station { form: StationForm::Drift, .. });
         right += usize::from(answer.causes.len() == 2 && answer.causes.iter().all(drifts));
     }
     assert!(right >= 38, "both drift, and nothing else is named, in {right} of 40");
@@ -495,7 +499,7 @@ fn the_record_before_a_station_was_off_is_not_taken_for_one_of_it_where_the_gyro
         let own = of(&gyros[0], &gyros[1..], Coefficient::DI);
         let at = |day: i64| UtcMicros(day * UtcMicros::DAY);
         own.causes.iter().any(|cause| match cause.tie {
-            Tie::Station { form: StationForm::Between(from, until), .. } => from > at(588) && until > at(609),
+            Attribution::Station { form: StationForm::Between(from, until), .. } => from > at(588) && until > at(609),
             _ => false,
         })
     };
@@ -509,7 +513,7 @@ fn a_station_that_is_off_up_to_now_is_so_for_the_gyro_that_was_there_last() {
     let right = |seed: &u64| {
         let gyros = of_one_station(2300 + seed, [672, 10_000]);
         let own = of(&gyros[17], &gyros[..15], Coefficient::DI);
-        let lasts = |cause: &NamedCause| matches!(cause.tie, Tie::Station { form: StationForm::Step(_), .. });
+        let lasts = |cause: &NamedCause| matches!(cause.tie, Attribution::Station { form: StationForm::Step(_), .. });
         !own.causes.is_empty() && own.causes.iter().all(lasts)
     };
     let right = (0..20).filter(right).count();
@@ -611,7 +615,7 @@ fn records_without_a_temperature_stay_in_with_what_they_have() {
     }
     let answer = of(&gyro, &[], Coefficient::DI);
     assert_eq!((answer.causes[0].cause, answer.records), (ChangeCause::Temperature, 24), "{answer:?}");
-    assert!(matches!(answer.causes[0].tie, Tie::Temperature { missing: 2, .. }));
+    assert!(matches!(answer.causes[0].tie, Attribution::Temperature { missing: 2, .. }));
     let CauseEstimate { value, sd, .. } = &answer.causes[0].estimate;
     assert!((value - 0.002).abs() < 3.0 * sd && *sd < 4e-4, "{value} +- {sd}");
 }

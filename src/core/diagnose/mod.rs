@@ -19,7 +19,7 @@ pub use crate::core::diagnose::report::against_reference::{
 pub use crate::core::diagnose::search::noise_rounds::FALSE_ALARM;
 
 use crate::core::diagnose::report::calibrated::Calibrated;
-use crate::core::diagnose::report::closure::{self, GAP, Ground};
+use crate::core::diagnose::report::closure::{self, ClosureReference, GAP};
 use crate::core::diagnose::report::named::{self, Named};
 use crate::core::diagnose::report::{
     identifiability, impact, next_dwells, stated_errors, where_in_campaign, why_not_named,
@@ -27,7 +27,7 @@ use crate::core::diagnose::report::{
 use crate::core::diagnose::residuals::augmented_fit::{self, Fit, Part};
 use crate::core::diagnose::residuals::noise_floor;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::diagnose::search::noise_rounds::Settled;
+use crate::core::diagnose::search::noise_rounds::SearchOutcome;
 use crate::core::diagnose::search::odds;
 use crate::core::diagnose::search::stepwise::Search;
 
@@ -84,13 +84,13 @@ const ROUNDS_ABOUT_STRONG: usize = 2;
 
 /// Stage 2: every hypothesis is scored, and those are chosen that noise alone does not explain. Where one is strong,
 /// the search is done again about its fit.
-fn searched(residuals: Frame) -> Result<Settled, Refusal> {
-    let mut settled = Settled::of(residuals.clone())?;
+fn searched(residuals: Frame) -> Result<SearchOutcome, Refusal> {
+    let mut settled = SearchOutcome::of(residuals.clone())?;
     let mut about = Vec::new();
     for _ in 0..ROUNDS_ABOUT_STRONG {
         match settled.about_strong(&residuals)? {
             Some((strong, frame)) if strong != about => {
-                settled = Settled::of(frame)?;
+                settled = SearchOutcome::of(frame)?;
                 about = strong;
             }
             _ => break,
@@ -101,7 +101,7 @@ fn searched(residuals: Frame) -> Result<Settled, Refusal> {
 
 /// What the search chose and what of it gets a name, fitted together with the model in use.
 struct Names<'a> {
-    settled: &'a Settled,
+    settled: &'a SearchOutcome,
     search: Search<'a>,
     named: Vec<Named>,
     /// What speaks against the names.
@@ -113,7 +113,7 @@ struct Names<'a> {
 }
 
 /// Still stage 2: contract entries among the choices, as far as they close something of dwells that were held out.
-fn names<'a>(campaign: &Campaign, settled: &'a Settled) -> Names<'a> {
+fn names<'a>(campaign: &Campaign, settled: &'a SearchOutcome) -> Names<'a> {
     let search = settled.search();
     let (mut named, doubts) = named::named(&search, &settled.found);
     let parts: Vec<Part> = named.iter().map(|n| n.part.clone()).collect();
@@ -155,7 +155,7 @@ fn closed(names: Names<'_>) -> Closed<'_> {
         (false, true) => Verdict::PartlyExplained,
     };
     let (floor_deg_per_h, may_be_noise) = (noise_floor.deg_per_h, signs.are_of_spread());
-    let ground = Ground { frame, fit, variances: &variances, floor_deg_per_h, remains, may_be_noise };
+    let ground = ClosureReference { frame, fit, variances: &variances, floor_deg_per_h, remains, may_be_noise };
     let effects = closure::effects(settled, named, parts, &ground, &signs);
     let all: Vec<&Part> = parts.iter().collect();
     let closure = (!parts.is_empty()).then(|| ground.held_out(&[], &all, fit.fitted.len()));
@@ -176,7 +176,7 @@ fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
     let Names { settled, search, named, parts, fit, calibrated, .. } = names;
     let (frame, bank) = (&settled.frame, &settled.bank);
     let classes: Vec<Vec<Effect>> = named.iter().map(Named::anywhere).collect();
-    let mimics = identifiability::mimics(frame, bank, &parts);
+    let g_confounders = identifiability::g_confounders(frame, bank, &parts);
     let mut noise = settled.noise_found.report(frame, &settled.laws);
     let said = noise.notes();
     // Where nothing would be named the search does not ask whether gyros share noise; the fit always does.
@@ -213,9 +213,9 @@ fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
         closure,
         remaining,
         candidates: why_not_named::candidates(settled, &search, &named, &variances, remains),
-        not_identifiable: identifiability::not_identifiable(frame, bank, &mimics),
+        not_identifiable: identifiability::not_identifiable(frame, bank, &g_confounders),
         impact: impact::impact(&calibrated, &campaign.geometry),
-        next_dwells: next_dwells::next_dwells(frame, bank, &parts, &fit, &classes, &mimics),
+        next_dwells: next_dwells::next_dwells(frame, bank, &parts, &fit, &classes, &g_confounders),
         residuals: where_in_campaign::residuals(frame, &fit.residuals, &variances),
         of_campaign: frame.of_campaign.iter().cloned().chain(overstated).chain(shared).collect(),
         notes: (frame.notes.iter().cloned())
@@ -230,7 +230,7 @@ fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
 }
 
 /// What acts in a part of the campaign only: names, and what stands for a name.
-fn parts_of_time(settled: &Settled, effects: &[NamedEffect]) -> Vec<Message> {
+fn parts_of_time(settled: &SearchOutcome, effects: &[NamedEffect]) -> Vec<Message> {
     let hours = |s: f64| figure(s.clamp(0.0, settled.frame.setting.span()) / 3600.0, 1);
     let note = |effect: Effect, from: f64, to: f64| {
         message!("acts_in_part", effect = effect.word(), from = hours(from), to = hours(to))

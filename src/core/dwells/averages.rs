@@ -2,7 +2,7 @@
 
 use super::blocks::{Series, Track};
 use super::intervals::Interval;
-use super::noise::{Noise, Octave, Shown, octaves};
+use super::noise::{Noise, NoiseOctaves, Octave, octaves};
 
 /// Share of an interval that is cut off each end where nothing else is said.
 const EDGE: f64 = 0.01;
@@ -37,7 +37,7 @@ pub fn noise(series: &Series, outputs: &[&Track], still: &[Interval], turning: &
     let shown = |track: &&Track| {
         let of = |i: &Interval| octaves_of(series, track, *i);
         let pooled = |intervals: &[Interval]| intervals.iter().flat_map(of).collect();
-        Shown { still: pooled(still), turning: pooled(turning), pulse: track.pulse }
+        NoiseOctaves { still: pooled(still), turning: pooled(turning), pulse: track.pulse }
     };
     Noise::fit_all(&outputs.iter().map(shown).collect::<Vec<_>>())
 }

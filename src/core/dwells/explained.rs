@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, Vector3};
 
-use super::programme::{Position, Seen, align, disagreement, lay};
+use super::programme::{LoggedInterval, Position, align, align_with_cost, disagreement};
 use crate::core::campaign::{Campaign, Site};
 use crate::core::numerics::median::upper_median_of;
 
@@ -26,7 +26,7 @@ pub struct Outputs {
 pub struct Undecided;
 
 /// One way to lay the programme over the log.
-struct Laid {
+struct Alignment {
     rows: Vec<Option<usize>>,
     taken: usize,
     /// Squares that the error model leaves, and how many independent ones they are.
@@ -60,11 +60,15 @@ const MOST_REGULAR: f64 = 0.8;
 ///
 /// # Errors
 /// Several that explain them as well.
-pub fn laid(seen: &[Seen], outputs: &Outputs, programme: &[Position]) -> Result<Vec<Option<usize>>, Undecided> {
-    let mut found: Vec<Laid> = Vec::new();
+pub fn align_by_outputs(
+    seen: &[LoggedInterval],
+    outputs: &Outputs,
+    programme: &[Position],
+) -> Result<Vec<Option<usize>>, Undecided> {
+    let mut found: Vec<Alignment> = Vec::new();
     let mut add = |rows: Vec<Option<usize>>| {
         if !found.iter().any(|own| own.rows == rows) {
-            found.push(Laid::new(rows, outputs, programme));
+            found.push(Alignment::new(rows, outputs, programme));
         }
     };
     add(align(seen, programme));
@@ -79,42 +83,42 @@ pub fn laid(seen: &[Seen], outputs: &Outputs, programme: &[Position]) -> Result<
             let row = if k.min(j) < gap { k as isize } else { k as isize + shift };
             row == j as isize
         };
-        let mut rows = lay(seen, programme, |k, j| if is_tried(k, j) { 0.0 } else { not_tried });
+        let mut rows = align_with_cost(seen, programme, |k, j| if is_tried(k, j) { 0.0 } else { not_tried });
         for _ in 0..MENDED {
             add(rows.clone());
             let misfit = misfit(&rows, outputs, programme);
-            rows = lay(seen, programme, |k, j| misfit[k * programme.len() + j]);
+            rows = align_with_cost(seen, programme, |k, j| misfit[k * programme.len() + j]);
         }
         add(rows);
     }
     // What is next to the best, until nothing next to it is better.
     for _ in 0..TRIED {
-        let Some(best) = best_of(&found).map(|laid| laid.rows.clone()) else { break };
+        let Some(best) = best_of(&found).map(|alignment| alignment.rows.clone()) else { break };
         let before = found.len();
         for rows in neighbours(&best, seen, programme) {
             if !found.iter().any(|own| own.rows == rows) {
-                found.push(Laid::new(rows, outputs, programme));
+                found.push(Alignment::new(rows, outputs, programme));
             }
         }
-        if found.len() == before || best_of(&found).is_some_and(|laid| laid.rows == best) {
+        if found.len() == before || best_of(&found).is_some_and(|alignment| alignment.rows == best) {
             break;
         }
     }
     let Some(best) = best_of(&found) else { return Err(Undecided) };
     let (best, taken, plausible) = (best.squares, best.taken, best.plausible);
-    found.retain(|laid| {
-        let is_clearly_worse = laid.freedom * (laid.squares / best).ln() >= CLEARLY;
-        laid.taken == taken && laid.plausible == plausible && !is_clearly_worse
+    found.retain(|alignment| {
+        let is_clearly_worse = alignment.freedom * (alignment.squares / best).ln() >= CLEARLY;
+        alignment.taken == taken && alignment.plausible == plausible && !is_clearly_worse
     });
     found.sort_by(|a, b| a.squares.total_cmp(&b.squares));
     let slots = slots(&outputs.spans);
-    let on_clock = |laid: &Laid| slots.as_ref().is_some_and(|slots| laid.is_on_clock(slots));
+    let on_clock = |alignment: &Alignment| slots.as_ref().is_some_and(|slots| alignment.is_on_clock(slots));
     if found.iter().any(on_clock) {
         found.retain(on_clock);
     }
     // A station leaves out once, or breaks off, sooner than twice.
-    let least = found.iter().map(|laid| laid.pieces(programme.len())).min().unwrap_or(0);
-    found.retain(|laid| laid.pieces(programme.len()) == least);
+    let least = found.iter().map(|alignment| alignment.pieces(programme.len())).min().unwrap_or(0);
+    found.retain(|alignment| alignment.pieces(programme.len()) == least);
     let best = found.swap_remove(0);
     let one_way = found.iter().all(|other| best.commands_as(other, programme));
     // Where it is another programme, no way of laying it is the right one.
@@ -127,16 +131,16 @@ pub fn is_another(taken: usize, intervals: usize) -> bool {
 }
 
 /// The ways that leave out least, with input axes near their nominal ones if any has; of these the least squares.
-fn best_of(found: &[Laid]) -> Option<&Laid> {
-    let order = |a: &&Laid, b: &&Laid| {
-        let key = |laid: &Laid| (std::cmp::Reverse(laid.taken), !laid.plausible);
+fn best_of(found: &[Alignment]) -> Option<&Alignment> {
+    let order = |a: &&Alignment, b: &&Alignment| {
+        let key = |alignment: &Alignment| (std::cmp::Reverse(alignment.taken), !alignment.plausible);
         key(a).cmp(&key(b)).then(a.squares.total_cmp(&b.squares))
     };
     found.iter().min_by(order)
 }
 
 /// All ways in which nothing is left out but one or two rows, or one or two intervals.
-fn few_left_out(seen: &[Seen], programme: &[Position]) -> Vec<Vec<Option<usize>>> {
+fn few_left_out(seen: &[LoggedInterval], programme: &[Position]) -> Vec<Vec<Option<usize>>> {
     let (intervals, rows) = (seen.len(), programme.len());
     let most = intervals.max(rows);
     let left: Vec<Vec<usize>> = match intervals.abs_diff(rows) {
@@ -160,7 +164,7 @@ fn few_left_out(seen: &[Seen], programme: &[Position]) -> Vec<Vec<Option<usize>>
 }
 
 /// Ways in which one interval is the row before or after, or is left out in place of the next.
-fn neighbours(rows: &[Option<usize>], seen: &[Seen], programme: &[Position]) -> Vec<Vec<Option<usize>>> {
+fn neighbours(rows: &[Option<usize>], seen: &[LoggedInterval], programme: &[Position]) -> Vec<Vec<Option<usize>>> {
     let agrees = |k: usize, j: usize| disagreement(&seen[k], &programme[j]).is_finite();
     let mut found = Vec::new();
     for (k, row) in rows.iter().enumerate() {
@@ -181,7 +185,7 @@ fn neighbours(rows: &[Option<usize>], seen: &[Seen], programme: &[Position]) -> 
     found
 }
 
-impl Laid {
+impl Alignment {
     fn new(rows: Vec<Option<usize>>, outputs: &Outputs, programme: &[Position]) -> Self {
         let fit = Fit::of(&rows, outputs, programme);
         let taken = rows.iter().flatten().count();
@@ -373,7 +377,7 @@ pub fn contradiction(campaign: &Campaign) -> Option<Contradiction> {
     let are_known = (0..campaign.gyros.len()).all(|j| campaign.errors_of(j).is_some());
     let gyros: Vec<Weighted> = (0..campaign.gyros.len()).map(|j| Weighted::of(campaign, j)).collect::<Option<_>>()?;
     let mut kept: Vec<usize> = (0..of).collect();
-    let Left { times, each: first, freedom } = left(&gyros, &kept)?;
+    let LeaveOneOut { times, each: first, freedom } = leave_one_out(&gyros, &kept)?;
     if times <= CONTRADICTION {
         return None;
     }
@@ -385,7 +389,9 @@ pub fn contradiction(campaign: &Campaign) -> Option<Contradiction> {
     let mut wrong = Vec::new();
     while (wrong.len() as f64) < FEW * of as f64 {
         // A fit to hardly more dwells than it has unknowns agrees with anything.
-        let Some(now) = left(&gyros, &kept).filter(|now| are_known || 2 * now.freedom >= freedom) else { break };
+        let Some(now) = leave_one_out(&gyros, &kept).filter(|now| are_known || 2 * now.freedom >= freedom) else {
+            break;
+        };
         if now.times <= agrees {
             wrong.sort_unstable();
             let noise = if are_known { 1.0 } else { now.times.max(1.0) };
@@ -435,13 +441,13 @@ pub fn input_axis(campaign: &Campaign, j: usize) -> Option<Vector3<f64>> {
 
 /// Root of the squares that the model leaves in some dwells by their freedom, and by how much each dwell's absence
 /// lessens them.
-struct Left {
+struct LeaveOneOut {
     times: f64,
     freedom: usize,
     each: Vec<f64>,
 }
 
-fn left(gyros: &[Weighted], kept: &[usize]) -> Option<Left> {
+fn leave_one_out(gyros: &[Weighted], kept: &[usize]) -> Option<LeaveOneOut> {
     let (mut squares, mut freedom, mut each) = (0.0, 0, vec![0.0; kept.len()]);
     for gyro in gyros {
         let (design, output) = (gyro.design.select_rows(kept), gyro.output.select_rows(kept));
@@ -456,7 +462,7 @@ fn left(gyros: &[Weighted], kept: &[usize]) -> Option<Left> {
             *each += if free > NOTHING { residual[k].powi(2) / free } else { 0.0 };
         }
     }
-    (freedom > 0).then(|| Left { times: (squares / freedom as f64).sqrt(), freedom, each })
+    (freedom > 0).then(|| LeaveOneOut { times: (squares / freedom as f64).sqrt(), freedom, each })
 }
 
 #[cfg(test)]
@@ -482,7 +488,7 @@ mod tests {
     }
 
     /// What three gyros say of these rows, `noise` pulse/s off, by a clock of which `slots` are the periods.
-    fn log(rows: &[usize], slots: &[usize], noise: f64, programme: &[Position]) -> (Vec<Seen>, Outputs) {
+    fn log(rows: &[usize], slots: &[usize], noise: f64, programme: &[Position]) -> (Vec<LoggedInterval>, Outputs) {
         let axes = vec![Vector3::new(0.6, -0.4, 0.7), Vector3::new(0.6, -0.4, -0.7), Vector3::new(0.6, 0.8, 0.0)];
         let drift = [Vector3::new(2.4, 4.1, 6.5), Vector3::new(0.9, 4.6, -3.4), Vector3::new(1.0, 1.4, -10.0)];
         let mut state = 1_u32;
@@ -497,7 +503,7 @@ mod tests {
                 |(axis, drift): (&Vector3<f64>, &Vector3<f64>)| 2.0 + 1.4 * axis.dot(&rate) + drift.dot(&force) + off();
             means.push(axes.iter().zip(&drift).map(output).collect());
         }
-        let seen = |row: &usize| Seen { up: None, turn_arcsec_s: Some(programme[*row].turn_arcsec_s) };
+        let seen = |row: &usize| LoggedInterval { up: None, turn_arcsec_s: Some(programme[*row].turn_arcsec_s) };
         let span = |slot: &usize| (*slot as f64 * PERIOD_S, *slot as f64 * PERIOD_S + DWELL_S);
         let spans = slots.iter().map(span).collect();
         (rows.iter().map(seen).collect(), Outputs { spans, means, axes, are_rates: false, site: site() })
@@ -516,7 +522,7 @@ mod tests {
                 // The station's clock went on without a gap.
                 let slots: Vec<usize> = (0..rows.len()).collect();
                 let (seen, outputs) = log(&rows, &slots, 0.01, &programme);
-                let found: Vec<usize> = laid(&seen, &outputs, &programme)
+                let found: Vec<usize> = align_by_outputs(&seen, &outputs, &programme)
                     .unwrap_or_else(|_| panic!("{turns} turns, without {gone:?}"))
                     .into_iter()
                     .flatten()
@@ -532,12 +538,12 @@ mod tests {
         let rows = without(&[5], programme.len());
         let (seen, outputs) = log(&rows, &rows, 3000.0, &programme);
         assert_eq!(
-            laid(&seen, &outputs, &programme).map(|found| found.into_iter().flatten().collect()),
+            align_by_outputs(&seen, &outputs, &programme).map(|found| found.into_iter().flatten().collect()),
             Ok(rows.clone())
         );
         let slots: Vec<usize> = (0..rows.len()).collect();
         let (seen, outputs) = log(&rows, &slots, 3000.0, &programme);
-        assert_eq!(laid(&seen, &outputs, &programme), Err(Undecided));
+        assert_eq!(align_by_outputs(&seen, &outputs, &programme), Err(Undecided));
     }
 
     #[test]
@@ -547,7 +553,7 @@ mod tests {
         rows.insert(6, 5);
         let slots: Vec<usize> = (0..rows.len()).collect();
         let (seen, outputs) = log(&rows, &slots, 0.01, &programme);
-        let found = laid(&seen, &outputs, &programme).unwrap();
+        let found = align_by_outputs(&seen, &outputs, &programme).unwrap();
         assert_eq!(found.iter().filter(|row| row.is_none()).count(), 1);
         assert!(found[5].is_none() || found[6].is_none(), "{found:?}");
     }

@@ -21,7 +21,7 @@ pub struct Octave {
 
 /// What the dwells of a gyro show, at rest and in turns, and one pulse of its counter.
 #[derive(Debug, Clone)]
-pub struct Shown {
+pub struct NoiseOctaves {
     pub still: Vec<Octave>,
     pub turning: Vec<Octave>,
     pub pulse: f64,
@@ -104,13 +104,13 @@ impl Noise {
     /// Few dwells say little of slow noise, and gyros of a kind have like ratios of it to the rest: those that all of
     /// them show together hold for each, unless it plainly has another. What is taken out of a turn takes slow noise
     /// with it: that of rest holds for turns too, unless they plainly have more.
-    pub fn fit_all(gyros: &[Shown]) -> Vec<[Self; 2]> {
+    pub fn fit_all(gyros: &[NoiseOctaves]) -> Vec<[Self; 2]> {
         let mut still: Vec<Self> = gyros.iter().map(|gyro| Self::fit(&gyro.still, gyro.pulse)).collect();
         let longest = gyros.iter().flat_map(|gyro| &gyro.still).map(|o| o.tau_s).fold(0.0, f64::max);
         // In units of each one's noise at a time where all parts matter.
         let middle = longest / 2f64.powi(OCTAVES as i32 / 2);
         let units: Vec<f64> = still.iter().map(|own| own.allan(middle)).collect();
-        let in_units = |(gyro, unit): (&Shown, &f64)| -> Vec<Octave> {
+        let in_units = |(gyro, unit): (&NoiseOctaves, &f64)| -> Vec<Octave> {
             gyro.still.iter().map(|o| Octave { variance: o.variance / unit, ..*o }).collect()
         };
         let pooled = gyros.iter().zip(&units).filter(|(_, unit)| **unit > 0.0).flat_map(in_units);
@@ -118,7 +118,7 @@ impl Noise {
         for ((own, gyro), unit) in still.iter_mut().zip(gyros).zip(units) {
             *own = own.with_slow([h * unit, k * unit], &gyro.still, gyro.pulse).unwrap_or(*own);
         }
-        let with_turns = |(rest, gyro): (&Self, &Shown)| {
+        let with_turns = |(rest, gyro): (&Self, &NoiseOctaves)| {
             let own = Self::fit(&gyro.turning, gyro.pulse);
             let ([q, n, h, k], [.., rest_h, rest_k]) = (own.parts, rest.parts);
             let more = Self { parts: [q, n, h.max(rest_h), k.max(rest_k)] };

@@ -20,7 +20,7 @@ pub struct Position {
 
 /// What a log says of one of its intervals.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Seen {
+pub struct LoggedInterval {
     /// Body direction that points up, by the accelerometers.
     pub up: Option<Vector3<f64>>,
     /// Rate of the table, arcsec/s.
@@ -127,12 +127,16 @@ impl Table {
 ///
 /// Of all ways to go through both lists in order, one that leaves out least, where matched pairs agree in phase,
 /// in the vertical (20 deg) and in the rate (a fifth).
-pub fn align(seen: &[Seen], programme: &[Position]) -> Vec<Option<usize>> {
-    lay(seen, programme, |_, _| 0.0)
+pub fn align(seen: &[LoggedInterval], programme: &[Position]) -> Vec<Option<usize>> {
+    align_with_cost(seen, programme, |_, _| 0.0)
 }
 
 /// As [`align`], where `more` is what else speaks against an interval and a row being one; one left out costs 1.
-pub fn lay(seen: &[Seen], programme: &[Position], more: impl Fn(usize, usize) -> f64) -> Vec<Option<usize>> {
+pub fn align_with_cost(
+    seen: &[LoggedInterval],
+    programme: &[Position],
+    more: impl Fn(usize, usize) -> f64,
+) -> Vec<Option<usize>> {
     let (rows, columns) = (seen.len(), programme.len());
     let width = columns + 1;
     let pair = |k: usize, j: usize| disagreement(&seen[k], &programme[j]) + more(k, j);
@@ -167,14 +171,14 @@ pub fn lay(seen: &[Seen], programme: &[Position], more: impl Fn(usize, usize) ->
 
 /// Rows of a programme, of as many intervals as rows, that contradict their own interval where most others agree. Laid
 /// over one another otherwise, all between them would be taken for their neighbours.
-pub fn exchanged(seen: &[Seen], programme: &[Position]) -> Vec<usize> {
+pub fn exchanged(seen: &[LoggedInterval], programme: &[Position]) -> Vec<usize> {
     let pairs = seen.iter().zip(programme).enumerate();
     let wrong: Vec<usize> = pairs.filter(|(_, (s, p))| disagreement(s, p).is_infinite()).map(|(row, _)| row).collect();
     let is_few = seen.len() == programme.len() && 4 * wrong.len() <= seen.len();
     if is_few { wrong } else { Vec::new() }
 }
 
-pub(super) fn disagreement(seen: &Seen, position: &Position) -> f64 {
+pub(super) fn disagreement(seen: &LoggedInterval, position: &Position) -> f64 {
     let mut cost = 0.0;
     if let Some(up) = seen.up.and_then(|up| up.try_normalize(0.0)) {
         let angle = up.dot(&position.up()).clamp(-1.0, 1.0).acos();
@@ -206,7 +210,7 @@ pub struct Clock {
 ///
 /// The candidates are all differences between the begin of an interval and that of a position, or their ends; clocks
 /// that agree to a second are taken for one. None where no position states its time, or fewer than half fit.
-pub fn clock_offset(intervals: &[(f64, f64)], seen: &[Seen], programme: &[Position]) -> Option<Clock> {
+pub fn clock_offset(intervals: &[(f64, f64)], seen: &[LoggedInterval], programme: &[Position]) -> Option<Clock> {
     let told: Vec<(f64, f64)> =
         programme.iter().filter_map(|p| Some((p.start_s?, p.start_s? + p.duration_s?))).collect();
     if told.len() < programme.len() || told.is_empty() {
@@ -243,7 +247,7 @@ pub fn clock_offset(intervals: &[(f64, f64)], seen: &[Seen], programme: &[Positi
 
 /// By what a programme's times must be multiplied to fit the log, where they are in ms, minutes or hours: its dwells then
 /// last about as long as the intervals.
-pub fn clock_factor(intervals: &[(f64, f64)], seen: &[Seen], programme: &[Position]) -> Option<f64> {
+pub fn clock_factor(intervals: &[(f64, f64)], seen: &[LoggedInterval], programme: &[Position]) -> Option<f64> {
     const FACTORS: [f64; 5] = [1e-3, 60.0, 3600.0, 1e-6, 86_400.0];
     let in_unit = |factor: f64| -> Vec<Position> {
         let scaled = |time: Option<f64>| time.map(|time| factor * time);

@@ -9,7 +9,9 @@ use super::averages::{later, noise, settled, standard_error, without_edges};
 use super::blocks::{Blocks, Series};
 use super::intervals::{Found, Interval, Search, find};
 use super::noise::{Noise, octaves};
-use super::programme::{Position, Seen, Table, align, attitude, clock_factor, clock_offset, exchanged, twenty_four};
+use super::programme::{
+    LoggedInterval, Position, Table, align, attitude, clock_factor, clock_offset, exchanged, twenty_four,
+};
 use crate::core::campaign::Site;
 
 /// White noise of standard deviation `white` a sample, and flicker h/f made of Gauss-Markov processes, two an octave,
@@ -329,10 +331,13 @@ fn a_table_turns_the_body_as_its_axes_say() {
 #[test]
 fn a_programme_is_laid_over_what_was_seen() {
     let programme = twenty_four();
-    let seen = |k: usize| Seen { up: Some(programme[k].up() + Vector3::new(0.01, -0.01, 0.02)), turn_arcsec_s: None };
+    let seen = |k: usize| LoggedInterval {
+        up: Some(programme[k].up() + Vector3::new(0.01, -0.01, 0.02)),
+        turn_arcsec_s: None,
+    };
     // The first position is missing, something else happened after the tenth, and the last was not reached.
-    let mut all: Vec<Seen> = (1..23).map(seen).collect();
-    all.insert(10, Seen { up: Some(Vector3::new(1.0, 1.0, 1.0)), turn_arcsec_s: None });
+    let mut all: Vec<LoggedInterval> = (1..23).map(seen).collect();
+    all.insert(10, LoggedInterval { up: Some(Vector3::new(1.0, 1.0, 1.0)), turn_arcsec_s: None });
     let found = align(&all, &programme);
     assert_eq!(found[10], None);
     let places: Vec<usize> = found.iter().flatten().copied().collect();
@@ -351,14 +356,15 @@ fn the_programmes_clock_is_found_in_the_log() {
     let timed = |k: usize| Position { start_s: Some(240.0 * k as f64), duration_s: Some(180.0), ..twenty_four()[k] };
     let programme: Vec<Position> = (0..24).map(timed).collect();
     let spans: Vec<(f64, f64)> = (0..24).map(|k| (37.0 + 240.0 * k as f64, 37.0 + 240.0 * k as f64 + 180.0)).collect();
-    let blind = [Seen { up: None, turn_arcsec_s: None }; 24];
+    let blind = [LoggedInterval { up: None, turn_arcsec_s: None }; 24];
     let found = clock_offset(&spans, &blind, &programme).unwrap();
     assert!((found.offset_s - 37.0).abs() < 1e-9 && found.rival_s.is_none(), "{found:?}");
     assert_eq!(clock_offset(&spans, &blind, &twenty_four()), None);
     // Without the first two, nothing says which they are: but what points up does, or a clock that both share.
     let late = clock_offset(&spans[2..], &blind[2..], &programme).unwrap();
     assert!(late.rival_s.is_some_and(|rival| (rival - late.offset_s).abs() >= 239.0), "{late:?}");
-    let seen: Vec<Seen> = programme.iter().map(|p| Seen { up: Some(p.up()), turn_arcsec_s: None }).collect();
+    let seen: Vec<LoggedInterval> =
+        programme.iter().map(|p| LoggedInterval { up: Some(p.up()), turn_arcsec_s: None }).collect();
     let late = clock_offset(&spans[2..], &seen[2..], &programme).unwrap();
     assert!((late.offset_s - 37.0).abs() < 1e-9 && late.rival_s.is_none(), "{late:?}");
     let shared: Vec<(f64, f64)> = spans[2..].iter().map(|(from, to)| (from - 37.0, to - 37.0)).collect();
@@ -374,7 +380,7 @@ fn times_in_another_unit_are_known_by_the_length_of_their_dwells() {
     };
     let programme = |unit: f64| -> Vec<Position> { (0..24).map(|k| timed(k, unit)).collect() };
     let spans: Vec<(f64, f64)> = (0..24).map(|k| (240.0 * k as f64 + 4.0, 240.0 * k as f64 + 170.0)).collect();
-    let blind = [Seen { up: None, turn_arcsec_s: None }; 24];
+    let blind = [LoggedInterval { up: None, turn_arcsec_s: None }; 24];
     assert_eq!(clock_factor(&spans, &blind, &programme(1e3)), Some(1e-3));
     assert_eq!(clock_factor(&spans, &blind, &programme(1.0 / 60.0)), Some(60.0));
     // Few intervals of the programme were found: a thousandth of it lies in any one.
@@ -462,7 +468,8 @@ fn samples_at_the_end_of_the_range_are_clipped_unless_counts_stand_there_by_natu
 #[test]
 fn rows_that_are_exchanged_are_named() {
     let mut programme = twenty_four();
-    let seen: Vec<Seen> = programme.iter().map(|p| Seen { up: Some(p.up()), turn_arcsec_s: None }).collect();
+    let seen: Vec<LoggedInterval> =
+        programme.iter().map(|p| LoggedInterval { up: Some(p.up()), turn_arcsec_s: None }).collect();
     assert!(exchanged(&seen, &programme).is_empty());
     programme.swap(0, 4);
     assert_eq!(exchanged(&seen, &programme), [0, 4]);

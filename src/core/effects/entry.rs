@@ -4,7 +4,7 @@ use std::fmt::{self, Debug, Formatter};
 use std::sync::OnceLock;
 
 use super::own_hypothesis::OwnHypothesis;
-use super::refusal::Lack;
+use super::refusal::MissingInput;
 use super::setting::Setting;
 
 /// Effects of the program's own by name, numbered in their order, and one beside them for those of a user.
@@ -241,7 +241,7 @@ pub struct Entry {
     /// Of the coefficients.
     pub names: Of<dyn Fn(Shape) -> Vec<&'static str> + Sync>,
     /// Why this campaign cannot hold the effect's regressors at all, if it cannot.
-    pub missing: Of<dyn Fn(&Setting) -> Option<Lack> + Sync>,
+    pub missing: Of<dyn Fn(&Setting) -> Option<MissingInput> + Sync>,
     /// Values of the non-linear parameter to try, with prior weights (not normalised). Never empty.
     pub shapes: Of<dyn Fn(&Setting) -> Vec<(Shape, f64)> + Sync>,
     /// Regressors of gyro `j`, deg/h per unit coefficient, one vector over the dwells each.
@@ -284,9 +284,9 @@ impl Entry {
 /// A hypothesis of one's own as an effect. Two are the same where they are one and the same in memory:
 /// [`super::own()`] keeps one of each.
 #[derive(Clone, Copy)]
-pub struct Own(&'static Kept);
+pub struct Own(&'static InternedHypothesis);
 
-struct Kept {
+struct InternedHypothesis {
     hypothesis: OwnHypothesis,
     entry: OnceLock<Entry>,
 }
@@ -294,7 +294,7 @@ struct Kept {
 impl Own {
     /// Kept for as long as the program runs.
     pub(super) fn keeping(hypothesis: OwnHypothesis) -> Self {
-        Self(Box::leak(Box::new(Kept { hypothesis, entry: OnceLock::new() })))
+        Self(Box::leak(Box::new(InternedHypothesis { hypothesis, entry: OnceLock::new() })))
     }
 
     /// The equation, as it was stated.
@@ -340,10 +340,10 @@ impl Own {
     }
 }
 
-fn lacking(own: &OwnHypothesis, setting: &Setting) -> Option<Lack> {
+fn lacking(own: &OwnHypothesis, setting: &Setting) -> Option<MissingInput> {
     let temperature = if own.is_of_temperature() { no_temperature(setting) } else { None };
     let attitude = if own.needs_attitude() { no_attitude(setting) } else { None };
-    temperature.or(attitude).or_else(|| own.not_finite(setting).map(|dwell| Lack::NotFinite { dwell }))
+    temperature.or(attitude).or_else(|| own.not_finite(setting).map(|dwell| MissingInput::NotFinite { dwell }))
 }
 
 impl PartialEq for Own {
@@ -414,14 +414,14 @@ pub(super) const PLAIN: Entry = Entry {
 /// What competing hypotheses have in common.
 pub(super) const COMPETING: Entry = Entry { nameable: false, ..PLAIN };
 
-pub(super) fn no_temperature(setting: &Setting) -> Option<Lack> {
+pub(super) fn no_temperature(setting: &Setting) -> Option<MissingInput> {
     match &setting.temperature {
-        None => Some(Lack::Temperature),
-        Some(t) if t.iter().all(|x| x.abs() < 1e-9) => Some(Lack::TemperatureChange),
+        None => Some(MissingInput::Temperature),
+        Some(t) if t.iter().all(|x| x.abs() < 1e-9) => Some(MissingInput::TemperatureChange),
         Some(_) => None,
     }
 }
 
-pub(super) fn no_attitude(setting: &Setting) -> Option<Lack> {
-    setting.nav_to_body.is_none().then_some(Lack::Attitude)
+pub(super) fn no_attitude(setting: &Setting) -> Option<MissingInput> {
+    setting.nav_to_body.is_none().then_some(MissingInput::Attitude)
 }

@@ -32,8 +32,8 @@ pub use dimension::regressor_unit;
 pub use entry::{Coefficient, Effect, Entry, Own, Parameter, Prior, Scope, Shape};
 pub use estimate::Estimate;
 pub use own::own;
-pub use own_hypothesis::{OwnHypothesis, Range, Written};
-pub use refusal::{Lack, Refusal};
+pub use own_hypothesis::{HypothesisDefinition, OwnHypothesis, Range};
+pub use refusal::{MissingInput, Refusal};
 pub use setting::{GyroAxes, Setting};
 
 use super::message::Message;

@@ -1,7 +1,7 @@
 //! Model (6)'s own terms as effects: candidates whenever the model in use leaves them out.
 
 use super::entry::{Effect, Entry, PLAIN};
-use super::refusal::Lack;
+use super::refusal::MissingInput;
 use super::setting::Setting;
 
 pub(super) const ENTRIES: &[&Entry] = &[&G_LINEAR, &G_SQUARED, &SCALE];
@@ -49,6 +49,6 @@ pub const SCALE: Entry = Entry {
     ..PLAIN
 };
 
-fn no_rates(s: &Setting) -> Option<Lack> {
-    s.rate.iter().all(|w| w.norm() == 0.0).then_some(Lack::Rate)
+fn no_rates(s: &Setting) -> Option<MissingInput> {
+    s.rate.iter().all(|w| w.norm() == 0.0).then_some(MissingInput::Rate)
 }

@@ -17,7 +17,7 @@ use crate::message;
 
 /// As somebody wrote it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Written {
+pub struct HypothesisDefinition {
     pub id: String,
     /// What people read in place of the id, and the physical cause.
     pub words: String,
@@ -46,7 +46,7 @@ pub struct Range {
 /// One that makes sense.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OwnHypothesis {
-    pub written: Written,
+    pub written: HypothesisDefinition,
     equation: Equation,
     /// What each name of the equation is.
     names: Vec<Input>,
@@ -141,7 +141,7 @@ impl OwnHypothesis {
     ///
     /// # Errors
     /// Everything that is wrong with it, by JSON pointer, a place in the equation by its character.
-    pub fn of(written: Written) -> Result<Self, Faults> {
+    pub fn of(written: HypothesisDefinition) -> Result<Self, Faults> {
         let mut faults = Faults::default();
         let sizes = [written.typical[0], written.typical[1], written.plausible];
         if !sizes.iter().all(|x| x.is_finite() && *x > 0.0) || !sizes.is_sorted() {
@@ -383,7 +383,7 @@ impl Axis {
 }
 
 /// What each name is, and the coefficients in the order in which they come.
-fn named(equation: &Equation, written: &Written) -> Result<(Vec<Input>, Vec<String>), Message> {
+fn named(equation: &Equation, written: &HypothesisDefinition) -> Result<(Vec<Input>, Vec<String>), Message> {
     let mut coefficients: Vec<String> = Vec::new();
     let mut inputs = Vec::new();
     for name in equation.names() {
@@ -458,8 +458,8 @@ mod tests {
     use super::*;
     use crate::core::effects::{CATALOGUE, Effect, Shape, own};
 
-    fn written(equation: &str, unit: &str) -> Written {
-        Written {
+    fn written(equation: &str, unit: &str) -> HypothesisDefinition {
+        HypothesisDefinition {
             id: "mine".into(),
             words: "mine".into(),
             cause: "it is".into(),
@@ -472,7 +472,7 @@ mod tests {
         }
     }
 
-    fn refused(written: Written) -> Vec<(String, String)> {
+    fn refused(written: HypothesisDefinition) -> Vec<(String, String)> {
         let faults = OwnHypothesis::of(written).unwrap_err();
         faults.0.into_iter().map(|fault| (fault.pointer, fault.message.to_string())).collect()
     }
@@ -517,7 +517,7 @@ mod tests {
     #[test]
     fn a_parameter_runs_over_its_range_in_its_unit() {
         let range = Range { name: "tau".into(), from: 10.0, to: 1000.0, unit: "min".into() };
-        let decay = Written { range: Some(range), ..written("k1 * exp(-t/tau) * a_S", "deg/(h g0)") };
+        let decay = HypothesisDefinition { range: Some(range), ..written("k1 * exp(-t/tau) * a_S", "deg/(h g0)") };
         let decay = OwnHypothesis::of(decay).unwrap();
         let grid = decay.grid();
         assert_eq!((grid.len(), grid[0]), (GRID, 10.0));
@@ -534,7 +534,7 @@ mod tests {
         let setting = setting();
         let of = |equation, unit, name: &str| {
             let range = Some(Range { name: name.into(), from: 1.0, to: 40.0, unit: "K".into() });
-            OwnHypothesis::of(Written { range, ..written(equation, unit) }).unwrap()
+            OwnHypothesis::of(HypothesisDefinition { range, ..written(equation, unit) }).unwrap()
         };
         let (axes, t) = (&setting.gyros[1], setting.temperature.clone().unwrap());
         let spin = |k: usize| setting.force[k].dot(&axes.spin);
@@ -608,20 +608,21 @@ mod tests {
             (range("t", 1.0, 2.0), "/range/t", "range_name"),
             (range("tau", 1.0, 2.0), "/equation", "equation_without_parameter"),
         ] {
-            let refused = refused(Written { range, ..written("k * t", "deg/h/h") });
+            let refused = refused(HypothesisDefinition { range, ..written("k * t", "deg/h/h") });
             assert_eq!(refused[0].0, pointer, "{refused:?}");
             assert!(refused[0].1.starts_with(expected), "{refused:?}");
         }
         for (equation, unit) in [("k * exp(-t/tau) * a_S", "deg/(h g0)"), ("k * t / tau", "deg/h")] {
             for (from, to) in [(-1.0, 1.0), (0.0, 1.0)] {
-                let refused = refused(Written { range: range("tau", from, to), ..written(equation, unit) });
+                let refused =
+                    refused(HypothesisDefinition { range: range("tau", from, to), ..written(equation, unit) });
                 assert_eq!(refused[0].0, "/range/tau", "{refused:?}");
                 assert!(refused[0].1.starts_with("range_through_zero"), "{refused:?}");
             }
         }
-        let shifted = Written { range: range("t0", -1.0, 1.0), ..written("k * (t - t0)", "deg/h/h") };
+        let shifted = HypothesisDefinition { range: range("t0", -1.0, 1.0), ..written("k * (t - t0)", "deg/h/h") };
         OwnHypothesis::of(shifted).unwrap();
-        let sizes = refused(Written { plausible: f64::NAN, ..written("k * T", "deg/h/K") });
+        let sizes = refused(HypothesisDefinition { plausible: f64::NAN, ..written("k * T", "deg/h/K") });
         assert_eq!(sizes, [("/plausible".to_owned(), "hypothesis_sizes".to_owned())]);
     }
 

@@ -30,7 +30,7 @@ impl Refusal {
 /// What a campaign lacks to hold the regressors of an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
-pub enum Lack {
+pub enum MissingInput {
     Temperature,
     TemperatureChange,
     Attitude,
@@ -38,7 +38,7 @@ pub enum Lack {
     NotFinite { dwell: usize },
 }
 
-impl Lack {
+impl MissingInput {
     /// What is lacking, as a code with parameters.
     pub fn message(self) -> Message {
         match self {

@@ -4,7 +4,7 @@ use nalgebra::DVector;
 
 use super::fit::{CampaignSample, identify_at};
 use super::identified::Identified;
-use super::programme::{Knowledge, StackedDesign};
+use super::programme::{CoefficientEstimate, StackedDesign};
 use crate::core::augmented::{Adopted, AugmentedModel, KnownEffect, Options};
 use crate::core::calibrate::noise::t_variance;
 use crate::core::campaign::Campaign;
@@ -127,8 +127,8 @@ fn may_be_bent(
     let Some(kelvin) = programme.setting.temperature.as_ref().filter(|_| entry.of_temperature && 2 * beyond > n) else {
         return false;
     };
-    let knowledge = Knowledge::of(model, campaign, programme, model.effects.len());
-    let errors = programme.measured(campaign) - &programme.columns * &knowledge.values;
+    let estimate = CoefficientEstimate::of(model, campaign, programme, model.effects.len());
+    let errors = programme.measured(campaign) - &programme.columns * &estimate.values;
     let of_one_kelvin = programme.setting.at_kelvin(1.0);
     let (mut along, mut expected) = (0.0, 0.0);
     for (j, gyro) in programme.gyros.iter().enumerate().filter(|(_, g)| one.slot.is_none_or(|slot| slot == g.slot)) {
@@ -216,13 +216,13 @@ fn held_against(model: &Identified, now: &Identified, effect: usize, slot: Optio
 
 /// D_I and D_S with the effects as the campaign has them, less those with the model's.
 fn shifts(now: &Identified, changed: &[(usize, f64)]) -> Vec<DriftShift> {
-    let free = Knowledge { values: now.values(), covariance: now.covariance.clone() };
+    let free = CoefficientEstimate { values: now.values(), covariance: now.covariance.clone() };
     let mut held = free.clone();
     let places: Vec<usize> = changed.iter().map(|(place, _)| *place).collect();
     held.condition(&places, &DVector::from_iterator(changed.len(), changed.iter().map(|(_, value)| *value)));
     let mut all = Vec::new();
     for gyro in &now.gyros {
-        let of = |k: &Knowledge| Some(now.separation(gyro.slot, &k.values, &k.covariance)?.rigid);
+        let of = |k: &CoefficientEstimate| Some(now.separation(gyro.slot, &k.values, &k.covariance)?.rigid);
         let (Some(free), Some(held)) = (of(&free), of(&held)) else { continue };
         // The variance of a fit less that of the same fit with something known is the variance of their difference.
         let variance = |rigid: &Rigid, i: usize| rigid.covariance.map_or(0.0, |c| c[(i, i)]);

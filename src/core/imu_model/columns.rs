@@ -4,24 +4,24 @@ use nalgebra::DMatrix;
 
 use super::identified::{ModelCoefficient, Of};
 use crate::core::augmented::Adopted;
-use crate::core::effects::{Effect, Lack, Setting};
+use crate::core::effects::{Effect, MissingInput, Setting};
 use crate::core::model::Term;
 
 /// The columns, pulse/s per unit of each coefficient: gyro by gyro, dwell by dwell.
 pub(super) struct Columns {
     pub matrix: DMatrix<f64>,
     /// Effects whose regressors the campaign lacks: their columns are zero.
-    pub lacking: Vec<(Effect, Lack)>,
+    pub lacking: Vec<(Effect, MissingInput)>,
 }
 
 pub(super) fn columns(setting: &Setting, coefficients: &[ModelCoefficient], effects: &[Adopted]) -> Columns {
     let n = setting.dwells();
     let mut matrix = DMatrix::zeros(setting.gyros.len() * n, coefficients.len());
     let mut lacking = Vec::new();
-    let missing: Vec<Option<Lack>> = effects.iter().map(|a| (a.effect.entry().missing)(setting)).collect();
+    let missing: Vec<Option<MissingInput>> = effects.iter().map(|a| (a.effect.entry().missing)(setting)).collect();
     for (adopted, lack) in effects.iter().zip(&missing) {
         // At the reference temperature throughout, an effect of temperature adds nothing.
-        lacking.extend(lack.filter(|lack| *lack != Lack::TemperatureChange).map(|lack| (adopted.effect, lack)));
+        lacking.extend(lack.filter(|lack| *lack != MissingInput::TemperatureChange).map(|lack| (adopted.effect, lack)));
     }
     for (j, gyro) in setting.gyros.iter().enumerate() {
         let of_effects: Vec<Vec<Vec<f64>>> = effects

@@ -13,12 +13,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::forecast::{Forecast, foretold};
+use super::forecast::{Forecast, predict};
 use super::identified::Identified;
-use super::programme::{GyroOfBoth, Knowledge, NoForecast, StackedDesign};
+use super::programme::{CoefficientEstimate, GyroOfBoth, NoForecast, StackedDesign};
 use crate::core::campaign::Campaign;
 use crate::core::effects::Effect;
-use crate::core::judge::{Foretold, ForetoldGyro, Unseen};
+use crate::core::judge::{ForecastErrors, GyroForecastErrors, Unseen};
 use crate::core::mounting::Slot;
 use crate::core::numerics::normal::normal_quantile;
 use crate::core::numerics::tails::{squares_tail, t_cdf};
@@ -45,11 +45,11 @@ pub struct ForecastComparison {
     /// Kolmogorov's test that the probability integral transform is uniform.
     pub pit_p_value: f64,
     /// Beyond what chance has over all dwells, the furthest first.
-    pub missed: Vec<Miss>,
+    pub missed: Vec<OutlyingDwell>,
     /// Whether the model has seen the temperatures, rates and attitudes of half the dwells: those alone are judged.
     is_mostly_seen: bool,
     /// None where the model holds no effects.
-    pub closing: Option<Closing>,
+    pub closing: Option<ErrorReduction>,
 }
 
 /// One gyro's outputs held against its forecast.
@@ -66,15 +66,15 @@ pub struct GyroComparison {
     /// That the errors of this gyro are as large.
     pub p_value: f64,
     /// What that is judged by.
-    pub foretold: ForetoldGyro,
+    pub errors: GyroForecastErrors,
 }
 
 impl ForecastComparison {
     /// As a rule judges it.
-    pub fn foretold(&self, model: &Identified) -> Foretold {
+    pub fn foretold(&self, model: &Identified) -> ForecastErrors {
         let mut unseen = self.unseen();
-        Foretold {
-            gyros: self.gyros.iter().map(|gyro| gyro.foretold).collect(),
+        ForecastErrors {
+            gyros: self.gyros.iter().map(|gyro| gyro.errors).collect(),
             campaigns: model.campaigns.len(),
             unseen: unseen.find(|unseen| !(self.is_mostly_seen && unseen.is_of_dwells())),
         }
@@ -85,7 +85,7 @@ impl ForecastComparison {
     }
 
     /// Of dwells whose rates and attitudes the model has seen, `beyond` the temperatures that it has.
-    fn judge_beyond_seen(&mut self, beyond: &StackedDesign, knowledge: &Knowledge, measured: &DVector<f64>) {
+    fn judge_beyond_seen(&mut self, beyond: &StackedDesign, estimate: &CoefficientEstimate, measured: &DVector<f64>) {
         if self.unseen().any(|unseen| !unseen.is_of_dwells()) {
             return;
         }
@@ -94,7 +94,7 @@ impl ForecastComparison {
             let seen = beyond.seen[i % n];
             seen.rate && seen.attitude && self.forecast.gyros[i / n].foretold[i % n]
         };
-        let innovations = innovations(beyond, knowledge, measured, is_judged);
+        let innovations = innovations(beyond, estimate, measured, is_judged);
         let judged = |j: usize| {
             let rows = (j * n..(j + 1) * n).filter(|i| is_judged(*i));
             let squares: f64 = rows.clone().map(|i| innovations[i][0].powi(2)).sum();
@@ -102,14 +102,14 @@ impl ForecastComparison {
         };
         let judged: Vec<_> = (0..self.gyros.len()).map(judged).collect();
         for (gyro, judged) in self.gyros.iter_mut().zip(judged) {
-            gyro.foretold.beyond_seen = (judged.0 > 0).then_some(judged);
+            gyro.errors.beyond_seen = (judged.0 > 0).then_some(judged);
         }
     }
 }
 
 /// A dwell far from its forecast.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Miss {
+pub struct OutlyingDwell {
     pub slot: Slot,
     pub dwell: usize,
     pub z: f64,
@@ -117,7 +117,7 @@ pub struct Miss {
 
 /// How much of the forecast error above the noise goes away with the adopted effects.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Closing {
+pub struct ErrorReduction {
     /// Root mean square of the error without and with them, deg/h.
     pub before_deg_per_h: f64,
     pub after_deg_per_h: f64,
@@ -127,9 +127,9 @@ pub struct Closing {
     pub interval: Option<[f64; 2]>,
 }
 
-/// One step of the ladder.
+/// One step of a sequence of nested models.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rung {
+pub struct ModelStep {
     /// The effect that this step adds; none for model (6) alone.
     pub effect: Option<Effect>,
     pub rms_deg_per_h: f64,
@@ -142,62 +142,62 @@ pub struct Rung {
 /// [`NoForecast`]; also where the model was fitted to the campaign.
 pub fn compare(model: &Identified, campaign: &Campaign) -> Result<ForecastComparison, NoForecast> {
     let programme = StackedDesign::of_another(model, campaign)?;
-    let knowledge = Knowledge::of(model, campaign, &programme, model.effects.len());
+    let estimate = CoefficientEstimate::of(model, campaign, &programme, model.effects.len());
     let measured = programme.measured(campaign);
-    let mut compared = compared(&programme, &knowledge, &measured);
+    let mut compared = compared(&programme, &estimate, &measured);
     if !compared.is_mostly_seen {
         let beyond = programme.beyond_seen();
-        let knowledge = Knowledge::of(model, campaign, &beyond, model.effects.len());
-        compared.judge_beyond_seen(&beyond, &knowledge, &measured);
+        let estimate = CoefficientEstimate::of(model, campaign, &beyond, model.effects.len());
+        compared.judge_beyond_seen(&beyond, &estimate, &measured);
     }
     if !model.effects.is_empty() {
-        let plain = Knowledge::of(model, campaign, &programme, 0);
-        compared.closing = Some(Weighed::of(&programme, &knowledge, &plain, &compared.forecast).seen(&measured));
+        let plain = CoefficientEstimate::of(model, campaign, &programme, 0);
+        compared.closing = Some(WeightedErrors::of(&programme, &estimate, &plain, &compared.forecast).seen(&measured));
     }
     Ok(compared)
 }
 
-/// What the model promises of [`Closing`] before the campaign is measured.
+/// What the model promises of [`ErrorReduction`] before the campaign is measured.
 ///
 /// # Errors
 /// As [`compare`].
-pub fn promised(model: &Identified, campaign: &Campaign) -> Result<Option<Closing>, NoForecast> {
+pub fn promised(model: &Identified, campaign: &Campaign) -> Result<Option<ErrorReduction>, NoForecast> {
     if model.effects.is_empty() {
         return Ok(None);
     }
     let programme = StackedDesign::of(model, campaign)?;
-    let (knowledge, plain) = (
-        Knowledge::of(model, campaign, &programme, model.effects.len()),
-        Knowledge::of(model, campaign, &programme, 0),
+    let (estimate, plain) = (
+        CoefficientEstimate::of(model, campaign, &programme, model.effects.len()),
+        CoefficientEstimate::of(model, campaign, &programme, 0),
     );
-    let forecast = foretold(&programme, &knowledge);
-    Ok(Some(Weighed::of(&programme, &knowledge, &plain, &forecast).promised()))
+    let forecast = predict(&programme, &estimate);
+    Ok(Some(WeightedErrors::of(&programme, &estimate, &plain, &forecast).promised()))
 }
 
 /// Model (6) alone, then effect by effect: the error of each one's forecast.
 ///
 /// # Errors
 /// As [`compare`].
-pub fn ladder(model: &Identified, campaign: &Campaign) -> Result<Vec<Rung>, NoForecast> {
+pub fn ladder(model: &Identified, campaign: &Campaign) -> Result<Vec<ModelStep>, NoForecast> {
     let programme = StackedDesign::of_another(model, campaign)?;
     let measured = programme.measured(campaign);
-    let rung = |effects: usize| {
-        let compared = compared(&programme, &Knowledge::of(model, campaign, &programme, effects), &measured);
-        Rung {
+    let step = |effects: usize| {
+        let compared = compared(&programme, &CoefficientEstimate::of(model, campaign, &programme, effects), &measured);
+        ModelStep {
             effect: effects.checked_sub(1).map(|last| model.effects[last].effect),
             rms_deg_per_h: compared.rms_deg_per_h,
             rms_over_sd: compared.rms_over_sd,
         }
     };
-    Ok((0..=model.effects.len()).map(rung).collect())
+    Ok((0..=model.effects.len()).map(step).collect())
 }
 
-fn compared(programme: &StackedDesign, knowledge: &Knowledge, measured: &DVector<f64>) -> ForecastComparison {
-    let forecast = foretold(programme, knowledge);
+fn compared(programme: &StackedDesign, estimate: &CoefficientEstimate, measured: &DVector<f64>) -> ForecastComparison {
+    let forecast = predict(programme, estimate);
     let n = programme.dwells;
     let is_told = |i: usize| forecast.gyros[i / n].foretold[i % n];
-    let innovations = innovations(programme, knowledge, measured, is_told);
-    let judged = JudgedInnovations::of(programme, knowledge, measured, (&forecast, &innovations));
+    let innovations = innovations(programme, estimate, measured, is_told);
+    let judged = JudgedInnovations::of(programme, estimate, measured, (&forecast, &innovations));
     let mut scale = VarianceScale::of(scale_dof(programme));
     let mut gyros = Vec::new();
     let mut missed = Vec::new();
@@ -219,14 +219,14 @@ fn compared(programme: &StackedDesign, knowledge: &Knowledge, measured: &DVector
             let weight = (gyro.scale / gyro.noise[*k]).powi(2);
             errors += weight * (error[*k] / gyro.scale).powi(2);
             weights += weight;
-            missed.push(Miss { slot: gyro.slot, dwell: *k, z: z[*k] });
+            missed.push(OutlyingDwell { slot: gyro.slot, dwell: *k, z: z[*k] });
         }
         squares += of_gyro;
         all_independent += squares_of_gyro;
         count += told.len();
         gyros.push(GyroComparison {
             slot: gyro.slot,
-            foretold: foretold_gyro(programme, &forecast, &judged, j, &z),
+            errors: gyro_errors(programme, &forecast, &judged, j, &z),
             error,
             z,
             pit: independent.into_iter().map(|error| scale.transformed(error)).collect(),
@@ -263,7 +263,7 @@ struct JudgedInnovations {
 impl JudgedInnovations {
     fn of(
         programme: &StackedDesign,
-        knowledge: &Knowledge,
+        estimate: &CoefficientEstimate,
         measured: &DVector<f64>,
         (forecast, of_all): (&Forecast, &[[f64; 3]]),
     ) -> Self {
@@ -274,7 +274,7 @@ impl JudgedInnovations {
             return Self { is_mostly_seen, innovations: of_all.to_vec() };
         }
         let is_judged = |i: usize| programme.seen[i % n].whole() && forecast.gyros[i / n].foretold[i % n];
-        Self { is_mostly_seen, innovations: innovations(programme, knowledge, measured, is_judged) }
+        Self { is_mostly_seen, innovations: innovations(programme, estimate, measured, is_judged) }
     }
 
     fn counts(&self, programme: &StackedDesign, dwell: usize) -> bool {
@@ -282,23 +282,23 @@ impl JudgedInnovations {
     }
 }
 
-fn foretold_gyro(
+fn gyro_errors(
     programme: &StackedDesign,
     forecast: &Forecast,
     judged: &JudgedInnovations,
     j: usize,
     z: &[f64],
-) -> ForetoldGyro {
+) -> GyroForecastErrors {
     let (n, gyro) = (programme.dwells, &programme.gyros[j]);
     let foretold = &forecast.gyros[j].foretold;
     let told: Vec<usize> = (0..n).filter(|k| foretold[*k] && judged.counts(programme, *k)).collect();
     let sum = |of: usize| told.iter().map(|k| judged.innovations[j * n + k][of].powi(2)).sum::<f64>();
-    ForetoldGyro {
+    GyroForecastErrors {
         slot: gyro.slot,
         count: told.len(),
         dof: gyro.dof,
         squares: sum(0) * gyro.t_variance,
-        telling: [sum(1), sum(2)].map(|telling| telling * gyro.t_variance),
+        noncentrality: [sum(1), sum(2)].map(|noncentrality| noncentrality * gyro.t_variance),
         beyond_seen: None,
         furthest: told.iter().map(|k| (*k, z[*k])).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())),
     }
@@ -315,12 +315,12 @@ fn scale_dof(programme: &StackedDesign) -> f64 {
 /// row's gyro by 1 deg/(h g0) adds to it; zero of what is left out.
 fn innovations(
     programme: &StackedDesign,
-    knowledge: &Knowledge,
+    estimate: &CoefficientEstimate,
     measured: &DVector<f64>,
     is_told: impl Fn(usize) -> bool,
 ) -> Vec<[f64; 3]> {
     let n = programme.dwells;
-    let Knowledge { values, mut covariance } = knowledge.clone();
+    let CoefficientEstimate { values, mut covariance } = estimate.clone();
     // What the rows before have told: of the campaign, and of one whose D_I or D_S alone differs.
     let mut told = [values.clone(), DVector::zeros(values.len()), DVector::zeros(values.len())];
     let mut found = vec![[0.0; 3]; measured.len()];
@@ -386,7 +386,7 @@ pub(super) fn kolmogorov(uniform: &[f64]) -> f64 {
 /// With `W = 1/noise^2` and `d` the difference of the forecasts, `A = e'We - N` and `B = (e + d)'W(e + d) - N` are what
 /// the errors with and without the effects exceed the noise by. Both are quadratic in normal errors, and their ratio
 /// has Fieller's interval.
-struct Weighed {
+struct WeightedErrors {
     /// Rows that are foretold.
     rows: Vec<usize>,
     predicted: DVector<f64>,
@@ -402,8 +402,13 @@ struct Weighed {
     dof: f64,
 }
 
-impl Weighed {
-    fn of(programme: &StackedDesign, with: &Knowledge, without: &Knowledge, forecast: &Forecast) -> Self {
+impl WeightedErrors {
+    fn of(
+        programme: &StackedDesign,
+        with: &CoefficientEstimate,
+        without: &CoefficientEstimate,
+        forecast: &Forecast,
+    ) -> Self {
         let n = programme.dwells;
         let rows: Vec<usize> = (0..programme.noise.len()).filter(|i| forecast.gyros[i / n].foretold[i % n]).collect();
         let x = programme.columns.select_rows(&rows);
@@ -433,7 +438,7 @@ impl Weighed {
 
     /// A is a sum of squares few of which may be large: the errors of a few coefficients. The quantiles of A - r B are
     /// those of Pearson's type III with its first three cumulants.
-    fn promised(&self) -> Closing {
+    fn promised(&self) -> ErrorReduction {
         let n = self.rows.len() as f64;
         let [t1, t2, t3] = self.traces;
         let [p1, p2, p3] = self.powers;
@@ -458,7 +463,7 @@ impl Weighed {
         };
         let interval = root(0.975).zip(root(0.025)).map(|(low, high)| [low.min(1.0), high.min(1.0)]);
         let rms = |excess: f64| self.unit * ((excess + n) / n).sqrt();
-        Closing {
+        ErrorReduction {
             before_deg_per_h: rms(t1 + p1),
             after_deg_per_h: rms(t1),
             closure: p1 / (t1 + p1).max(f64::MIN_POSITIVE),
@@ -466,7 +471,7 @@ impl Weighed {
         }
     }
 
-    fn seen(&self, measured: &DVector<f64>) -> Closing {
+    fn seen(&self, measured: &DVector<f64>) -> ErrorReduction {
         let n = self.rows.len() as f64;
         let with = measured.select_rows(&self.rows) - &self.predicted;
         let without = &with + &self.difference;
@@ -477,7 +482,7 @@ impl Weighed {
     }
 
     /// Of excesses `a`, `b`, their variances and covariance.
-    fn closing(&self, a: f64, b: f64, of_a: f64, of_b: f64, of_both: f64) -> Closing {
+    fn closing(&self, a: f64, b: f64, of_a: f64, of_b: f64, of_both: f64) -> ErrorReduction {
         let n = self.rows.len() as f64;
         let rms = |excess: f64| self.unit * ((excess + n).max(0.0) / n).sqrt();
         let closure = |ratio: f64| (1.0 - ratio).min(1.0);
@@ -488,7 +493,7 @@ impl Weighed {
         let root = half * half - square * rest;
         let bounded = b > 0.0 && square > 0.0 && root >= 0.0;
         let interval = bounded.then(|| [1.0, -1.0].map(|sign| closure((half + sign * root.sqrt()) / square)));
-        Closing {
+        ErrorReduction {
             before_deg_per_h: rms(b),
             after_deg_per_h: rms(a),
             closure: if b > 0.0 { closure(a / b) } else { 0.0 },

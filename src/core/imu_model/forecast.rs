@@ -2,7 +2,7 @@
 //! outputs taken.
 
 use super::identified::Identified;
-use super::programme::{Knowledge, NoForecast, StackedDesign};
+use super::programme::{CoefficientEstimate, NoForecast, StackedDesign};
 use crate::core::campaign::Campaign;
 use crate::core::message::Message;
 use crate::core::mounting::Slot;
@@ -43,13 +43,13 @@ pub struct GyroForecast {
 /// [`NoForecast`], where the model is of something else.
 pub fn forecast(model: &Identified, campaign: &Campaign) -> Result<Forecast, NoForecast> {
     let programme = StackedDesign::of(model, campaign)?;
-    Ok(foretold(&programme, &Knowledge::of(model, campaign, &programme, model.effects.len())))
+    Ok(predict(&programme, &CoefficientEstimate::of(model, campaign, &programme, model.effects.len())))
 }
 
-pub(super) fn foretold(programme: &StackedDesign, knowledge: &Knowledge) -> Forecast {
+pub(super) fn predict(programme: &StackedDesign, estimate: &CoefficientEstimate) -> Forecast {
     let n = programme.dwells;
-    let predicted = &programme.columns * &knowledge.values + &programme.held;
-    let spread = &programme.columns * &knowledge.covariance;
+    let predicted = &programme.columns * &estimate.values + &programme.held;
+    let spread = &programme.columns * &estimate.covariance;
     let own: Vec<f64> = (0..predicted.len()).map(|i| spread.row(i).dot(&programme.columns.row(i)).max(0.0)).collect();
     let gyros = programme.gyros.iter().enumerate().map(|(j, gyro)| {
         let rows = j * n..(j + 1) * n;

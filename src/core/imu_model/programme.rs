@@ -308,12 +308,12 @@ fn outside(model: &Identified, campaign: &Campaign, setting: &Setting, notes: &m
 
 /// Coefficients with their covariance.
 #[derive(Debug, Clone)]
-pub(super) struct Knowledge {
+pub(super) struct CoefficientEstimate {
     pub values: DVector<f64>,
     pub covariance: DMatrix<f64>,
 }
 
-impl Knowledge {
+impl CoefficientEstimate {
     /// What the model knows for a campaign, with its first `effects` effects only.
     ///
     /// Without the others it is the fit in which they are zero, `theta - C_k C_kk^-1 k`: what the same campaigns say
@@ -321,33 +321,33 @@ impl Knowledge {
     /// cycle is any; effects of another station's table are none of this one's. What `programme` asks of beside the
     /// model's coefficients is zero with unit variance.
     pub fn of(model: &Identified, campaign: &Campaign, programme: &StackedDesign, effects: usize) -> Self {
-        let mut knowledge = Self { values: model.values(), covariance: model.covariance.clone() };
+        let mut estimate = Self { values: model.values(), covariance: model.covariance.clone() };
         let omitted: Vec<usize> = (effects..model.effects.len()).flat_map(|e| model.of_effect(e)).collect();
-        knowledge.condition(&omitted, &DVector::zeros(omitted.len()));
+        estimate.condition(&omitted, &DVector::zeros(omitted.len()));
         let same_station = model.campaigns.iter().any(|fitted| fitted.station == campaign.station);
         let fitted_to = is_fitted_to(model, campaign);
         for (e, adopted) in model.effects.iter().enumerate().take(effects).filter(|_| !fitted_to) {
             let entry = adopted.effect.entry();
             let places = model.of_effect(e);
             if entry.scope == Scope::Common && !same_station {
-                places.iter().for_each(|place| knowledge.set(*place, 0.0, 0.0));
+                places.iter().for_each(|place| estimate.set(*place, 0.0, 0.0));
             }
             if entry.parameter == Parameter::Period {
                 for pair in places.chunks(2) {
-                    let power: f64 = pair.iter().map(|p| knowledge.values[*p].powi(2)).sum();
-                    pair.iter().for_each(|place| knowledge.set(*place, 0.0, 0.5 * power));
+                    let power: f64 = pair.iter().map(|p| estimate.values[*p].powi(2)).sum();
+                    pair.iter().for_each(|place| estimate.set(*place, 0.0, 0.5 * power));
                 }
             }
         }
         if !fitted_to {
             for (place, coefficient) in model.coefficients.iter().enumerate() {
-                knowledge.covariance[(place, place)] += coefficient.between.powi(2);
+                estimate.covariance[(place, place)] += coefficient.between.powi(2);
             }
         }
         let (p, all) = (model.coefficients.len(), programme.columns.ncols());
-        let mut covariance = knowledge.covariance.resize(all, all, 0.0);
+        let mut covariance = estimate.covariance.resize(all, all, 0.0);
         (p..all).for_each(|place| covariance[(place, place)] = 1.0);
-        Self { values: knowledge.values.resize_vertically(all, 0.0), covariance }
+        Self { values: estimate.values.resize_vertically(all, 0.0), covariance }
     }
 
     /// Fixes the coefficients at `places` at `values`.

@@ -7,6 +7,7 @@
 pub mod history;
 pub mod limits;
 
+mod budget_projection;
 mod cells;
 mod coefficient;
 mod decide;
@@ -14,7 +15,6 @@ mod event;
 mod extremes;
 mod load;
 mod noise;
-mod outlook;
 mod range_summary;
 mod reason;
 mod rule;
@@ -24,23 +24,24 @@ mod series;
 mod suggestion;
 mod verdict;
 
+pub use budget_projection::{BudgetCrossing, BudgetProjection};
 pub use coefficient::Coefficient;
 pub use event::{Event, FixedLevels, Mark, baseline_since, reset_before, stated_level};
 pub use history::{History, Need};
 pub use limits::{DriftLimits, Limit, LimitKey, Limits, ShiftLimits, TrendLimits};
 pub use load::Load;
 pub use noise::{FleetNoise, NoiseParameters, Spacing, fit_fleet};
-pub use outlook::{Outlook, Reach};
 pub use range_summary::Older;
 pub use reason::{digits, sd_digits};
 pub use rule::{FigureSource, Finding, LimitKind, Rule, Unit, Unseen};
 pub use rules::{
-    Foretold, ForetoldGyro, Group, ImuQuestion, LATELY, NewestCalibration, ShiftQuestion, SourcedResult, Suspected,
-    agreement, forecast, group_shift, has_grown, imu_shift, in_common, is_explained, overdue, requirement, shift_began,
+    ExplicableVerdict, ForecastErrors, Group, GroupShiftCriteria, GyroForecastErrors, ImuShiftCriteria, LATELY,
+    NewestCalibration, SourcedResult, agreement, forecast, group_shift, has_grown, imu_shift, in_common, is_explained,
+    overdue, requirement, shift_began,
 };
 pub use sample::{BASELINE_RECORDS, Measured, Sample, Seat};
 pub use series::Series;
-pub use suggestion::{Standpoint, Suggestion, suggest};
+pub use suggestion::{Suggestion, SuggestionInput, suggest};
 pub use verdict::{Severity, State, Status, Verdict};
 
 use cells::Window;

@@ -49,7 +49,7 @@ impl Suggestion {
 
 /// What a suggestion follows from.
 #[derive(Debug, Clone, Default)]
-pub struct Standpoint {
+pub struct SuggestionInput {
     /// The worst of all; none for a gyro that was never calibrated.
     pub status: Option<Status>,
     /// Whether the newest record may show another gyro's figures, or those in another unit.
@@ -84,7 +84,7 @@ pub struct Standpoint {
 ///
 /// A trend that may reach the budget within the interval shortens it; where no interval is asked for, a trend only
 /// has to be watched until it may have passed the budget. Then nothing is left to be shortened.
-pub fn suggest(of: &Standpoint) -> Option<Suggestion> {
+pub fn suggest(of: &SuggestionInput) -> Option<Suggestion> {
     let certain = |status: Status| matches!(status, Status::OutOfTolerance | Status::Confirmed);
     let mut out = of.verdicts.iter().filter(|(_, status)| certain(*status)).map(|(coefficient, _)| *coefficient);
     let soon = of.reaches_in_days.is_some_and(|days| days <= of.interval_days.unwrap_or(0.0));
@@ -127,8 +127,8 @@ pub fn suggest(of: &Standpoint) -> Option<Suggestion> {
 mod tests {
     use super::*;
 
-    fn of(status: Status, verdicts: &[(Coefficient, Status)]) -> Standpoint {
-        Standpoint { status: Some(status), verdicts: verdicts.to_vec(), ..Standpoint::default() }
+    fn of(status: Status, verdicts: &[(Coefficient, Status)]) -> SuggestionInput {
+        SuggestionInput { status: Some(status), verdicts: verdicts.to_vec(), ..SuggestionInput::default() }
     }
 
     #[test]
@@ -154,26 +154,26 @@ mod tests {
         ] {
             assert_eq!(suggest(&of(status, &verdicts)), Some(expected), "{status:?} {verdicts:?}");
         }
-        assert_eq!(suggest(&Standpoint::default()), None, "never calibrated");
-        let moves_on = Standpoint { unsteady: true, ..of(Status::Confirmed, &[(DI, Status::Confirmed)]) };
+        assert_eq!(suggest(&SuggestionInput::default()), None, "never calibrated");
+        let moves_on = SuggestionInput { unsteady: true, ..of(Status::Confirmed, &[(DI, Status::Confirmed)]) };
         assert_eq!(suggest(&moves_on), Some(Suggestion::Remove), "no level to accept");
-        let stepped = Standpoint { stepped_at_event: true, ..of(Status::Confirmed, &[(DI, Status::Confirmed)]) };
+        let stepped = SuggestionInput { stepped_at_event: true, ..of(Status::Confirmed, &[(DI, Status::Confirmed)]) };
         assert_eq!(suggest(&stepped), Some(Suggestion::AcceptOrRemove));
-        let scatters = Standpoint { scatters: true, ..of(Status::TooUncertain, &[(DI, Status::TooUncertain)]) };
+        let scatters = SuggestionInput { scatters: true, ..of(Status::TooUncertain, &[(DI, Status::TooUncertain)]) };
         assert_eq!(suggest(&scatters), Some(Suggestion::FindCause), "no smaller uncertainty decides");
-        let young = Standpoint { awaits_baseline: true, ..of(Status::InTolerance, &[(DI, Status::InTolerance)]) };
+        let young = SuggestionInput { awaits_baseline: true, ..of(Status::InTolerance, &[(DI, Status::InTolerance)]) };
         assert_eq!(suggest(&young), Some(Suggestion::MoreRecords), "two records that agree are no release");
-        let doubtful = Standpoint { record_in_doubt: true, ..stepped.clone() };
+        let doubtful = SuggestionInput { record_in_doubt: true, ..stepped.clone() };
         assert_eq!(suggest(&doubtful), Some(Suggestion::CheckRecord), "whose figures are they?");
-        let of_station = Standpoint { is_stations: true, ..stepped.clone() };
+        let of_station = SuggestionInput { is_stations: true, ..stepped.clone() };
         assert_eq!(suggest(&of_station), Some(Suggestion::CheckStation), "no gyro goes for what its station did");
         for status in [Status::Borderline, Status::Overdue, Status::Drifting, Status::Unconfirmed] {
-            let seen = Standpoint { is_stations: true, may_have_reached: true, ..of(status, &[(DI, status)]) };
+            let seen = SuggestionInput { is_stations: true, may_have_reached: true, ..of(status, &[(DI, status)]) };
             assert_eq!(suggest(&seen), Some(Suggestion::CheckStation), "{status:?}");
         }
-        let moved = Standpoint { moved_together: true, ..of(Status::InTolerance, &[(DI, Status::InTolerance)]) };
+        let moved = SuggestionInput { moved_together: true, ..of(Status::InTolerance, &[(DI, Status::InTolerance)]) };
         assert_eq!(suggest(&moved), None, "nothing is released while its IMU is said to have moved");
-        let both = Standpoint { unsteady: true, ..stepped };
+        let both = SuggestionInput { unsteady: true, ..stepped };
         assert_eq!(suggest(&both), Some(Suggestion::Remove), "what scatters about a new level has none");
     }
 
@@ -181,7 +181,11 @@ mod tests {
     fn a_drift_shortens_the_interval_where_it_may_reach_the_budget_within_it() {
         let drifting = |reaches: Option<f64>, interval: Option<f64>| {
             let seen = [(Coefficient::DI, Status::Drifting)];
-            suggest(&Standpoint { reaches_in_days: reaches, interval_days: interval, ..of(Status::Drifting, &seen) })
+            suggest(&SuggestionInput {
+                reaches_in_days: reaches,
+                interval_days: interval,
+                ..of(Status::Drifting, &seen)
+            })
         };
         assert_eq!(drifting(Some(60.0), Some(90.0)), Some(Suggestion::ShortenInterval));
         assert_eq!(drifting(Some(120.0), Some(90.0)), Some(Suggestion::Watch));
@@ -189,7 +193,7 @@ mod tests {
         assert_eq!(drifting(None, Some(90.0)), Some(Suggestion::Watch));
         // A trend that no rule speaks of yet.
         let quiet =
-            Standpoint { reaches_in_days: Some(30.0), interval_days: Some(90.0), ..of(Status::InTolerance, &[]) };
+            SuggestionInput { reaches_in_days: Some(30.0), interval_days: Some(90.0), ..of(Status::InTolerance, &[]) };
         assert_eq!(suggest(&quiet), Some(Suggestion::ShortenInterval));
     }
 
@@ -198,7 +202,7 @@ mod tests {
         let reached = |status: Status, overdue: bool| {
             let seen = [(Coefficient::DI, status)];
             let reaches_in_days = Some(-24.0);
-            suggest(&Standpoint { reaches_in_days, may_have_reached: true, overdue, ..of(status, &seen) })
+            suggest(&SuggestionInput { reaches_in_days, may_have_reached: true, overdue, ..of(status, &seen) })
         };
         assert_eq!(reached(Status::Drifting, false), Some(Suggestion::CalibrateNow));
         assert_eq!(reached(Status::InTolerance, false), Some(Suggestion::CalibrateNow));
@@ -216,12 +220,12 @@ mod tests {
         let borderline = || of(Status::Borderline, &[(Coefficient::DS, Status::Borderline)]);
         let ages = |reaches: f64, may_have_reached: bool| {
             let (reaches_in_days, interval_days) = (Some(reaches), Some(30.0));
-            suggest(&Standpoint { ages: true, reaches_in_days, may_have_reached, interval_days, ..borderline() })
+            suggest(&SuggestionInput { ages: true, reaches_in_days, may_have_reached, interval_days, ..borderline() })
         };
         assert_eq!(ages(60.0, false), Some(Suggestion::Watch));
         assert_eq!(ages(20.0, false), Some(Suggestion::ShortenInterval));
         assert_eq!(ages(-1.0, true), Some(Suggestion::CalibrateNow));
-        assert_eq!(suggest(&Standpoint { scatters: true, ..borderline() }), Some(Suggestion::FindCause));
+        assert_eq!(suggest(&SuggestionInput { scatters: true, ..borderline() }), Some(Suggestion::FindCause));
         assert_eq!(suggest(&borderline()), Some(Suggestion::Retest));
     }
 
@@ -234,7 +238,7 @@ mod tests {
             (Status::Unconfirmed, Suggestion::Retest),
             (Status::Confirmed, Suggestion::RemoveOrAccept),
         ] {
-            let seen = Standpoint { overdue: true, ..of(status, &[(Coefficient::DI, status)]) };
+            let seen = SuggestionInput { overdue: true, ..of(status, &[(Coefficient::DI, status)]) };
             assert_eq!(suggest(&seen), Some(expected), "{status:?}");
         }
     }

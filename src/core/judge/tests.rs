@@ -960,8 +960,8 @@ fn every_name_is_read_back() {
     assert!(Rule::ALL.into_iter().all(|x| Rule::from_name(x.name()) == Some(x)));
     assert!(Coefficient::ALL.into_iter().all(|x| Coefficient::from_name(x.name()) == Some(x)));
     assert!(State::ALL.into_iter().all(|x| State::from_name(x.name()) == Some(x)));
-    use crate::core::alert_decision::{Action, Standing};
-    assert!(Standing::ALL.into_iter().all(|x| Standing::from_name(x.name()) == Some(x)));
+    use crate::core::alert_decision::{Action, AlertState};
+    assert!(AlertState::ALL.into_iter().all(|x| AlertState::from_name(x.name()) == Some(x)));
     assert!(Action::ALL.into_iter().all(|x| Action::from_name(x.name()) == Some(x)));
     assert!(Status::ALL.into_iter().all(|x| Status::from_name(x.name()) == Some(x)));
     assert!(Severity::ALL.into_iter().all(|x| Severity::from_name(x.name()) == Some(x)));

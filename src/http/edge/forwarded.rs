@@ -9,7 +9,7 @@ use ipnet::IpNet;
 
 /// What is known of the way that a request came.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Way {
+pub(super) struct ForwardedRequest {
     pub client: IpAddr,
     /// None: nobody who is trusted says, so the connection itself does.
     pub https: Option<bool>,
@@ -26,7 +26,7 @@ struct Hop {
     host: Option<String>,
 }
 
-impl Way {
+impl ForwardedRequest {
     pub fn of(headers: &HeaderMap, peer: IpAddr, trusted: &[IpNet]) -> Self {
         let is_forwarded = headers.keys().any(only_proxies_add);
         let peer = peer.to_canonical();
@@ -114,10 +114,10 @@ fn parts(text: &str, separator: char) -> Vec<String> {
 mod tests {
     use super::*;
 
-    fn way(peer: &str, sent: &[(&'static str, &str)]) -> Way {
+    fn way(peer: &str, sent: &[(&'static str, &str)]) -> ForwardedRequest {
         let headers = sent.iter().map(|(name, value)| (name.parse().unwrap(), value.parse().unwrap())).collect();
         let trusted = ["127.0.0.0/8", "10.0.0.0/8", "fd00::/8"].map(|network| network.parse().unwrap());
-        Way::of(&headers, peer.parse().unwrap(), &trusted)
+        ForwardedRequest::of(&headers, peer.parse().unwrap(), &trusted)
     }
 
     #[test]
@@ -142,7 +142,7 @@ mod tests {
         for address in ["192.0.2.7", "192.0.2.8"] {
             headers.append("x-forwarded-for", address.parse().unwrap());
         }
-        let found = Way::of(&headers, "127.0.0.1".parse().unwrap(), &["127.0.0.1/32".parse().unwrap()]);
+        let found = ForwardedRequest::of(&headers, "127.0.0.1".parse().unwrap(), &["127.0.0.1/32".parse().unwrap()]);
         assert_eq!(found.client.to_string(), "192.0.2.8", "of two headers the last");
     }
 

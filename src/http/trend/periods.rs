@@ -2,7 +2,7 @@
 
 use super::request::{PointMethod, Request, TrendText};
 use crate::config::JudgedMethod;
-use crate::core::period::{Gatherer, Period, Summary};
+use crate::core::period::{Period, Summary, SummaryBuilder};
 use crate::core::time::{Span, UtcMicros};
 use crate::http::events::EventBody;
 use crate::http::prelude::*;
@@ -47,7 +47,7 @@ struct PeriodBody {
 impl Request {
     /// One page of periods, and where the next begins.
     pub(super) async fn periods(&self, app: &App, gyro: u32, period: Period) -> Answer<(Vec<Summary>, Option<String>)> {
-        let mut gatherer = Gatherer::new(period);
+        let mut gatherer = SummaryBuilder::new(period);
         match self.method {
             PointMethod::Separated(method) => self.gather(app, gyro, method, &mut gatherer).await?,
             PointMethod::Bench(method) => {
@@ -71,7 +71,7 @@ impl Request {
         Ok((summaries, next))
     }
 
-    async fn gather(&self, app: &App, gyro: u32, method: JudgedMethod, gatherer: &mut Gatherer) -> Answer<()> {
+    async fn gather(&self, app: &App, gyro: u32, method: JudgedMethod, gatherer: &mut SummaryBuilder) -> Answer<()> {
         let column = self.coefficient.column().unwrap_or_default();
         let mut span = self.span;
         loop {

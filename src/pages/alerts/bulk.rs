@@ -1,7 +1,7 @@
 //! One word for many alerts: of the gyros that are ticked, or of those that are named.
 
 use super::table::{known, open_ones, table};
-use crate::core::alert_decision::Standing;
+use crate::core::alert_decision::AlertState;
 use crate::core::fault::Fault;
 use crate::pages::form::{fault_list, see_other, who};
 use crate::pages::prelude::*;
@@ -66,7 +66,7 @@ impl BulkForm {
 }
 
 pub(in crate::pages) async fn ask(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     Query(fields): Query<Vec<(String, String)>>,
 ) -> Result<Page, Problem> {
     let said = BulkForm::of(fields);
@@ -75,7 +75,7 @@ pub(in crate::pages) async fn ask(
 }
 
 pub(in crate::pages) async fn act(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     Form(fields): Form<Vec<(String, String)>>,
 ) -> Result<Response, Problem> {
     let said = BulkForm::of(fields);
@@ -186,10 +186,10 @@ pub(super) fn acknowledge(viewer: &Viewer, serial: &str, here: &str) -> Markup {
 }
 
 /// How alerts stand after a deed, and the deed that takes it back.
-fn undo_of(deed: &str) -> Option<(Standing, &'static str)> {
+fn undo_of(deed: &str) -> Option<(AlertState, &'static str)> {
     match deed {
-        "acknowledge" => Some((Standing::Acknowledged, "unacknowledge")),
-        "silence" => Some((Standing::Silenced, "unsilence")),
+        "acknowledge" => Some((AlertState::Acknowledged, "unacknowledge")),
+        "silence" => Some((AlertState::Silenced, "unsilence")),
         _ => None,
     }
 }

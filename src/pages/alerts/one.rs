@@ -10,7 +10,7 @@ use crate::pages::prelude::*;
 use crate::pipeline::AlertStep;
 
 pub(in crate::pages) async fn page(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     Path(ref id): Path<String>,
 ) -> Result<Page, Problem> {
     let t = viewer.text();

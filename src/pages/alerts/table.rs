@@ -1,6 +1,6 @@
 //! One table of alerts, wherever some are shown.
 
-use crate::core::alert_decision::Standing;
+use crate::core::alert_decision::AlertState;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::judge::Severity;
 use crate::pages::prelude::*;
@@ -28,7 +28,7 @@ pub(in crate::pages) async fn open_ones_of_imu(pages: &Pages, imu: &str) -> Resu
 
 /// Whether it has not been resolved.
 pub(in crate::pages) fn is_open(alert: &AlertBody) -> bool {
-    alert.state != Standing::Resolved.name()
+    alert.state != AlertState::Resolved.name()
 }
 
 /// Whether the figure that it followed last is within its limit again, which is not to say that it is in tolerance.

@@ -34,7 +34,7 @@ const MOST_BARS: usize = 400;
 
 /// What stands along the x axis.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) enum Across {
+pub(super) enum XAxis {
     /// Milliseconds since 1970.
     #[default]
     Time,
@@ -44,7 +44,7 @@ pub(super) enum Across {
 
 /// One measured point.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Dot {
+pub(super) struct DataPoint {
     pub x: f64,
     pub y: f64,
     pub sd: Option<f64>,
@@ -63,7 +63,7 @@ pub(super) struct Dot {
 pub(super) struct Track {
     /// `record`, `bench0`, `k0` …: of the style sheet.
     pub class: String,
-    pub dots: Vec<Dot>,
+    pub dots: Vec<DataPoint>,
     /// Where a line through the points is interrupted: a new level begins at these x.
     pub breaks: Vec<f64>,
     /// Whether a line leads from point to point.
@@ -113,7 +113,7 @@ pub(super) struct Flag {
 
 /// A straight course carried on, and between which instants it meets the budget.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Ahead {
+pub(super) struct Extrapolation {
     pub line: [(f64, f64); 3],
     /// Early and late; the points are where the edges of the band end.
     pub cone: Option<[(f64, f64); 2]>,
@@ -125,7 +125,7 @@ pub(super) struct Chart {
     /// For those who do not see it, and above it.
     pub label: String,
     pub caption: Markup,
-    pub across: Across,
+    pub across: XAxis,
     pub x: (f64, f64),
     /// How far the y axis reaches at least, on either side of zero or of the levels.
     pub around: f64,
@@ -140,18 +140,18 @@ pub(super) struct Chart {
     pub lines: Vec<(&'static str, Vec<(f64, f64)>)>,
     pub lanes: Vec<Vec<Segment>>,
     pub flags: Vec<Flag>,
-    pub ahead: Option<Ahead>,
+    pub ahead: Option<Extrapolation>,
     pub height: f64,
     /// Whether single points may be drawn at the edge.
     pub clips: bool,
 }
 
 impl Chart {
-    pub fn new(label: String, caption: Markup, across: Across, x: (f64, f64)) -> Self {
+    pub fn new(label: String, caption: Markup, across: XAxis, x: (f64, f64)) -> Self {
         Self { label, caption, across, x, height: 170.0, ..Self::default() }
     }
 
-    fn dots(&self) -> impl Iterator<Item = &Dot> {
+    fn dots(&self) -> impl Iterator<Item = &DataPoint> {
         self.tracks.iter().flat_map(|track| &track.dots)
     }
 
@@ -232,7 +232,7 @@ impl Chart {
 
     /// Room for the figures of the x axis, and under them for its name.
     fn bottom(&self) -> f64 {
-        if matches!(self.across, Across::Figure(_)) { BOTTOM + LINE } else { BOTTOM }
+        if matches!(self.across, XAxis::Figure(_)) { BOTTOM + LINE } else { BOTTOM }
     }
 
     fn left(&self, scale: &Scale) -> Markup {
@@ -326,7 +326,7 @@ impl Chart {
         }
     }
 
-    fn ahead(&self, scale: &Scale, ahead: &Ahead) -> Markup {
+    fn ahead(&self, scale: &Scale, ahead: &Extrapolation) -> Markup {
         let [_, now, _] = ahead.line;
         html! {
             svg.stretched width="100%" height=(self.height) viewBox=(self.stretched()) preserveAspectRatio="none" {
@@ -361,7 +361,7 @@ impl Chart {
         }
     }
 
-    fn dot(&self, scale: &Scale, dot: &Dot, lettered: bool, bars: bool, reach: f64) -> Markup {
+    fn dot(&self, scale: &Scale, dot: &DataPoint, lettered: bool, bars: bool, reach: f64) -> Markup {
         let x = scale.x(dot.x);
         let class = dot.status.map_or("plain", Status::name);
         if scale.is_off(dot, reach) {
@@ -403,7 +403,7 @@ impl Chart {
             level.from..=level.from + long
         };
         let is_free = |label: &f64| {
-            let is_near = |dot: &Dot| (label - LINE / 2.0 - scale.y(dot.y)).abs() < LINE;
+            let is_near = |dot: &DataPoint| (label - LINE / 2.0 - scale.y(dot.y)).abs() < LINE;
             !self.dots().any(|dot| stretch.contains(&dot.x) && is_near(dot))
         };
         places.into_iter().find(is_free).unwrap_or(places[0])
@@ -483,11 +483,11 @@ impl Chart {
                 }
             }
             @match &self.across {
-                Across::Time => @for (x, label) in dates(self.x) {
+                XAxis::Time => @for (x, label) in dates(self.x) {
                     line.tick x1=(scale.x(x)) x2=(scale.x(x)) y1=(self.height) y2=(self.height + 3.0) {}
                     text.date x=(scale.x(x)) y=(foot) text-anchor=(scale.anchor(x)) { (label) }
                 },
-                Across::Figure(name) => {
+                XAxis::Figure(name) => {
                     @let (figures, decimals) = round_steps(self.x, 6.0);
                     @let words: Vec<String> = figures.iter().map(|x| format!("{x:.decimals$}")).collect();
                     // As many as stand beside one another in the narrowest picture.
@@ -507,10 +507,10 @@ impl Chart {
     /// Of each place that a pointer tells from the next the point that matters most, with its words.
     fn links(&self, scale: &Scale) -> Markup {
         let width = (self.x.1 - self.x.0) / COLUMNS;
-        let mut shown: Vec<&Dot> = Vec::new();
-        let mut all: Vec<&Dot> = self.dots().filter(|dot| !dot.said.is_empty()).collect();
+        let mut shown: Vec<&DataPoint> = Vec::new();
+        let mut all: Vec<&DataPoint> = self.dots().filter(|dot| !dot.said.is_empty()).collect();
         all.sort_by(|a, b| a.x.total_cmp(&b.x));
-        let weight = |dot: &Dot| (dot.status.filter(|status| *status >= Status::Drifting), dot.y.abs());
+        let weight = |dot: &DataPoint| (dot.status.filter(|status| *status >= Status::Drifting), dot.y.abs());
         for dot in all {
             match shown.last_mut() {
                 Some(last) if dot.x - last.x < width && (dot.y - last.y).abs() < (scale.y.1 - scale.y.0) / 20.0 => {
@@ -541,7 +541,7 @@ struct Scale {
 
 impl Scale {
     /// Whether a point stands at the edge, with its value.
-    fn is_off(&self, dot: &Dot, reach: f64) -> bool {
+    fn is_off(&self, dot: &DataPoint, reach: f64) -> bool {
         dot.y.abs() > reach || dot.y < self.y.0 || dot.y > self.y.1
     }
 
@@ -635,7 +635,7 @@ fn place(pixels: f64) -> String {
 }
 
 /// Three digits of it, with its sign.
-fn value_of(dot: &Dot) -> String {
+fn value_of(dot: &DataPoint) -> String {
     let power = 10_f64.powf(2.0 - dot.y.abs().max(1e-12).log10().floor());
     format!("{:+}", (dot.y * power).round() / power)
 }

@@ -2,7 +2,7 @@ use super::*;
 
 fn chart(values: &[f64]) -> Chart {
     let day = 864e5;
-    let dot = |(k, y): (usize, &f64)| Dot {
+    let dot = |(k, y): (usize, &f64)| DataPoint {
         x: k as f64 * day,
         y: *y,
         sd: Some(0.001),
@@ -12,7 +12,7 @@ fn chart(values: &[f64]) -> Chart {
         said: format!("record {k}"),
     };
     let x = widened((0.0, (values.len().max(2) - 1) as f64 * day), 0.02, 15.0 * day);
-    let mut chart = Chart::new("A D_I".into(), html! { "D_I" }, Across::Time, x);
+    let mut chart = Chart::new("A D_I".into(), html! { "D_I" }, XAxis::Time, x);
     chart.around = 0.01;
     chart.whole = Some(0.01);
     chart.signed = true;
@@ -131,7 +131,7 @@ fn nothing_to_draw_is_no_picture_and_one_point_is_one() {
 fn every_figure_of_an_axis_that_has_room_is_written_and_the_name_stands_below_them() {
     let of = |until: f64, name: &str| {
         let mut all = chart(&[0.0]);
-        all.across = Across::Figure(name.into());
+        all.across = XAxis::Figure(name.into());
         all.x = (-0.05 * until, 1.05 * until);
         all.markup().into_string()
     };
@@ -162,7 +162,7 @@ fn what_took_time_is_shaded_and_lanes_say_where_a_gyro_was() {
     all.flags = vec![flag(1, None, "repair"), flag(2, Some(9e7), "vibration")];
     all.lanes = vec![vec![Segment { from: 0.0, until: 9e7, label: "IMU-02 G1".into(), kind: 7 }]];
     let end = (2.0 * 864e5, 0.01);
-    all.ahead = Some(Ahead { line: [(0.0, 0.0), (864e5, 0.001), end], cone: Some([(1.5 * 864e5, 0.01), end]) });
+    all.ahead = Some(Extrapolation { line: [(0.0, 0.0), (864e5, 0.001), end], cone: Some([(1.5 * 864e5, 0.01), end]) });
     let drawn = all.markup().into_string();
     assert_eq!(drawn.matches("class=\"test\"").count(), 1);
     for there in [

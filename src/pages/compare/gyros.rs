@@ -4,7 +4,7 @@ use crate::core::figures::Figures;
 use crate::core::gyro_event::GyroEvent;
 use crate::core::judge::limits::DEFAULT_BUDGET;
 use crate::core::judge::{Finding, Verdict};
-use crate::pages::chart::{Across, Chart, Dot, Flag, Level, Track, bounds, millis, widened};
+use crate::pages::chart::{Chart, DataPoint, Flag, Level, Track, XAxis, bounds, millis, widened};
 use crate::pages::gyro_facts::Facts;
 use crate::pages::history::event_label;
 use crate::pages::history_plot::{MOST_FLAGS, epoch_of, list};
@@ -191,14 +191,14 @@ fn chart(t: &Text, view: &View, all: &[Compared<'_>], column: usize, aligned: bo
     let track = |(k, one): (usize, &Compared<'_>)| {
         let (facts, epochs) = (&one.facts, &one.facts.epochs[column]);
         let rows = facts.course.figures.iter().filter(|row| !aligned || row.at >= one.began(column));
-        let mut dots: Vec<Dot> = rows
+        let mut dots: Vec<DataPoint> = rows
             .map(|row| {
                 let measured = sample_of(row, view.judged).d[column];
                 let y = measured.value - epoch_of(epochs, row.at).map_or(0.0, |epoch| epoch.zero);
                 let status = facts.statuses.get(row, column);
                 let said =
                     format!("{} · {} {name} {}", row.at.date(), one.serial, figure::signed_drift(y, measured.sd));
-                Dot {
+                DataPoint {
                     x: one.place(row.at, column, aligned),
                     y,
                     sd: measured.sd,
@@ -206,7 +206,7 @@ fn chart(t: &Text, view: &View, all: &[Compared<'_>], column: usize, aligned: bo
                     said: format!("{said} · {}", t.status(status)),
                     // What is beyond a limit has its shape; its colour is the gyro's.
                     status: (status >= Status::Drifting).then_some(status),
-                    ..Dot::default()
+                    ..DataPoint::default()
                 }
             })
             .collect();
@@ -234,7 +234,7 @@ fn chart(t: &Text, view: &View, all: &[Compared<'_>], column: usize, aligned: bo
         ..Chart::new(
             label,
             caption,
-            if aligned { Across::Figure(t.days_since_baseline.to_owned()) } else { Across::Time },
+            if aligned { XAxis::Figure(t.days_since_baseline.to_owned()) } else { XAxis::Time },
             x,
         )
     }

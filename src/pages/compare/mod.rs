@@ -11,7 +11,7 @@ use super::report;
 const MOST_GYROS: usize = 8;
 
 pub(super) async fn page(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     Query(asked): Query<Vec<(String, String)>>,
 ) -> Result<Response, Problem> {
     let of = |key: &str| -> Vec<&str> {

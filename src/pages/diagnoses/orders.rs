@@ -16,7 +16,7 @@ const FAILURES: u32 = 20;
 /// Which campaigns are to be diagnosed, as the form says it.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(in crate::pages) struct Wanted {
+pub(in crate::pages) struct DiagnosisForm {
     imu: String,
     station: String,
     since: String,
@@ -24,7 +24,7 @@ pub(in crate::pages) struct Wanted {
     again: String,
 }
 
-impl Wanted {
+impl DiagnosisForm {
     pub fn which(&self) -> WhichBody {
         WhichBody {
             imu: said(&self.imu),
@@ -129,7 +129,7 @@ fn failures(t: &Text, failures: &[FailureBody]) -> Markup {
 }
 
 /// A form that begins an order, with what was written into it.
-pub(super) fn form(t: &Text, wanted: &Wanted, wrong: Option<&Faults>) -> Markup {
+pub(super) fn form(t: &Text, wanted: &DiagnosisForm, wrong: Option<&Faults>) -> Markup {
     html! {
         section {
             h2 { (t.new_order) }

@@ -12,14 +12,14 @@ pub use report::{Subject, report};
 
 use super::calibration::stored_campaign;
 use super::prelude::*;
-use super::reference::{Against, ReferenceQuery};
+use super::reference::{ReferenceComparison, ReferenceQuery};
 use super::residuals::Setting;
 use crate::pipeline::{DiagnosisAnswer, StoredCampaign};
 use crate::wire::campaign;
 use crate::words;
 
 pub(super) async fn page(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     Path(id): Path<String>,
     Query(asked): Query<ReferenceQuery>,
 ) -> Result<Response, Problem> {
@@ -53,7 +53,7 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &ReferenceQuery)
         stored.answer.calibration.gyros.iter().map(|gyro| (gyro.slot.name().to_owned(), gyro.serial.clone())).collect();
     let campaign = campaign::parse_json(stored.item.body.as_bytes());
     let settings = campaign.map(|campaign| Setting::of_all(&campaign)).unwrap_or_default();
-    let against = Against::of(pages, &stored, &diagnosis, asked).await?;
+    let against = ReferenceComparison::of(pages, &stored, &diagnosis, asked).await?;
     let may_adopt = viewer.may(Role::Engineer) && !diagnosis.effects.is_empty();
     let body = html! {
         (head(t, &stored))

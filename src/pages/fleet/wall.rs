@@ -3,7 +3,7 @@
 use super::filters::Filters;
 use crate::pages::prelude::*;
 use crate::pages::{bullet, status as badges};
-use crate::pipeline::Standing;
+use crate::pipeline::GyroStatus;
 
 /// IMUs on one page.
 const IMUS: usize = 60;
@@ -27,7 +27,7 @@ pub(super) async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> 
     Ok(Page { title: t.fleet.into(), section: Section::Fleet, body })
 }
 
-fn card(t: &Text, imu: &str, gyros: &[Standing]) -> Markup {
+fn card(t: &Text, imu: &str, gyros: &[GyroStatus]) -> Markup {
     let worst = gyros.iter().filter_map(|gyro| gyro.status).max();
     html! {
         article.card.(worst.map_or("none", Status::name)) {
@@ -40,12 +40,12 @@ fn card(t: &Text, imu: &str, gyros: &[Standing]) -> Markup {
     }
 }
 
-fn line(t: &Text, gyro: &Standing) -> Markup {
+fn line(t: &Text, gyro: &GyroStatus) -> Markup {
     let slot = gyro.newest.map_or("", |newest| newest.slot.name());
     html! {
         tr {
             th scope="row" { a href={ "/gyros/" (encoded(&gyro.serial)) } title=(gyro.serial) { (slot) } }
-            @for (load, status) in gyro.outlook.load.iter().zip(gyro.drift) {
+            @for (load, status) in gyro.projection.load.iter().zip(gyro.drift) {
                 td.n.(status.name()) title=(t.status(status)) {
                     span.hidden { (t.status(status)) " " }
                     (or_dash(load.map(bullet::rounded)))

@@ -80,7 +80,7 @@ pub(crate) async fn ask_add(viewer: Viewer) -> Page {
 }
 
 pub(crate) async fn add(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     Form(ref new): Form<NewHook>,
 ) -> Result<Response, Problem> {
     let mut faults = Faults::default();

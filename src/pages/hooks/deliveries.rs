@@ -23,7 +23,7 @@ pub(in crate::pages) struct Filters {
 
 /// Where something on it is about to be sent, what comes of it appears by itself.
 pub(in crate::pages) async fn page(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     Path(ref id): Path<String>,
     Query(ref filters): Query<Filters>,
 ) -> Result<Response, Problem> {

@@ -19,7 +19,7 @@ pub(in crate::pages) struct Order {
 }
 
 pub(in crate::pages) async fn act(
-    Visit(ref pages, ref viewer): Visit,
+    PageContext(ref pages, ref viewer): PageContext,
     Extension(caller): Extension<Caller>,
     Form(order): Form<Order>,
 ) -> Result<Response, Problem> {

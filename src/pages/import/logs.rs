@@ -9,7 +9,7 @@ use base64::engine::general_purpose::STANDARD;
 use super::multipart::{Field, Upload};
 use crate::core::fault::Faults;
 use crate::core::message::{Message, Parameter};
-use crate::logs::campaign::{Made, campaign_from};
+use crate::logs::campaign::{LogCampaign, campaign_from};
 use crate::logs::error::LogError;
 use crate::logs::guess::{answered, guess_of};
 use crate::logs::map::Map;
@@ -93,34 +93,34 @@ fn taken(rest: &mut &str, name: &str, end: &str) -> String {
 }
 
 /// What was sent, as far as it can be looked at.
-pub(super) enum Looked {
+pub(super) enum UploadContent {
     /// Documents, or a table of them.
     Text(String),
     /// The campaign of a raw log, and its text.
-    Made(Box<Made>, String),
+    LogCampaign(Box<LogCampaign>, String),
     /// A first map of a raw log.
     Guessed(String),
     Faulty(Message),
 }
 
 /// Turns what was sent into text that documents are read from.
-pub(super) fn look(sent: &Sent) -> Looked {
+pub(super) fn look(sent: &Sent) -> UploadContent {
     let bytes = sent.bytes();
     // A map that is left from the log before says nothing of a document.
     let is_document = !is_csv(&bytes) || is_campaigns(&sent.text);
     if !sent.map.trim().is_empty() && !is_document {
         return match made(sent, bytes) {
-            Ok((made, text)) => Looked::Made(Box::new(made), text),
-            Err(error) => Looked::Faulty(error.message()),
+            Ok((made, text)) => UploadContent::LogCampaign(Box::new(made), text),
+            Err(error) => UploadContent::Faulty(error.message()),
         };
     }
     let kind = file_kind(&bytes[..bytes.len().min(HEAD)]).ok().filter(|_| is_csv(&bytes));
     match kind {
         Some(FileKind::Mat5 | FileKind::Npy | FileKind::Npz | FileKind::Parquet) => guessed(sent),
-        Some(FileKind::Utf16 { big_endian }) => Looked::Text(of_utf16(&bytes, big_endian)),
+        Some(FileKind::Utf16 { big_endian }) => UploadContent::Text(of_utf16(&bytes, big_endian)),
         _ => match readable(bytes) {
-            Ok(text) => Looked::Text(decoded(&text)),
-            Err(fault) => Looked::Faulty(LogError::new(sent.name(), fault).message()),
+            Ok(text) => UploadContent::Text(decoded(&text)),
+            Err(fault) => UploadContent::Faulty(LogError::new(sent.name(), fault).message()),
         },
     }
 }
@@ -145,15 +145,15 @@ fn says(message: &Message, code: &str) -> bool {
 }
 
 /// A first map of the log that was sent, or why it is none.
-pub(super) fn guessed(sent: &Sent) -> Looked {
+pub(super) fn guessed(sent: &Sent) -> UploadContent {
     let source = Source::read(sent.name(), Cursor::new(sent.bytes()));
     match source.and_then(|source| guess_of(vec![(sent.name().to_owned(), source)], words::asked())) {
-        Ok(map) => Looked::Guessed(map),
-        Err(error) => Looked::Faulty(error.message()),
+        Ok(map) => UploadContent::Guessed(map),
+        Err(error) => UploadContent::Faulty(error.message()),
     }
 }
 
-fn made(sent: &Sent, bytes: Vec<u8>) -> Result<(Made, String), LogError> {
+fn made(sent: &Sent, bytes: Vec<u8>) -> Result<(LogCampaign, String), LogError> {
     let of_map = |fault| LogError::new("map", fault);
     answered(&sent.map).map_err(of_map)?;
     let map = Map::parse(&sent.map).map_err(of_map)?;

@@ -21,7 +21,7 @@ pub(super) const SETUP: &str = "setup";
 
 /// By what somebody is known.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum By {
+pub enum Credential {
     /// There is no token yet, and they are on this machine.
     Presence,
     /// There is no token yet, and they have shown the setup secret.
@@ -39,7 +39,7 @@ pub struct Caller {
     pub role: Role,
     /// The only station that they may send for.
     pub station: Option<String>,
-    pub by: By,
+    pub by: Credential,
     pub source: IpAddr,
     /// The program that they ask with, by its own word.
     pub agent: Option<String>,
@@ -58,8 +58,8 @@ impl Caller {
 
     pub fn token(&self) -> Option<Id> {
         match self.by {
-            By::Presence | By::Setup => None,
-            By::Token(token) | By::Session { token, .. } => Some(token),
+            Credential::Presence | Credential::Setup => None,
+            Credential::Token(token) | Credential::Session { token, .. } => Some(token),
         }
     }
 

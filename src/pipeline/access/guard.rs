@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, Weak};
 use std::time::{Duration, Instant};
 
-use super::audit::{By, Caller, SETUP};
+use super::audit::{Caller, Credential, SETUP};
 use super::limits::{Allowance, Failures};
 use super::secret::Secret;
 use crate::config::AccessConfig;
@@ -138,16 +138,16 @@ impl Guard {
         let arrived = Instant::now();
         match (token, cookie) {
             (None, _) if !self.asks_for_tokens() => self.present(source),
-            (Some(token), _) if self.is_setup(token) => Ok(nameless(SETUP, Role::Admin, By::Setup, source)),
+            (Some(token), _) if self.is_setup(token) => Ok(nameless(SETUP, Role::Admin, Credential::Setup, source)),
             (Some(token), _) => {
                 let row = self.by_token(token, source, arrived).await?;
-                self.admit(row, By::Token, source, now, arrived)
+                self.admit(row, Credential::Token, source, now, arrived)
             }
             (None, Some(cookie)) => {
                 let session =
                     self.by_cookie(cookie).filter(|session| now < session.expires_at).ok_or(Denied::SignedOut)?;
                 let row = self.cache().tokens.get(&session.token).cloned().ok_or(Denied::SignedOut)?;
-                self.admit(row, |token| By::Session { session: session.id, token }, source, now, arrived)
+                self.admit(row, |token| Credential::Session { session: session.id, token }, source, now, arrived)
             }
             (None, None) => Err(Denied::NoToken),
         }
@@ -157,13 +157,13 @@ impl Guard {
     pub async fn sign_in(&self, token: &str, source: IpAddr, now: UtcMicros) -> Result<Caller, Denied> {
         let arrived = Instant::now();
         let row = self.by_token(token.trim(), source, arrived).await?;
-        self.admit(row, By::Token, source, now, arrived)
+        self.admit(row, Credential::Token, source, now, arrived)
     }
 
     fn admit(
         &self,
         row: Token,
-        by: impl FnOnce(Id) -> By,
+        by: impl FnOnce(Id) -> Credential,
         source: IpAddr,
         now: UtcMicros,
         arrived: Instant,
@@ -191,7 +191,7 @@ impl Guard {
             return Err(Denied::NotHere);
         }
         let role = if self.0.settings.open { Role::Admin } else { Role::Engineer };
-        Ok(nameless("local", role, By::Presence, source))
+        Ok(nameless("local", role, Credential::Presence, source))
     }
 
     fn is_setup(&self, token: &str) -> bool {
@@ -271,7 +271,7 @@ async fn keep_reading(guard: Weak<Inner>) {
 }
 
 /// Somebody before there are tokens.
-fn nameless(name: &str, role: Role, by: By, source: IpAddr) -> Caller {
+fn nameless(name: &str, role: Role, by: Credential, source: IpAddr) -> Caller {
     Caller { name: name.to_owned(), role, station: None, by, source, agent: None }
 }
 

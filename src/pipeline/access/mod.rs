@@ -17,7 +17,7 @@ use super::write_queue::{Job, WriteQueue};
 use crate::core::access::{AuditEntry, AuditFilter, Token};
 use crate::pipeline::prelude::*;
 
-pub use audit::{Actor, By, Caller};
+pub use audit::{Actor, Caller, Credential};
 pub use guard::{Denied, Guard};
 pub(super) use orders::order_access;
 pub use orders::{AccessOrder, NewToken, SignedIn, create_beside, revoke_beside};
@@ -71,7 +71,7 @@ impl Access {
 
     /// Ends the session of this task's caller, if it is one.
     pub async fn sign_out(&self) -> Result<(), OrderError> {
-        if let Some(Caller { by: By::Session { session, .. }, .. }) = Caller::current() {
+        if let Some(Caller { by: Credential::Session { session, .. }, .. }) = Caller::current() {
             self.order(AccessOrder::SignOut { session }).await?;
         }
         Ok(())

@@ -7,7 +7,7 @@ use crate::core::access::{AuditEntry, Role, Token};
 use crate::core::fault::Faults;
 use crate::pipeline::Guard;
 use crate::pipeline::prelude::*;
-use crate::store::{AccessChanges, Beside, SessionRow, Writer};
+use crate::store::{AccessChanges, SessionRow, TokenDatabase, Writer};
 use crate::wire::time;
 
 /// A token to be made.
@@ -160,7 +160,7 @@ fn revoked(by: &Actor, line: Id, row: &Token, now: UtcMicros) -> Option<(Token, 
 ///
 /// # Errors
 /// [`OrderError`]; then there is no new token that anybody could use.
-pub async fn create_beside(database: &mut Beside, new: &NewToken, now: UtcMicros) -> Result<Secret, OrderError> {
+pub async fn create_beside(database: &mut TokenDatabase, new: &NewToken, now: UtcMicros) -> Result<Secret, OrderError> {
     let secret = draw(database.next_id(now))?;
     let row = token_row(new, &secret, now);
     let audit = vec![created(&Actor::by_command_line(), database.next_id(now), &row)];
@@ -172,7 +172,7 @@ pub async fn create_beside(database: &mut Beside, new: &NewToken, now: UtcMicros
 ///
 /// # Errors
 /// [`OrderError::NoSuchToken`], or what the database says.
-pub async fn revoke_beside(database: &mut Beside, id: Id, now: UtcMicros) -> Result<bool, OrderError> {
+pub async fn revoke_beside(database: &mut TokenDatabase, id: Id, now: UtcMicros) -> Result<bool, OrderError> {
     let known = database.tokens().await?;
     let row = known.iter().find(|row| row.id == id).ok_or(OrderError::NoSuchToken(id))?;
     let Some((row, audit)) = revoked(&Actor::by_command_line(), database.next_id(now), row, now) else {

@@ -38,12 +38,12 @@ impl From<&Figures> for Origin {
 
 /// The names of what is stored, and of what the group under construction adds.
 #[derive(Clone, Copy)]
-pub struct Naming<'a> {
+pub struct NameLookup<'a> {
     pub tables: &'a Tables,
     pub new: Option<&'a Changes>,
 }
 
-impl Naming<'_> {
+impl NameLookup<'_> {
     pub fn gyro(&self, number: u32) -> String {
         self.name(&self.tables.gyros, |new| &new.gyros, number)
     }

@@ -1,6 +1,6 @@
 //! The alerts of gyros that are looked at, and what is to be written about them.
 
-use super::body::{Naming, Origin, finding_of};
+use super::body::{NameLookup, Origin, finding_of};
 use super::shared::{Explained, SharedAlerts, SharedVerdict};
 use super::silences::Silences;
 use crate::core::alert_decision::{self, Action, Arrival, Decision, Late, Policy, Status};
@@ -27,8 +27,8 @@ pub(crate) struct AlertCache {
     /// Those that go on after all, until that is followed.
     resumed: BTreeSet<(AlertOf, usize)>,
     steps: Vec<StepRow>,
-    /// What hooks may have to be told, since the last [`AlertCache::news`].
-    pub(super) news: Vec<News>,
+    /// What hooks may have to be told, since the last [`AlertCache::updates`].
+    pub(super) updates: Vec<AlertUpdate>,
     /// Those of many alerts that are in force.
     pub(super) silences: Silences,
     /// Gyros of batches that have an alert, and the gyro by which the batch goes.
@@ -44,7 +44,7 @@ type StepRemark = (Option<String>, Option<String>);
 pub(crate) struct AlertContext<'a> {
     pub now: UtcMicros,
     pub writer: &'a mut Writer,
-    pub naming: Naming<'a>,
+    pub naming: NameLookup<'a>,
     pub cause: Option<Id>,
     pub late: Late,
     /// What fires by all records of the gyro, followed in the order of time, where not all came in that order.
@@ -59,7 +59,7 @@ impl AlertContext<'_> {
 
 /// Something has become of an alert that hooks may have to be told, or how it stands.
 #[derive(Debug, Clone)]
-pub(crate) struct News {
+pub(crate) struct AlertUpdate {
     pub id: Id,
     /// As it then was.
     pub alert: alert_decision::Alert,
@@ -81,7 +81,7 @@ impl AlertCache {
             changed: BTreeSet::new(),
             resumed: BTreeSet::new(),
             steps: Vec::new(),
-            news: Vec::new(),
+            updates: Vec::new(),
             silences: Silences::default(),
             mates: BTreeMap::new(),
             settings_moved: true,
@@ -90,7 +90,7 @@ impl AlertCache {
 
     /// What was noted is not what was committed: all of it is read again before it is used.
     pub fn forget(&mut self) {
-        (self.alerts, self.changed, self.resumed, self.steps, self.news) = Default::default();
+        (self.alerts, self.changed, self.resumed, self.steps, self.updates) = Default::default();
         self.settings_moved = true;
     }
 
@@ -145,12 +145,12 @@ impl AlertCache {
     }
 
     /// Puts what has changed into a transaction; returns what hooks may have to be told.
-    pub fn write(&mut self, changes: &mut Changes) -> Vec<News> {
+    pub fn write(&mut self, changes: &mut Changes) -> Vec<AlertUpdate> {
         self.resumed.clear();
         let changed = std::mem::take(&mut self.changed);
         changes.alerts.extend(changed.into_iter().map(|(of, place)| self.alerts[&of][place].clone()));
         changes.alert_steps.append(&mut self.steps);
-        std::mem::take(&mut self.news)
+        std::mem::take(&mut self.updates)
     }
 
     /// Whether a gyro has ever had an alert.
@@ -186,7 +186,7 @@ impl AlertCache {
         let inhibited = inhibited_by.is_some();
         let (arrival, known) = (context.arrival(origin.at, muted_until, inhibited), earlier.map(|row| &row.alert));
         let decision = match left {
-            None => alert_decision::hear(known, verdict, &arrival, &self.policy),
+            None => alert_decision::follow_arrival(known, verdict, &arrival, &self.policy),
             Some(left) => alert_decision::hear_again(known, left, verdict, &arrival, &self.policy),
         };
         let Some(alert) = decision.alert else { return };
@@ -354,7 +354,7 @@ impl AlertCache {
             self.enter(at, decision, false, (None, None), context);
             // A hook that came meanwhile has not heard of it.
             if by.is_none() && decision.action == Action::Silent {
-                self.tell_as_it_stands(at, context);
+                self.push_current(at, context);
             }
         }
     }
@@ -371,20 +371,20 @@ impl AlertCache {
                 (before.silenced_until, before.muted_until) != (after.silenced_until, after.muted_until);
             // The world was told before the silence; a hook that came during it was not.
             if silence_ended && decision.action == Action::Silent {
-                self.tell_as_it_stands(at, context);
+                self.push_current(at, context);
             }
         }
     }
 
     /// Tells those who have not heard how an alert stands.
-    fn tell_as_it_stands(&mut self, at: (AlertOf, usize), context: &AlertContext<'_>) {
+    fn push_current(&mut self, at: (AlertOf, usize), context: &AlertContext<'_>) {
         let row = self.alerts[&at.0][at.1].clone();
         let body = context.naming.alert(&row, context.now).ok();
-        self.tell(&row, Action::Silent, None, body, context);
+        self.push_update(&row, Action::Silent, None, body, context);
     }
 
     /// What waits of these gyros for the digest of an import is told.
-    pub fn tell_digest(&mut self, all: &BTreeSet<AlertOf>, context: &mut AlertContext<'_>) {
+    pub fn notify_digest(&mut self, all: &BTreeSet<AlertOf>, context: &mut AlertContext<'_>) {
         for at in self.places(all.iter().copied()) {
             let Some(decision) = alert_decision::digest(&self.alerts[&at.0][at.1].alert, context.now) else { continue };
             self.enter(at, decision, false, (None, None), context);
@@ -452,14 +452,18 @@ impl AlertCache {
         row.inhibited_by = row.inhibited_by.filter(|_| alert.inhibited);
         let row = row.clone();
         self.changed.insert(at);
-        let action = if decision.action == Action::Silent { untold(earlier, alert) } else { Some(decision.action) };
+        let action = if decision.action == Action::Silent {
+            pending_notification(earlier, alert)
+        } else {
+            Some(decision.action)
+        };
         if let Some(action) = action {
             let (step, body) = self.step(&row, action.name(), decision.action != Action::Silent, said, context);
-            self.tell(&row, action, Some(step), body, context);
+            self.push_update(&row, action, Some(step), body, context);
         }
     }
 
-    fn tell(
+    fn push_update(
         &mut self,
         row: &AlertRow,
         action: Action,
@@ -467,7 +471,7 @@ impl AlertCache {
         body: Option<AlertBody>,
         context: &AlertContext<'_>,
     ) {
-        self.news.push(News { id: row.id, alert: row.alert, action, step, body, cause: context.cause });
+        self.updates.push(AlertUpdate { id: row.id, alert: row.alert, action, step, body, cause: context.cause });
     }
 
     fn step(
@@ -497,7 +501,7 @@ impl AlertCache {
 }
 
 /// What has become of an alert of which nobody is told.
-fn untold(earlier: Option<alert_decision::Alert>, alert: alert_decision::Alert) -> Option<Action> {
+fn pending_notification(earlier: Option<alert_decision::Alert>, alert: alert_decision::Alert) -> Option<Action> {
     let was_firing = earlier.is_some_and(|earlier| earlier.status == Status::Firing);
     let severity = earlier.map_or(alert.severity, |earlier| earlier.severity);
     match (was_firing, alert.status) {

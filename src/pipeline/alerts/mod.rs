@@ -13,12 +13,12 @@ mod silences;
 mod sources;
 
 use super::write_queue::{Job, WriteQueue};
-use crate::core::alert_decision::Standing;
+use crate::core::alert_decision::AlertState;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::history_note::{EARLIER_IN_DOUBT, SERVICE};
 use crate::core::judge::Severity;
 use crate::core::message::Message;
-use crate::pipeline::kept::Kept;
+use crate::pipeline::cached_answer::CachedAnswer;
 use crate::pipeline::prelude::*;
 use crate::store::{AlertRow, StepRow};
 use crate::wire::alert::AlertBody;
@@ -27,8 +27,8 @@ use silences::MOST_SILENCES;
 
 pub use orders::{AlertChange, AlertOrder, SilenceOrder};
 
-pub(super) use body::{Naming, Origin, finding_of, status_of};
-pub(super) use cache::{AlertCache, AlertContext, News};
+pub(super) use body::{NameLookup, Origin, finding_of, status_of};
+pub(super) use cache::{AlertCache, AlertContext, AlertUpdate};
 pub(super) use shared::SharedVerdict;
 pub(super) use sources::{Causes, follow_clock, follow_group};
 
@@ -63,7 +63,7 @@ pub struct Alerts {
     pub(super) clock: Clock,
     pub(super) queue: WriteQueue,
     /// How many of all stand how.
-    pub(super) counts: Arc<Kept<HashMap<Standing, usize>>>,
+    pub(super) counts: Arc<CachedAnswer<HashMap<AlertState, usize>>>,
 }
 
 impl Alerts {
@@ -84,7 +84,7 @@ impl Alerts {
         rows: impl IntoIterator<Item = &'a AlertRow>,
         now: UtcMicros,
     ) -> Result<Vec<AlertBody>, StorageError> {
-        let naming = Naming { tables: &self.store.names().read(), new: None };
+        let naming = NameLookup { tables: &self.store.names().read(), new: None };
         Ok(rows.into_iter().map(|row| naming.alert(row, now)).collect::<Result<_, StoreError>>()?)
     }
 
@@ -96,7 +96,7 @@ impl Alerts {
         skip: usize,
         most: usize,
     ) -> Result<Vec<(u32, Vec<AlertBody>)>, StorageError> {
-        let (now, is_newest_first) = (self.clock.now(), filter.standing == Some(Standing::Resolved));
+        let (now, is_newest_first) = (self.clock.now(), filter.standing == Some(AlertState::Resolved));
         let gyros = store::alerts::gyros_found(&self.store, filter, now, is_newest_first, [skip, most]).await?;
         let rows = store::alerts::found_of(&self.store, filter, now, &gyros).await?;
         let of_it = |gyro: u32| rows.iter().filter(move |row| row.of.gyro() == Some(gyro));
@@ -127,9 +127,9 @@ impl Alerts {
     }
 
     /// How many alerts stand how, among those that a filter lets through.
-    pub async fn standings(&self, filter: &AlertFilter) -> Result<HashMap<Standing, usize>, StorageError> {
+    pub async fn counts_by_state(&self, filter: &AlertFilter) -> Result<HashMap<AlertState, usize>, StorageError> {
         let (store, now) = (&self.store, self.clock.now());
-        let count = store::alerts::standings(store, filter, now);
+        let count = store::alerts::counts_by_state(store, filter, now);
         if *filter != AlertFilter::default() {
             return Ok(count.await?);
         }
@@ -161,7 +161,7 @@ impl Alerts {
             Ok(AlertStep { id, at, action, told, author, reason, alert })
         });
         let steps = steps.collect::<Result<_, StoreError>>()?;
-        let naming = Naming { tables: &self.store.names().read(), new: None };
+        let naming = NameLookup { tables: &self.store.names().read(), new: None };
         let alert = naming.alert(&row, self.clock.now())?;
         Ok(Some(AlertRecord { alert, steps }))
     }

@@ -53,7 +53,7 @@ pub enum SilenceOrder {
 impl AlertCache {
     /// Does what somebody has said; returns the alert as it then is. What a silence that ends has left untold is told
     /// at once.
-    pub fn obey(&mut self, order: &AlertOrder, context: &mut AlertContext<'_>) -> Result<AlertRow, OrderError> {
+    pub fn apply_order(&mut self, order: &AlertOrder, context: &mut AlertContext<'_>) -> Result<AlertRow, OrderError> {
         let unknown = || OrderError::UnknownAlert(order.alert);
         let row = self.alert(order.alert).ok_or_else(unknown)?;
         let remark = Remark { by: order.by.clone(), reason: order.reason.clone(), at: context.now };

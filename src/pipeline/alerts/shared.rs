@@ -1,9 +1,9 @@
 //! Alerts of what gyros of a station, a batch or an IMU share, and alerts of gyros that these explain: told as one, and not
 //! as one of each gyro.
 
-use super::body::{Naming, Origin, finding_of};
+use super::body::{NameLookup, Origin, finding_of};
 use crate::core::alert_decision::Status;
-use crate::core::judge::{Coefficient, Measured, Severity, State, Suspected, has_grown, is_explained};
+use crate::core::judge::{Coefficient, ExplicableVerdict, Measured, Severity, State, has_grown, is_explained};
 use crate::core::message::{Message, Parameter};
 use crate::pipeline::prelude::*;
 use crate::store::{AlertOf, AlertRow};
@@ -38,7 +38,7 @@ struct CoefficientExcess<'a> {
     coefficient: Coefficient,
     severity: Severity,
     since: UtcMicros,
-    suspected: Option<Suspected>,
+    suspected: Option<ExplicableVerdict>,
     /// Its alert, where that fires already.
     row: Option<&'a AlertRow>,
 }
@@ -124,7 +124,7 @@ impl<'a> SharedAlerts<'a> {
         let Some(severity) = verdict.severity().filter(|_| verdict.rule.can_be_shared()) else {
             return Explained::default();
         };
-        let (coefficient, suspected) = (verdict.coefficient, Suspected::of(verdict));
+        let (coefficient, suspected) = (verdict.coefficient, ExplicableVerdict::of(verdict));
         let Origin { station, imu, .. } = *origin;
         // Where late records have told that it began at another time, the clock sees whether its IMU's shift did, too.
         let by_imu = imu.and_then(|imu| self.firing_of(AlertOf::Imu(imu), coefficient));
@@ -134,7 +134,7 @@ impl<'a> SharedAlerts<'a> {
     }
 
     /// As [`SharedAlerts::explaining`], of an alert by the last verdict that it has followed.
-    pub(super) fn explaining_row(&self, row: &AlertRow, naming: &Naming<'_>) -> Explained {
+    pub(super) fn explaining_row(&self, row: &AlertRow, naming: &NameLookup<'_>) -> Explained {
         let AlertRow { of, coefficient, rule, alert, .. } = row;
         let fires = alert.status == Status::Firing && rule.can_be_shared();
         let Some((gyro, finding)) = of.gyro().filter(|_| fires).zip(finding_of(row).ok()) else {
@@ -149,7 +149,7 @@ impl<'a> SharedAlerts<'a> {
             coefficient: *coefficient,
             severity: alert.severity,
             since: alert.since,
-            suspected: value.map(|value| Suspected { rule: *rule, value, limit, sd, above }),
+            suspected: value.map(|value| ExplicableVerdict { rule: *rule, value, limit, sd, above }),
             row: Some(row),
         })
     }
@@ -174,7 +174,7 @@ impl<'a> SharedAlerts<'a> {
     }
 
     /// Whether a verdict changes the alert of its station, batch or IMU.
-    pub fn is_moved_by(&self, found: &SharedVerdict, naming: &Naming<'_>) -> bool {
+    pub fn is_moved_by(&self, found: &SharedVerdict, naming: &NameLookup<'_>) -> bool {
         let SharedVerdict { of, verdict, origin, since, .. } = found;
         match self.firing_of(*of, verdict.coefficient) {
             None => verdict.severity().is_some(),
@@ -185,7 +185,7 @@ impl<'a> SharedAlerts<'a> {
     }
 
     /// Gyros among these alerts that another explains, and did not, or do not any more.
-    pub fn explained_anew(&self, rows: &[AlertRow], naming: &Naming<'_>) -> BTreeSet<u32> {
+    pub fn explained_anew(&self, rows: &[AlertRow], naming: &NameLookup<'_>) -> BTreeSet<u32> {
         // Where none of its coefficient fires there is nothing to be read from a finding.
         let fire: BTreeSet<&str> = self.firing().map(|row| row.coefficient.name()).collect();
         let may_be = |row: &&AlertRow| row.inhibited_by.is_some() || fire.contains(row.coefficient.name());

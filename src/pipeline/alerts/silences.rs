@@ -1,6 +1,6 @@
 //! Silences of many alerts: which alerts match, and how they read.
 
-use super::body::{Naming, Origin, finding_of};
+use super::body::{NameLookup, Origin, finding_of};
 use crate::core::alert_filter::Matchers;
 use crate::pipeline::prelude::*;
 use crate::store::{AlertOf, AlertRow, Remark, SilenceRow};
@@ -31,7 +31,7 @@ impl Silences {
         of: AlertOf,
         verdict: &Verdict,
         origin: &Origin,
-        naming: &Naming<'_>,
+        naming: &NameLookup<'_>,
         now: UtcMicros,
     ) -> Option<((Id, Remark), UtcMicros)> {
         if self.0.is_empty() {
@@ -41,7 +41,7 @@ impl Silences {
         self.longest((&naming.serial(of), finding.imu.as_deref(), finding.station.as_deref(), verdict.rule), now)
     }
 
-    pub fn of_row(&self, row: &AlertRow, naming: &Naming<'_>, now: UtcMicros) -> Option<((Id, Remark), UtcMicros)> {
+    pub fn of_row(&self, row: &AlertRow, naming: &NameLookup<'_>, now: UtcMicros) -> Option<((Id, Remark), UtcMicros)> {
         // A finding that cannot be read names no place: the next look at the alert names the damage.
         let finding = finding_of(row).ok();
         let place = finding.as_ref().map(|finding| (finding.imu.as_deref(), finding.station.as_deref()));

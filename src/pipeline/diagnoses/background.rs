@@ -8,23 +8,23 @@ use tokio::time::Instant;
 
 /// Who waits for the work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Awaited {
+pub(crate) enum WorkPriority {
     /// A person: it is done like any request.
-    BySomebody,
+    Interactive,
     /// Nobody yet: the operating system gives it a tenth of a processor that others want too. Not less, because
     /// somebody may come to wait for it.
-    ByNobody,
+    Background,
 }
 
 /// Runs `work` on a thread of its own; none where it panicked or no thread could be had.
 pub(crate) async fn beside_others<T: Send + 'static>(
     name: &'static str,
-    awaited: Awaited,
+    awaited: WorkPriority,
     work: impl FnOnce() -> T + Send + 'static,
 ) -> Option<T> {
     let (done, result) = oneshot::channel();
     let started = std::thread::Builder::new().name(name.to_owned()).spawn(move || {
-        if awaited == Awaited::ByNobody {
+        if awaited == WorkPriority::Background {
             step_back();
         }
         // Whoever asked may have gone.
@@ -93,13 +93,13 @@ mod tests {
 
     use tokio::time::Instant;
 
-    use super::Awaited::{ByNobody, BySomebody};
+    use super::WorkPriority::{Background, Interactive};
     use super::{IdleDetector, beside_others};
 
     #[tokio::test]
     async fn its_result_comes_back_and_a_panic_comes_back_as_nothing() {
-        assert_eq!(beside_others("work", BySomebody, || 6 * 7).await, Some(42));
-        assert_eq!(beside_others("work", ByNobody, || panic!("on purpose")).await, None::<()>);
+        assert_eq!(beside_others("work", Interactive, || 6 * 7).await, Some(42));
+        assert_eq!(beside_others("work", Background, || panic!("on purpose")).await, None::<()>);
     }
 
     #[cfg(target_os = "linux")]
@@ -107,8 +107,8 @@ mod tests {
     async fn only_a_thread_that_nobody_waits_for_steps_back() {
         let niceness = || rustix::process::nice(0).expect("reading it changes nothing");
         let before = niceness();
-        assert_eq!(beside_others("work", ByNobody, niceness).await, Some((before + 10).min(19)));
-        assert_eq!(beside_others("work", BySomebody, niceness).await, Some(before));
+        assert_eq!(beside_others("work", Background, niceness).await, Some((before + 10).min(19)));
+        assert_eq!(beside_others("work", Interactive, niceness).await, Some(before));
         assert_eq!(niceness(), before);
     }
 

@@ -11,10 +11,10 @@ use crate::core::diagnose::diagnose;
 use crate::core::effects::Effect;
 use crate::core::imu_model::changed_since;
 use crate::pipeline::Reader;
-use crate::pipeline::diagnoses::background::{Awaited, IdleDetector, beside_others};
+use crate::pipeline::diagnoses::background::{IdleDetector, WorkPriority, beside_others};
 use crate::pipeline::diagnoses::digest::seats;
+use crate::pipeline::diagnoses::finished::{Diagnosed, DiagnosisOutcome, FinishedDiagnosis};
 use crate::pipeline::diagnoses::forecaster::Forecaster;
-use crate::pipeline::diagnoses::made::{Diagnosed, DiagnosisOutcome, Made};
 use crate::pipeline::diagnoses::models::{Competing, InForce};
 use crate::pipeline::ingest::campaign::campaign_of;
 use crate::pipeline::prelude::*;
@@ -38,7 +38,7 @@ pub enum DiagnosisAnswer {
 }
 
 /// Those who wait for one that is being made, of a campaign against a model by a program, learn of its end.
-type UnderWay = HashMap<(Id, Option<Id>, String), watch::Receiver<Option<Diagnosed>>>;
+type InProgress = HashMap<(Id, Option<Id>, String), watch::Receiver<Option<Diagnosed>>>;
 
 /// Who makes diagnoses and has them kept. Cheap to clone.
 #[derive(Debug, Clone)]
@@ -50,7 +50,7 @@ pub(in crate::pipeline) struct Diagnoser {
     /// How many are computed at the same time.
     pub(super) at_once: usize,
     turns: Arc<Semaphore>,
-    under_way: Arc<Mutex<UnderWay>>,
+    under_way: Arc<Mutex<InProgress>>,
 }
 
 /// What a campaign is compared with.
@@ -73,7 +73,7 @@ impl Diagnoser {
     pub(super) async fn diagnosis(
         &self,
         id: Id,
-        awaited: Awaited,
+        awaited: WorkPriority,
         patience: Duration,
     ) -> Result<DiagnosisAnswer, StoreError> {
         let Some(row) = self.campaign(id).await? else { return Ok(DiagnosisAnswer::NoSuchCampaign) };
@@ -110,7 +110,7 @@ impl Diagnoser {
         &self,
         row: &RecordRow,
         in_force: InForce,
-        awaited: Awaited,
+        awaited: WorkPriority,
     ) -> Result<watch::Receiver<Option<Diagnosed>>, StoreError> {
         let competing = self.reader.models.competing();
         let key = (row.id, in_force.id, competing.program.clone());
@@ -142,7 +142,7 @@ impl Diagnoser {
             };
             let ended_at = diagnoser.reader.clock.now();
             if is_whole {
-                diagnoser.have_kept(Made { campaign, begun_at, ended_at, outcome }).await;
+                diagnoser.have_kept(FinishedDiagnosis { campaign, begun_at, ended_at, outcome }).await;
             }
             if made.is_some() {
                 ended.send_replace(made);
@@ -157,7 +157,7 @@ impl Diagnoser {
         &self,
         (campaign, forecaster): (Campaign, Option<Forecaster>),
         (in_force, competing): (&InForce, &Competing),
-        awaited: Awaited,
+        awaited: WorkPriority,
     ) -> (UtcMicros, Option<Diagnosed>) {
         // Nobody closes it: a turn always comes.
         let _turn = self.turns.acquire().await;
@@ -169,7 +169,7 @@ impl Diagnoser {
                 let changed = changed_since(&model, &campaign).map(|changed| ChangedBody::from(&changed));
                 let body = DiagnosisBody { effects_against_model: changed, ..DiagnosisBody::from(&diagnosis) };
                 let body = body.noted(model.notes_of_others(&campaign));
-                Ok(body.foretold(forecaster.map(|forecaster| forecaster.point(&campaign))))
+                Ok(body.with_forecast(forecaster.map(|forecaster| forecaster.point(&campaign))))
             }
             Err(why) => Err(why.message()),
         };
@@ -196,12 +196,12 @@ impl Diagnoser {
         let in_force = self.reader.models.of(Some(row.imu));
         let options = against(&in_force, &self.reader.models.competing(), &campaign);
         let work = move || Some(in_force.model.adopting(&campaign, &diagnose(&campaign, &options).ok()?));
-        let model = beside_others("diagnosis", Awaited::BySomebody, work).await.flatten();
+        let model = beside_others("diagnosis", WorkPriority::Interactive, work).await.flatten();
         Ok(model.map(|model| (row.imu, model)))
     }
 
     /// Puts it on disk; where that fails it is still due, and is made again.
-    pub(super) async fn have_kept(&self, made: Made) {
+    pub(super) async fn have_kept(&self, made: FinishedDiagnosis) {
         let Some(queue) = self.queue.upgrade() else { return };
         let campaign = made.campaign;
         match queue.ask_in_turn(|reply| Job::Diagnosed { made, reply }).await {

@@ -7,7 +7,7 @@ use crate::core::message::Message;
 use crate::store::{DigestRow, StoreError};
 use crate::wire::body::{ToBody, bodies};
 use crate::wire::diagnosis::{DiagnosisBody, EffectBody, ImpactBody, SignBody};
-use crate::wire::forecast::{ComparedBody, ForecastPointBody, Furthest};
+use crate::wire::forecast::{ComparedBody, ForecastPointBody, LargestForecastError};
 
 /// The verdict of a campaign that leaves nothing to diagnose.
 pub(super) const REFUSED: &str = "refused";
@@ -32,7 +32,7 @@ pub(super) struct Digest {
     pub signs: Vec<Sign>,
     /// Where the campaign lies outside what was foretold of it; [`OUTSIDE`] finds it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub outside_forecast: Option<Furthest>,
+    pub outside_forecast: Option<LargestForecastError>,
 }
 
 /// What only the digest of a campaign outside its forecast holds.

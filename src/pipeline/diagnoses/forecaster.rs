@@ -61,7 +61,7 @@ impl Forecaster {
 
     /// The forecast without its dwells, or why there is none. Computing, some milliseconds.
     pub fn point(&self, campaign: &Campaign) -> ForecastPointBody {
-        self.point_of(campaign, self.foretold(campaign).as_ref())
+        self.point_of(campaign, self.forecast(campaign).as_ref())
     }
 
     pub fn point_of(&self, campaign: &Campaign, told: Result<&ForecastBody, &Message>) -> ForecastPointBody {
@@ -70,7 +70,7 @@ impl Forecaster {
 
     /// By the coefficients that were adopted, else by those of the campaigns before, with the terms and effects in
     /// force.
-    pub fn foretold(&self, campaign: &Campaign) -> Result<ForecastBody, Message> {
+    pub fn forecast(&self, campaign: &Campaign) -> Result<ForecastBody, Message> {
         let usable = |model: &&Arc<Identified>| compare(model, campaign).is_ok();
         // What nobody has adopted is held against nobody.
         let (model, limits) = match self.in_force.model.identified.as_ref().filter(usable) {

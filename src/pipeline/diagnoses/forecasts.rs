@@ -51,7 +51,7 @@ impl Diagnoses {
         let campaign = config.stations.complete(campaign);
         let forecaster = Forecaster::of(&self.store, config, (id, imu), &campaign).await?;
         let work = words::spawn_blocking(move || {
-            let told = forecaster.foretold(&campaign);
+            let told = forecaster.forecast(&campaign);
             (forecaster.point_of(&campaign, told.as_ref()), told.ok())
         });
         let failed = |error| StoreError::damaged(format_args!("forecasts could not be made: {error}"));

@@ -11,9 +11,9 @@
 pub(super) mod background;
 mod diagnoser;
 pub(super) mod digest;
+mod finished;
 mod forecaster;
 mod forecasts;
-mod made;
 pub(super) mod models;
 mod orders;
 mod queue;
@@ -29,7 +29,7 @@ use crate::core::effects::{self, Effect};
 use crate::core::fault::Faults;
 use crate::core::imu_model::{NoForecast, forecast};
 use crate::core::message::text as shown_text;
-use crate::pipeline::diagnoses::background::Awaited;
+use crate::pipeline::diagnoses::background::WorkPriority;
 use crate::pipeline::diagnoses::digest::Digest;
 use crate::pipeline::diagnoses::forecaster::stored;
 use crate::pipeline::diagnoses::models::read;
@@ -50,8 +50,8 @@ use crate::words;
 pub(super) use diagnoser::Diagnoser;
 pub use diagnoser::DiagnosisAnswer;
 pub use digest::Conclusion;
+pub(super) use finished::FinishedDiagnosis;
 pub(super) use forecasts::newest_verdict;
-pub(super) use made::Made;
 pub use models::{Adoption, StoredHypothesis};
 pub use orders::{DiagnosisOrder, HypothesisOrder, WantedDiagnoses};
 pub(super) use orders::{order_diagnoses, order_hypothesis};
@@ -79,7 +79,7 @@ impl Diagnoses {
     /// The diagnosis of a stored campaign against the model in force for its IMU; [`DiagnosisAnswer::Waiting`] where
     /// it is not made within `patience`.
     pub async fn of_campaign(&self, id: Id, patience: Duration) -> Result<DiagnosisAnswer, StorageError> {
-        Ok(self.diagnoser.diagnosis(id, Awaited::BySomebody, patience).await?)
+        Ok(self.diagnoser.diagnosis(id, WorkPriority::Interactive, patience).await?)
     }
 
     /// The gap of a diagnosed campaign against another stored campaign or record of its IMU. Computing, a few

@@ -12,8 +12,8 @@ use tokio::sync::watch;
 use tokio::time::Instant;
 
 use super::diagnoser::Diagnoser;
-use super::made::{DiagnosisOutcome, Made};
-use crate::pipeline::diagnoses::background::Awaited;
+use super::finished::{DiagnosisOutcome, FinishedDiagnosis};
+use crate::pipeline::diagnoses::background::WorkPriority;
 use crate::pipeline::prelude::*;
 use crate::wire::message::to_stored;
 
@@ -36,11 +36,11 @@ impl Diagnoser {
         loop {
             due.mark_unchanged();
             let made = match self.make_due(&due, &mut hopeless, &mut postponed).await {
-                Ok(due_left) => self.work_off(&due, &mut postponed).await.map(|orders_left| due_left.max(orders_left)),
+                Ok(due_left) => self.drain(&due, &mut postponed).await.map(|orders_left| due_left.max(orders_left)),
                 Err(error) => Err(error),
             };
             let changed = match made {
-                Ok(Left::Nothing) => due.changed().await,
+                Ok(PassOutcome::Nothing) => due.changed().await,
                 stuck => {
                     if let Err(error) = stuck {
                         tracing::warn!(%error, "what is to be diagnosed cannot be read; it is tried again");
@@ -60,8 +60,8 @@ impl Diagnoser {
         due: &watch::Receiver<u64>,
         hopeless: &mut HashSet<Id>,
         postponed: &mut Postponed,
-    ) -> Result<Left, StoreError> {
-        let (mut before, mut left) = (Id(i64::MAX), Left::Nothing);
+    ) -> Result<PassOutcome, StoreError> {
+        let (mut before, mut left) = (Id(i64::MAX), PassOutcome::Nothing);
         loop {
             let mut page = store::diagnosis::due(&self.reader.store, before, PAGE).await?;
             let Some(last) = page.last() else { return Ok(left) };
@@ -71,7 +71,7 @@ impl Diagnoser {
             while !page.is_empty() {
                 let claimed = store::claim::claim(&self.reader.store, &page, self.claimed_at_once()).await?;
                 if claimed.is_empty() {
-                    left = Left::Something;
+                    left = PassOutcome::Something;
                     break;
                 }
                 page.retain(|id| !claimed.contains(id));
@@ -79,7 +79,7 @@ impl Diagnoser {
                     .take_while(|_| ready(due.has_changed().is_ok()))
                     .map(|id| async move {
                         self.idle.give_way().await;
-                        (id, self.diagnosis(id, Awaited::ByNobody, Duration::MAX).await)
+                        (id, self.diagnosis(id, WorkPriority::Background, Duration::MAX).await)
                     })
                     .buffer_unordered(self.at_once)
                     .collect();
@@ -90,7 +90,7 @@ impl Diagnoser {
                         Ok(_) if is_kept => postponed.settled(id),
                         Ok(_) => {
                             postponed.postpone(id, Instant::now());
-                            left = Left::Something;
+                            left = PassOutcome::Something;
                         }
                         Err(error @ StoreError::Damaged(_)) => {
                             tracing::warn!(%error, campaign = %id, "a campaign could not be diagnosed; it will be when it is asked for");
@@ -99,7 +99,7 @@ impl Diagnoser {
                         Err(error) => {
                             tracing::warn!(%error, campaign = %id, "a campaign could not be diagnosed; it is tried again");
                             postponed.postpone(id, Instant::now());
-                            left = Left::Something;
+                            left = PassOutcome::Something;
                         }
                     }
                 }
@@ -111,12 +111,12 @@ impl Diagnoser {
     }
 
     /// What orders wait for, until something else is due.
-    async fn work_off(&self, due: &watch::Receiver<u64>, postponed: &mut Postponed) -> Result<Left, StoreError> {
+    async fn drain(&self, due: &watch::Receiver<u64>, postponed: &mut Postponed) -> Result<PassOutcome, StoreError> {
         let mut tried = HashSet::new();
         loop {
             let mut page = store::diagnosis_job::tasks_waiting(&self.reader.store, TASKS).await?;
             if page.is_empty() || due.has_changed().unwrap_or(true) {
-                return Ok(Left::Nothing);
+                return Ok(PassOutcome::Nothing);
             }
             // What still waits could not be kept.
             for id in tried.drain() {
@@ -126,7 +126,7 @@ impl Diagnoser {
             let claimed = store::claim::claim(&self.reader.store, &page, self.claimed_at_once()).await?;
             // Others are at the rest.
             if claimed.is_empty() {
-                return Ok(if page.is_empty() { left } else { Left::Something });
+                return Ok(if page.is_empty() { left } else { PassOutcome::Something });
             }
             let settled = stream::iter(claimed.iter().copied())
                 .take_while(|_| ready(due.has_changed().is_ok()))
@@ -152,7 +152,7 @@ impl Diagnoser {
             Err(StoreError::Damaged(why)) => {
                 let ended_at = self.reader.clock.now();
                 let outcome = DiagnosisOutcome::Failed(to_stored(&why));
-                self.have_kept(Made { campaign: id, begun_at, ended_at, outcome }).await;
+                self.have_kept(FinishedDiagnosis { campaign: id, begun_at, ended_at, outcome }).await;
             }
             Err(error) => tracing::warn!(%error, campaign = %id, "a campaign could not be read; it is tried again"),
         }
@@ -163,7 +163,7 @@ impl Diagnoser {
         let missing = || StoreError::damaged(format_args!("campaign {id} is missing"));
         let row = self.campaign(id).await?.ok_or_else(missing)?;
         let in_force = self.reader.models.of(Some(row.imu));
-        let mut end = self.begin(&row, in_force, Awaited::ByNobody)?;
+        let mut end = self.begin(&row, in_force, WorkPriority::Background)?;
         // An end without an answer has been written down as well.
         let _broken_off = end.wait_for(Option::is_some).await;
         Ok(())
@@ -185,16 +185,16 @@ impl Postponed {
     }
 
     /// Takes those out that are left alone now.
-    fn take_from(&self, ids: &mut Vec<Id>, now: Instant) -> Left {
+    fn take_from(&self, ids: &mut Vec<Id>, now: Instant) -> PassOutcome {
         let before = ids.len();
         ids.retain(|id| self.0.get(id).is_none_or(|(until, _)| *until <= now));
-        if ids.len() < before { Left::Something } else { Left::Nothing }
+        if ids.len() < before { PassOutcome::Something } else { PassOutcome::Nothing }
     }
 }
 
 /// What a pass leaves behind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Left {
+enum PassOutcome {
     /// Nothing waits, or something else comes first.
     Nothing,
     /// What other servers are at, or what could not be kept: it is looked at again after a pause.
@@ -211,7 +211,7 @@ mod tests {
         let mut made = Vec::new();
         for looks in 0..720 {
             let now = begun + looks * PAUSE;
-            if postponed.take_from(&mut vec![id], now) == Left::Nothing {
+            if postponed.take_from(&mut vec![id], now) == PassOutcome::Nothing {
                 made.push((now - begun).as_secs());
                 postponed.postpone(id, now);
             }
@@ -219,6 +219,6 @@ mod tests {
         assert_eq!(made[..5], [0, 5, 15, 35, 75]);
         assert!(made.len() < 15, "of an hour's 720 looks: {made:?}");
         postponed.settled(id);
-        assert_eq!(postponed.take_from(&mut vec![id], begun), Left::Nothing);
+        assert_eq!(postponed.take_from(&mut vec![id], begun), PassOutcome::Nothing);
     }
 }

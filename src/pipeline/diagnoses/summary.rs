@@ -11,7 +11,7 @@ use crate::wire::diagnoses::{
     AtStationBody, ClosuresBody, CoverageBody, DoubtBody, FindingBody, LargestShiftBody, OutsideForecastBody,
     OverviewBody, SightingBody, SummaryBody,
 };
-use crate::wire::forecast::Furthest;
+use crate::wire::forecast::LargestForecastError;
 use crate::wire::time;
 
 /// Of which campaigns, and of which effect.
@@ -23,7 +23,7 @@ pub struct SummaryFilter {
 
 /// A campaign in which something was seen.
 #[derive(Debug, Clone, Copy)]
-struct Sighting {
+struct Occurrence {
     record: Id,
     at: UtcMicros,
     station: u32,
@@ -46,21 +46,21 @@ struct GyroEffect {
     /// Campaigns of the gyro before the first one with it, and when the last of these was.
     before: u64,
     clear: Option<UtcMicros>,
-    first: Sighting,
-    last: Sighting,
+    first: Occurrence,
+    last: Occurrence,
     closures: Vec<f64>,
     impact: BTreeMap<String, LargestShiftBody>,
 }
 
 /// A gap of an IMU that is not wholly explained.
 #[derive(Debug)]
-struct Doubt {
+struct UnexplainedGap {
     serials: BTreeSet<String>,
     signs: BTreeSet<String>,
     stations: BTreeSet<u32>,
     campaigns: u64,
-    first: Sighting,
-    last: Sighting,
+    first: Occurrence,
+    last: Occurrence,
 }
 
 /// One effect over all IMUs.
@@ -84,9 +84,9 @@ struct SummaryTally {
     findings: BTreeMap<(String, u32, String), GyroEffect>,
     overview: BTreeMap<String, Overview>,
     /// By verdict and IMU.
-    doubts: BTreeMap<(String, u32), Doubt>,
+    doubts: BTreeMap<(String, u32), UnexplainedGap>,
     /// By IMU.
-    outside: BTreeMap<u32, Vec<(Sighting, Furthest)>>,
+    outside: BTreeMap<u32, Vec<(Occurrence, LargestForecastError)>>,
 }
 
 impl SummaryTally {
@@ -95,7 +95,7 @@ impl SummaryTally {
         if digest.verdict == REFUSED {
             return;
         }
-        let seen = Sighting { record: row.record, at: row.measured_at, station: row.station };
+        let seen = Occurrence { record: row.record, at: row.measured_at, station: row.station };
         *self.imus.entry(row.imu).or_default() += 1;
         if let Some(outside) = digest.outside_forecast.clone().filter(|_| self.effect.is_none()) {
             self.outside.entry(row.imu).or_default().push((seen, outside));
@@ -130,7 +130,7 @@ impl SummaryTally {
     }
 
     /// An effect that a campaign names. The campaign itself has not been added to the courses of its gyros yet.
-    fn note(&mut self, imu: u32, seen: Sighting, digest: &Digest, named: &NamedDigest) {
+    fn note(&mut self, imu: u32, seen: Occurrence, digest: &Digest, named: &NamedDigest) {
         let new = || Overview { campaigns: 0, first: seen.at, last: seen.at };
         let overview = self.overview.entry(named.effect.clone()).or_insert_with(new);
         overview.campaigns += 1;
@@ -155,8 +155,8 @@ impl SummaryTally {
         }
     }
 
-    fn doubt(&mut self, imu: u32, seen: Sighting, digest: &Digest) {
-        let doubt = self.doubts.entry((digest.verdict.clone(), imu)).or_insert_with(|| Doubt {
+    fn doubt(&mut self, imu: u32, seen: Occurrence, digest: &Digest) {
+        let doubt = self.doubts.entry((digest.verdict.clone(), imu)).or_insert_with(|| UnexplainedGap {
             serials: BTreeSet::new(),
             signs: BTreeSet::new(),
             stations: BTreeSet::new(),
@@ -233,7 +233,7 @@ impl SummaryTally {
         }
     }
 
-    fn doubt_body(&self, (verdict, imu): &(String, u32), doubt: &Doubt, tables: &Tables) -> DoubtBody {
+    fn doubt_body(&self, (verdict, imu): &(String, u32), doubt: &UnexplainedGap, tables: &Tables) -> DoubtBody {
         DoubtBody {
             verdict: verdict.clone(),
             imu: tables.imus.text(*imu).to_owned(),
@@ -249,7 +249,7 @@ impl SummaryTally {
 }
 
 impl GyroEffect {
-    fn add(&mut self, seen: Sighting, slot: &str, digest: &Digest, named: &NamedDigest) {
+    fn add(&mut self, seen: Occurrence, slot: &str, digest: &Digest, named: &NamedDigest) {
         self.campaigns += 1;
         self.last = seen;
         slot.clone_into(&mut self.slot);
@@ -271,7 +271,7 @@ impl GyroEffect {
     }
 }
 
-impl Sighting {
+impl Occurrence {
     fn body(&self, tables: &Tables) -> SightingBody {
         SightingBody {
             campaign: self.record.to_string(),
@@ -281,7 +281,11 @@ impl Sighting {
     }
 }
 
-fn outside_body(imu: u32, (seen, outside): &(Sighting, Furthest), tables: &Tables) -> OutsideForecastBody {
+fn outside_body(
+    imu: u32,
+    (seen, outside): &(Occurrence, LargestForecastError),
+    tables: &Tables,
+) -> OutsideForecastBody {
     OutsideForecastBody {
         imu: tables.imus.text(imu).to_owned(),
         campaign: seen.body(tables),
@@ -302,7 +306,7 @@ pub(in crate::pipeline) async fn outside_forecasts(
     let tables = store.names().read();
     let body = |row: &DigestRow| {
         let outside = serde_json::from_str::<Digest>(&row.gist).ok()?.outside_forecast?;
-        let seen = Sighting { record: row.record, at: row.measured_at, station: row.station };
+        let seen = Occurrence { record: row.record, at: row.measured_at, station: row.station };
         Some(outside_body(row.imu, &(seen, outside), &tables))
     };
     Ok(FirstOf { first: rows.iter().filter_map(body).collect(), of })

@@ -8,7 +8,7 @@ use crate::core::access::AuditEntry;
 use crate::core::alert_decision::Status;
 use crate::core::delivery::DeliveryState;
 use crate::core::judge::Severity;
-use crate::pipeline::alerts::News;
+use crate::pipeline::alerts::AlertUpdate;
 use crate::pipeline::hooks::registry::{OutboxContext, Subscription, introduce};
 use crate::pipeline::prelude::*;
 use crate::store::{AttemptRow, DeadLetters, DeliverySubject, HookRow, NewDelivery, OutboxChanges, Progress, Writer};
@@ -92,7 +92,7 @@ pub struct Attempted {
     /// The target is back: what waits is due now.
     pub hasten: bool,
     /// The target takes messages: it is told anew of the alerts whose beginning or end it never took.
-    pub tell_anew: bool,
+    pub renotify: bool,
     /// It was written down already, but whether that came about is not known.
     pub perhaps_written: bool,
 }
@@ -100,7 +100,7 @@ pub struct Attempted {
 impl Attempted {
     /// More than the delivery itself: whether the hook is told anything, and what.
     pub fn changes_the_hook(&self) -> bool {
-        self.gone.is_some() || self.tell_anew
+        self.gone.is_some() || self.renotify
     }
 }
 
@@ -112,7 +112,7 @@ pub(crate) struct HookHandler<'a> {
     /// How long a secret that is replaced signs as well.
     pub old_secret_until: UtcMicros,
     /// Every alert, where an order may let a hook hear of it.
-    pub alerts: Vec<News>,
+    pub alerts: Vec<AlertUpdate>,
     /// What the hook of the order has heard of them.
     pub heard: HashMap<Id, Severity>,
 }
@@ -234,23 +234,23 @@ impl HookHandler<'_> {
 
     /// Of what fires and was never taken the hook is told again, and of the end of what it took to fire, where nothing
     /// that waits does so.
-    async fn tell_anew(&mut self, hook: Id, outbox: &mut OutboxChanges) -> Result<(), StoreError> {
+    async fn renotify(&mut self, hook: Id, outbox: &mut OutboxChanges) -> Result<(), StoreError> {
         let Some(row) = store::hook::get(self.store, hook).await?.filter(|row| row.enabled) else { return Ok(()) };
         let DeadLetters { fires, ends } = store::hook::dead_letters(self.store, hook).await?;
         let heard = self.heard_firing(ends);
-        self.tell_of(&row, &heard, |alert| fires.contains(&alert) || heard.contains_key(&alert), outbox).await
+        self.notify_of(&row, &heard, |alert| fires.contains(&alert) || heard.contains_key(&alert), outbox).await
     }
 
     /// Those of these alerts that have ended, as a hook has heard of them that took no more than that they fire.
     fn heard_firing(&self, alerts: impl IntoIterator<Item = Id>) -> HashMap<Id, Severity> {
-        let is_over = |one: &&News| one.alert.status == Status::Resolved;
+        let is_over = |one: &&AlertUpdate| one.alert.status == Status::Resolved;
         let over: HashSet<Id> = self.alerts.iter().filter(is_over).map(|one| one.id).collect();
         alerts.into_iter().filter(|id| over.contains(id)).map(|id| (id, Severity::Warning)).collect()
     }
 
     /// The hook, which has `heard` so of alerts that have ended, is told of those alerts that fire, whatever it has
     /// heard, and of those ends, where nothing that waits does so.
-    async fn tell_of(
+    async fn notify_of(
         &mut self,
         row: &HookRow,
         heard: &HashMap<Id, Severity>,
@@ -303,7 +303,7 @@ impl HookHandler<'_> {
                 changes.outbox.hastened.push((id, self.now));
                 if is_elsewhere {
                     // Nobody there has heard anything.
-                    self.tell_of(&hook, &HashMap::new(), |_| true, &mut changes.outbox).await?;
+                    self.notify_of(&hook, &HashMap::new(), |_| true, &mut changes.outbox).await?;
                 } else if patch.filter.is_some() {
                     let heard = std::mem::take(&mut self.heard);
                     self.introduce(&hook, &heard, &mut changes.outbox)?;
@@ -354,8 +354,8 @@ impl HookHandler<'_> {
         if attempted.hasten {
             changes.outbox.hastened.push((attempted.hook, self.now));
         }
-        if attempted.tell_anew {
-            self.tell_anew(attempted.hook, &mut changes.outbox).await?;
+        if attempted.renotify {
+            self.renotify(attempted.hook, &mut changes.outbox).await?;
         }
         let Some(url) = &attempted.gone else { return Ok(()) };
         // Who has changed or disabled the hook meanwhile has heard already.

@@ -26,7 +26,7 @@ use crate::core::message::Message;
 use crate::pipeline::prelude::*;
 use crate::wire::hook::{DeliveryBody, HookBody, HookPatchBody, NewHookBody};
 use crate::wire::message::from_stored;
-use delivery::pulse::Pulse;
+use delivery::heartbeat::Heartbeat;
 
 /// What is told to whom. Cheap to clone.
 #[derive(Debug, Clone)]
@@ -37,12 +37,12 @@ pub struct Hooks {
     queue: WriteQueue,
     /// Moves when a hook has changed or has something new to be told.
     pub(super) wake: watch::Sender<u64>,
-    pulse: Pulse,
+    heartbeat: Heartbeat,
 }
 
 impl Hooks {
     pub(super) fn new(store: Store, config: Arc<Config>, clock: Clock, queue: WriteQueue) -> Self {
-        Self { store, config, clock, queue, wake: watch::Sender::default(), pulse: Pulse::default() }
+        Self { store, config, clock, queue, wake: watch::Sender::default(), heartbeat: Heartbeat::default() }
     }
 
     /// Checks a hook to be set up; a secret is drawn where its kind needs one.
@@ -112,7 +112,7 @@ impl Hooks {
 
     /// Whether the delivery worker is at work.
     pub fn delivers(&self) -> bool {
-        self.pulse.is_alive()
+        self.heartbeat.is_alive()
     }
 
     /// How the queues of all hooks stand together.

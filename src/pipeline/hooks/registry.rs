@@ -5,7 +5,7 @@ use std::cmp::Reverse;
 use super::show::{self, DIGEST};
 use crate::core::alert_decision::{self, Action};
 use crate::core::judge::Severity;
-use crate::pipeline::alerts::News;
+use crate::pipeline::alerts::AlertUpdate;
 use crate::pipeline::prelude::*;
 use crate::store::{DeliverySubject, HookRow, IdSource, NewDelivery, OutboxChanges, Part};
 use crate::wire::alert::AlertBody;
@@ -81,7 +81,7 @@ impl HookCache {
     }
 
     /// Reads the hooks, where they are not known, and what they have heard of these alerts.
-    pub async fn recall(&mut self, store: &Store, news: &[News]) -> Result<(), StoreError> {
+    pub async fn recall(&mut self, store: &Store, news: &[AlertUpdate]) -> Result<(), StoreError> {
         if self.hooks.is_none() {
             let enabled = store::hook::all(store).await?.into_iter().filter(|hook| hook.enabled);
             self.hooks = Some(enabled.map(|hook| Subscription::of(&hook)).collect::<Result<_, _>>()?);
@@ -104,12 +104,12 @@ impl HookCache {
     }
 
     /// Queues what each hook is to be told of what has become of alerts.
-    pub fn tell(&mut self, news: &[News], context: &mut OutboxContext<'_>) -> Result<(), StoreError> {
+    pub fn notify(&mut self, news: &[AlertUpdate], context: &mut OutboxContext<'_>) -> Result<(), StoreError> {
         for subscription in self.subscriptions().to_vec() {
             // All that one record has caused; without batches each change by itself.
             let mut messages: Vec<(Option<Id>, Vec<Notification<'_>>)> = Vec::new();
             for one in news {
-                let Some(told) = self.hear(&subscription, one, context)? else { continue };
+                let Some(told) = self.notification_for(&subscription, one, context)? else { continue };
                 match messages.iter_mut().find(|(cause, _)| subscription.batch && *cause == one.cause) {
                     Some((_, all)) => add(all, told),
                     None => messages.push((one.cause, vec![told])),
@@ -121,9 +121,9 @@ impl HookCache {
     }
 
     /// Queues the digest of an import: for each hook one message about all that it lets through.
-    pub fn tell_digest(&mut self, news: &[News], context: &mut OutboxContext<'_>) -> Result<(), StoreError> {
+    pub fn notify_digest(&mut self, news: &[AlertUpdate], context: &mut OutboxContext<'_>) -> Result<(), StoreError> {
         for subscription in self.subscriptions().to_vec() {
-            let heard = news.iter().filter_map(|one| self.hear(&subscription, one, context).transpose());
+            let heard = news.iter().filter_map(|one| self.notification_for(&subscription, one, context).transpose());
             let mut told: Vec<Notification<'_>> = heard.collect::<Result<_, _>>()?;
             if told.is_empty() {
                 continue;
@@ -137,10 +137,10 @@ impl HookCache {
     }
 
     /// What a hook is told of one piece of news; it has heard that then.
-    fn hear<'n>(
+    fn notification_for<'n>(
         &mut self,
         subscription: &Subscription,
-        news: &'n News,
+        news: &'n AlertUpdate,
         context: &mut OutboxContext<'_>,
     ) -> Result<Option<Notification<'n>>, StoreError> {
         let heard = self.heard.entry(news.id).or_default();
@@ -158,14 +158,14 @@ impl HookCache {
 fn notification<'n>(
     subscription: &Subscription,
     heard: Option<Severity>,
-    news: &'n News,
+    news: &'n AlertUpdate,
     context: &mut OutboxContext<'_>,
 ) -> Result<Option<Notification<'n>>, StoreError> {
-    let News { id, alert, step, .. } = *news;
+    let AlertUpdate { id, alert, step, .. } = *news;
     let damaged = || StoreError::damaged(format_args!("what has become of alert {id} cannot be read"));
     let body = news.body.as_ref().ok_or_else(damaged)?;
     let action = alert_decision::for_hook(&alert, heard, news.action, context.now);
-    let Some(action) = action.filter(|action| is_owed(*action) || subscription.filter.wants(body)) else {
+    let Some(action) = action.filter(|action| bypasses_filter(*action) || subscription.filter.wants(body)) else {
         return Ok(None);
     };
     let hears = (action != Action::Resolve).then_some(alert.severity);
@@ -190,7 +190,7 @@ fn severity_of(hook: Id, name: &str) -> Result<Severity, StoreError> {
 pub(crate) fn introduce<'a>(
     subscription: &Subscription,
     heard: &HashMap<Id, Severity>,
-    alerts: impl Iterator<Item = &'a News>,
+    alerts: impl Iterator<Item = &'a AlertUpdate>,
     context: &mut OutboxContext<'_>,
 ) -> Result<(), StoreError> {
     let told =
@@ -205,7 +205,7 @@ pub(crate) fn introduce<'a>(
 }
 
 /// A hook that was told that an alert fires is told that it is less grave, or ends, whatever the filter lets through.
-fn is_owed(action: Action) -> bool {
+fn bypasses_filter(action: Action) -> bool {
     matches!(action, Action::Lower | Action::Resolve)
 }
 

@@ -19,7 +19,7 @@ use crate::core::alert_decision::Late;
 use crate::core::note::Note;
 use crate::pipeline::prelude::*;
 use crate::store::IdSource;
-use admit::{Admission, Ahead, Group, Memory};
+use admit::{Admission, Group, Prefetched, RecentRecords};
 
 pub use campaign::ReadCampaign;
 pub(super) use campaign::Restated;
@@ -27,8 +27,8 @@ pub use reader::Reader;
 pub use refused::{Accepted, Judged, Refused, Reply};
 pub use same_content::Origin;
 pub use submission::{
-    AttributesOrder, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt, EventOrder, Submission,
-    WindowMark,
+    AttributesOrder, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, EventOrder, SetAsideOrder,
+    Submission, WindowMark,
 };
 
 /// Beyond every identifier of this century.
@@ -141,7 +141,7 @@ impl Ingest {
         let origins: Vec<Option<Origin>> = documents.iter().map(|sent| Origin::of(sent)).collect();
         // Its identifiers are seen by nobody; they only have to differ from those that are stored.
         let mut ids = IdSource::after(NEVER_STORED);
-        let (mut memory, ahead, nobody) = (Memory::default(), Ahead::default(), Actor::by_caller());
+        let (mut memory, ahead, nobody) = (RecentRecords::default(), Prefetched::default(), Actor::by_caller());
         let mut admission = Admission {
             store: &self.store,
             ids: &mut ids,

@@ -5,7 +5,7 @@
 use super::admit::rows_as_stated;
 use super::campaign::Restated;
 use crate::pipeline::Reader;
-use crate::pipeline::diagnoses::background::{Awaited, IdleDetector, beside_others};
+use crate::pipeline::diagnoses::background::{IdleDetector, WorkPriority, beside_others};
 use crate::pipeline::diagnoses::models::InForce;
 use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::{Job, WeakWriteQueue};
@@ -45,7 +45,7 @@ impl StaleCalibrations {
             let (row, (reader, in_force)) = (Arc::new(row), (self.reader.clone(), in_force.clone()));
             let stored = Arc::clone(&row);
             let stated = move || reader.stated_by(&stored, &in_force);
-            let Some(Ok(stated)) = beside_others("restating", Awaited::ByNobody, stated).await else { continue };
+            let Some(Ok(stated)) = beside_others("restating", WorkPriority::Background, stated).await else { continue };
             let rows = rows_as_stated(&self.reader.store, &row, &stated).unwrap_or_default();
             if self.differs(&row, &rows).await? {
                 stale.insert(head.id, Some(stated));

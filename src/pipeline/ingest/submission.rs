@@ -24,7 +24,7 @@ pub enum Submission {
     Event(EventOrder),
     Correction(Box<Correction>),
     Confirmation(Confirmation),
-    Doubt(Doubt),
+    SetAside(SetAsideOrder),
     Window(WindowMark),
     Attributes(AttributesOrder),
 }
@@ -102,7 +102,7 @@ pub struct Confirmation {
 
 /// What a station measured in a window is suspect: the stored record is set aside until somebody confirms it.
 #[derive(Debug, Clone)]
-pub struct Doubt {
+pub struct SetAsideOrder {
     pub id: Id,
     pub author: String,
     pub reason: String,

@@ -1,7 +1,7 @@
 //! Long texts that an earlier version stored as they were sent: deflated after a start, in the background, a few a
 //! transaction. What was broken off goes on at the next start.
 
-use crate::pipeline::diagnoses::background::{Awaited, IdleDetector, beside_others};
+use crate::pipeline::diagnoses::background::{IdleDetector, WorkPriority, beside_others};
 use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::{Job, WeakWriteQueue};
 use crate::store::{LongText, PackedText};
@@ -42,7 +42,7 @@ impl UnpackedTexts {
             after = last.record;
             // One that does not become shorter stays as it is.
             let deflated = move || found.iter().filter_map(LongText::packed).collect::<Vec<PackedText>>();
-            let texts = beside_others("deflating", Awaited::ByNobody, deflated).await.unwrap_or_default();
+            let texts = beside_others("deflating", WorkPriority::Background, deflated).await.unwrap_or_default();
             if texts.is_empty() {
                 continue;
             }

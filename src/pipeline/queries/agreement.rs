@@ -4,7 +4,7 @@ use crate::config::{JudgedMethod, Judging};
 use crate::core::bench::{BenchItem, BenchMethod};
 use crate::core::judge::{Coefficient, Event, FigureSource, Mark, Measured, SourcedResult, agreement};
 use crate::core::mounting::Slot;
-use crate::pipeline::alerts::{Naming, Origin};
+use crate::pipeline::alerts::{NameLookup, Origin};
 use crate::pipeline::ingest::judge::gyro_window::{load_marks, mark_of, sample_of};
 use crate::pipeline::prelude::*;
 use crate::store::{HistoryRow, Tables};
@@ -51,7 +51,7 @@ pub(super) async fn compare_methods(
         ),
         None => made_to_be_compared(store, gyro, &Changes::default()).await?,
     };
-    let naming = Naming { tables: &store.names().read(), new: None };
+    let naming = NameLookup { tables: &store.names().read(), new: None };
     let within_days = span.is_none().then_some(judging.agreement_days);
     Ok(compare(gyro, (&benches, &separations), within_days, judging, &naming))
 }
@@ -72,7 +72,7 @@ pub(crate) async fn agreement_after(
     changes: &Changes,
 ) -> Result<Option<Agreement>, StoreError> {
     let (benches, separations) = made_to_be_compared(store, gyro, changes).await?;
-    let naming = Naming { tables: &store.names().read(), new: Some(changes) };
+    let naming = NameLookup { tables: &store.names().read(), new: Some(changes) };
     let compared = compare(gyro, (&benches, &separations), Some(judging.agreement_days), judging, &naming);
     let seat = separations.last().map(Origin::from);
     let of_seat = seat.as_ref();
@@ -93,7 +93,7 @@ fn compare(
     (benches, separations): (&[BenchItem], &[Figures]),
     within_days: Option<f64>,
     judging: &Judging,
-    naming: &Naming<'_>,
+    naming: &NameLookup<'_>,
 ) -> Comparison {
     let mut results: Vec<Compared> = benches.iter().map(|bench| of_bench(bench, naming.tables)).collect();
     for figures in separations {

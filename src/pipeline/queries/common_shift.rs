@@ -12,7 +12,7 @@ const LEAST_SHIFT: f64 = 0.1;
 
 /// What gyros have in common that moved together.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Together {
+pub enum CommonFactor {
     Station(Arc<str>),
     Batch(Arc<str>),
 }
@@ -20,7 +20,7 @@ pub enum Together {
 /// The newest calibrations of a station's gyros, or of a batch, lie to one side of their baselines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CommonShift {
-    pub of: Together,
+    pub of: CommonFactor,
     /// 0: D_I, 1: D_S.
     pub column: usize,
     pub shift: Shift,
@@ -38,11 +38,11 @@ pub struct Shift {
 }
 
 pub(super) fn shifts_of(newest: &[CalibratedRow], name: impl Fn(u32) -> Arc<str>) -> Vec<CommonShift> {
-    let mut together: BTreeMap<Together, Vec<&CalibratedRow>> = BTreeMap::new();
+    let mut together: BTreeMap<CommonFactor, Vec<&CalibratedRow>> = BTreeMap::new();
     for row in newest {
-        together.entry(Together::Station(name(row.station))).or_default().push(row);
+        together.entry(CommonFactor::Station(name(row.station))).or_default().push(row);
         if let Some(batch) = &row.batch {
-            together.entry(Together::Batch(batch.clone())).or_default().push(row);
+            together.entry(CommonFactor::Batch(batch.clone())).or_default().push(row);
         }
     }
     let mut shifts = Vec::new();
@@ -117,7 +117,7 @@ mod tests {
         assert!(shifts_of(&rows, name).is_empty(), "four gyros a station");
         rows.iter_mut().for_each(|row| row.batch = Some("B-7".into()));
         let of_batch = shifts_of(&rows, name);
-        assert_eq!(of_batch.iter().map(|one| &one.of).collect::<Vec<_>>(), [&Together::Batch("B-7".into())]);
+        assert_eq!(of_batch.iter().map(|one| &one.of).collect::<Vec<_>>(), [&CommonFactor::Batch("B-7".into())]);
         rows.iter_mut().for_each(|row| row.station = 1);
         let shifts = shifts_of(&rows, name);
         assert_eq!((shifts.len(), shifts[0].column), (2, 0));

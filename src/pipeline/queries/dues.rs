@@ -8,9 +8,9 @@ use tokio::time::Instant;
 
 use super::gyro_history::Histories;
 use crate::core::changes::HistoryDiagnosis;
-use crate::core::judge::{Coefficient, Reach, Status};
-use crate::pipeline::Standing;
-use crate::pipeline::kept::found_until;
+use crate::core::judge::{BudgetCrossing, Coefficient, Status};
+use crate::pipeline::GyroStatus;
+use crate::pipeline::cached_answer::found_until;
 use crate::pipeline::prelude::*;
 
 /// Gyros whose dates are kept; more of them, and all are found anew.
@@ -32,8 +32,8 @@ pub struct DueDate {
 
 impl DueDate {
     /// By the rule `trend`.
-    pub fn by_trend(gyro: &Standing) -> Option<Self> {
-        let Reach { coefficient, at, between, .. } = gyro.outlook.reach?;
+    pub fn by_trend(gyro: &GyroStatus) -> Option<Self> {
+        let BudgetCrossing { coefficient, at, between, .. } = gyro.projection.reach?;
         Some(Self { coefficient, at, between, calibrate_by: None, provisional: true })
     }
 }
@@ -43,7 +43,7 @@ impl DueDate {
 pub struct Dues {
     histories: Histories,
     /// And how these gyros stood when they were found.
-    kept: Arc<Mutex<HashMap<u32, (Standing, Option<DueDate>)>>>,
+    kept: Arc<Mutex<HashMap<u32, (GyroStatus, Option<DueDate>)>>>,
 }
 
 impl Dues {
@@ -57,11 +57,11 @@ impl Dues {
     /// otherwise.
     pub async fn of(
         &self,
-        gyros: &[Standing],
+        gyros: &[GyroStatus],
         patience: Duration,
     ) -> Result<(HashMap<u32, DueDate>, usize), StorageError> {
-        let drifts = |gyro: &Standing| gyro.status == Some(Status::Drifting);
-        let is_carried = |gyro: &Standing| gyro.outlook.reach.is_some() && gyro.status < Some(Status::Drifting);
+        let drifts = |gyro: &GyroStatus| gyro.status == Some(Status::Drifting);
+        let is_carried = |gyro: &GyroStatus| gyro.projection.reach.is_some() && gyro.status < Some(Status::Drifting);
         let dated = gyros.iter().filter(|gyro| drifts(gyro) || is_carried(gyro));
         let (mut found, mut missing) = (HashMap::new(), 0);
         let until = Instant::now() + patience;
@@ -83,9 +83,9 @@ impl Dues {
         Ok((found, missing))
     }
 
-    async fn due(&self, gyro: &Standing) -> Result<Option<DueDate>, StorageError> {
+    async fn due(&self, gyro: &GyroStatus) -> Result<Option<DueDate>, StorageError> {
         let explained = self.histories.explain(gyro.number, &gyro.serial).await?;
-        let carried = gyro.outlook.reach.map(|reach| reach.coefficient);
+        let carried = gyro.projection.reach.map(|reach| reach.coefficient);
         let is_asked = |(answer, drift): &(&HistoryDiagnosis, Status)| {
             *drift >= Status::Drifting || carried == Some(answer.coefficient)
         };
@@ -110,25 +110,27 @@ impl Dues {
         Ok(first)
     }
 
-    fn kept(&self) -> MutexGuard<'_, HashMap<u32, (Standing, Option<DueDate>)>> {
+    fn kept(&self) -> MutexGuard<'_, HashMap<u32, (GyroStatus, Option<DueDate>)>> {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 /// How it stands, but for what changes from day to day by itself.
-fn of_any_day(gyro: &Standing) -> Standing {
-    Standing { overdue_days: None, ..gyro.clone() }
+fn of_any_day(gyro: &GyroStatus) -> GyroStatus {
+    GyroStatus { overdue_days: None, ..gyro.clone() }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::judge::Outlook;
+    use crate::core::judge::BudgetProjection;
 
     #[test]
     fn a_date_of_the_straight_line_is_provisional_however_long_the_course_is() {
-        let reach = Reach { coefficient: Coefficient::DI, at: UtcMicros(0), between: [None; 2], provisional: false };
-        let standing = Standing::made_for_tests(1, Outlook { reach: Some(reach), ..Outlook::default() });
+        let reach =
+            BudgetCrossing { coefficient: Coefficient::DI, at: UtcMicros(0), between: [None; 2], provisional: false };
+        let standing =
+            GyroStatus::made_for_tests(1, BudgetProjection { reach: Some(reach), ..BudgetProjection::default() });
         assert!(DueDate::by_trend(&standing).unwrap().provisional);
     }
 }

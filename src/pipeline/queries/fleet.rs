@@ -7,8 +7,8 @@ use std::time::Duration;
 use tokio::time::Instant;
 
 use super::entries::fleet_histories;
+use super::gyro_status::{StoredFacts, of_rank, rank};
 use super::record::Records;
-use super::standing::{StoredFacts, of_rank, rank};
 use crate::core::changes::{self, FleetStations};
 use crate::core::first_of::{DueImu, FirstOf};
 use crate::core::fleet_order::FleetOrder;
@@ -18,11 +18,11 @@ use crate::core::judge::{
 };
 use crate::core::kind::RecordEntry;
 use crate::core::mounting::Slot;
-use crate::pipeline::Standing;
+use crate::pipeline::GyroStatus;
+use crate::pipeline::cached_answer::{CachedAnswer, found_until};
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, distinct, marks_of, sample_of};
-use crate::pipeline::kept::{Kept, found_until};
 use crate::pipeline::prelude::*;
-use crate::store::head::{CalibratedRow, Narrowed, Ranks, Sought, Standings, StationTally, Tally};
+use crate::store::head::{CalibratedRow, HeadFilter, HeadStatusFilter, Ranks, SerialSearch, StationTally, Tally};
 use crate::store::{Stretch, Table};
 use crate::wire::answer::VerdictBody;
 use crate::words;
@@ -31,9 +31,9 @@ use crate::words;
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Seats {
     /// In it, in the order of their slots: nothing has been calibrated in their slot since.
-    pub now: Vec<Standing>,
+    pub now: Vec<GyroStatus>,
     /// Another gyro has been calibrated in their slot since; the last to leave first.
-    pub before: Vec<Standing>,
+    pub before: Vec<GyroStatus>,
     /// Whether a calibration that counts separated any gyro in it, wherever that gyro is now.
     pub used: bool,
 }
@@ -42,7 +42,7 @@ impl Seats {
     /// The gyro that has been calibrated in the slot of another since.
     pub fn successor(&self, number: u32) -> Option<Arc<str>> {
         let left = self.before.iter().find(|standing| standing.number == number)?.newest?.slot;
-        let holds = |standing: &&Standing| standing.newest.is_some_and(|newest| newest.slot == left);
+        let holds = |standing: &&GyroStatus| standing.newest.is_some_and(|newest| newest.slot == left);
         self.now.iter().find(holds).map(|standing| standing.serial.clone())
     }
 }
@@ -79,13 +79,13 @@ pub struct Fleet {
 /// What is found by a look at many gyros.
 #[derive(Debug, Default)]
 pub(super) struct KnownOfFleet {
-    counts: Kept<(Vec<Tally>, Vec<StationTally>)>,
-    imus: Kept<usize>,
-    pub dues: Kept<[FirstOf<DueImu>; 2]>,
+    counts: CachedAnswer<(Vec<Tally>, Vec<StationTally>)>,
+    imus: CachedAnswer<usize>,
+    pub dues: CachedAnswer<[FirstOf<DueImu>; 2]>,
     /// Since an instant.
-    pub calibrated: Kept<Vec<CalibratedRow>>,
+    pub calibrated: CachedAnswer<Vec<CalibratedRow>>,
     /// What the stations do.
-    stations: Kept<Option<Arc<FleetStations>>>,
+    stations: CachedAnswer<Option<Arc<FleetStations>>>,
     /// As it was found last, and how long that took.
     last_stations: Mutex<(Option<Arc<FleetStations>>, Duration)>,
     totals: tokio::sync::Mutex<Option<KnownTotals>>,
@@ -143,7 +143,7 @@ pub struct FleetFilter<'a> {
 #[derive(Debug, Clone, Default)]
 pub struct WallPage {
     /// Each with the gyros that were calibrated in it last, by slot.
-    pub imus: Vec<(String, Vec<Standing>)>,
+    pub imus: Vec<(String, Vec<GyroStatus>)>,
     /// IMUs that the filter finds.
     pub found: usize,
     /// The page, counted from 0: that which was asked for, or the last.
@@ -166,7 +166,7 @@ pub struct FleetPage {
     pub number: usize,
     pub last: usize,
     /// What comes first: what is in use, by its status, then what is overdue, then by how near the nearest limit is.
-    pub gyros: Vec<Standing>,
+    pub gyros: Vec<GyroStatus>,
 }
 
 /// Of the gyros that a station calibrated last.
@@ -182,7 +182,7 @@ pub const BEYOND: [Status; 3] = [Status::Confirmed, Status::OutOfTolerance, Stat
 
 /// What a list by serial is narrowed down to.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct StandingFilter {
+pub struct StatusFilter {
     /// `overdue` finds those as well whose status is worse.
     pub status: Option<Status>,
     pub state: Option<State>,
@@ -243,7 +243,7 @@ impl Fleet {
         let last = found.saturating_sub(1) / imus;
         let shown = part(number.min(last)).await?;
         let gyros = store::head::of_imus(&self.store, &shown).await?;
-        let mut of_imu: HashMap<u32, BTreeMap<Slot, Standing>> = HashMap::new();
+        let mut of_imu: HashMap<u32, BTreeMap<Slot, GyroStatus>> = HashMap::new();
         for standing in self.standings_of(&gyros).await? {
             let Some(newest) = standing.newest else { continue };
             let in_slot = of_imu.entry(newest.imu).or_default();
@@ -261,8 +261,8 @@ impl Fleet {
     }
 
     /// The gyros of some ranks, the worst first, as many as `most`.
-    pub async fn worst_of(&self, statuses: &[Status], most: usize) -> Result<Vec<Standing>, StorageError> {
-        let (whole, mut gyros) = (Narrowed { now: self.clock.now(), ..Narrowed::default() }, Vec::new());
+    pub async fn worst_of(&self, statuses: &[Status], most: usize) -> Result<Vec<GyroStatus>, StorageError> {
+        let (whole, mut gyros) = (HeadFilter { now: self.clock.now(), ..HeadFilter::default() }, Vec::new());
         for ranks in in_order().into_iter().filter(|ranks| is_wanted(ranks, Some(statuses))) {
             let part = [0, most - gyros.len()];
             gyros.extend(store::head::of_ranks(&self.store, ranks, &whole, part).await?);
@@ -274,17 +274,17 @@ impl Fleet {
     }
 
     /// None where nothing can be found, for a name is unknown.
-    async fn narrowed(&self, filter: &FleetFilter<'_>, now: UtcMicros) -> Result<Option<Narrowed>, StorageError> {
+    async fn narrowed(&self, filter: &FleetFilter<'_>, now: UtcMicros) -> Result<Option<HeadFilter>, StorageError> {
         let Some(mut narrowed) = self.named(filter, now) else { return Ok(None) };
         if narrowed.sought.is_some()
-            && let Some(found) = store::head::sought(&self.store, &narrowed).await?
+            && let Some(found) = store::head::search(&self.store, &narrowed).await?
         {
             narrowed.sought = Some(found);
         }
         Ok(Some(narrowed))
     }
 
-    fn named(&self, filter: &FleetFilter<'_>, now: UtcMicros) -> Option<Narrowed> {
+    fn named(&self, filter: &FleetFilter<'_>, now: UtcMicros) -> Option<HeadFilter> {
         let tables = self.store.names().read();
         let number = |name: &str, of: &Table| match name {
             "" => Some(None),
@@ -295,9 +295,9 @@ impl Fleet {
         if text.len() > LONGEST_SOUGHT || text.contains('\0') {
             return None;
         }
-        Some(Narrowed {
+        Some(HeadFilter {
             now,
-            sought: (!text.is_empty()).then(|| Sought::text(&text)),
+            sought: (!text.is_empty()).then(|| SerialSearch::text(&text)),
             station: number(filter.station, &tables.stations)?,
             ever: number(filter.ever, &tables.stations)?,
             imu: number(filter.imu, &tables.imus)?,
@@ -349,11 +349,11 @@ impl Fleet {
         &self,
         after: u32,
         most: u32,
-        filter: StandingFilter,
+        filter: StatusFilter,
         of_fleet: &FleetFilter<'_>,
-    ) -> Result<(Vec<Standing>, bool), StorageError> {
+    ) -> Result<(Vec<GyroStatus>, bool), StorageError> {
         let Some(narrowed) = self.narrowed(of_fleet, self.clock.now()).await? else { return Ok((Vec::new(), false)) };
-        let standings = Standings {
+        let standings = HeadStatusFilter {
             rank: filter.status.filter(|status| *status != Status::Overdue).map(|status| rank(false, Some(status))),
             // Time makes worse only what is better than overdue.
             is_overdue: filter.status.filter(|status| *status <= Status::Overdue).map(|of| of == Status::Overdue),
@@ -367,7 +367,7 @@ impl Fleet {
     }
 
     /// How these gyros stand, in their order.
-    pub async fn standings_of(&self, gyros: &[u32]) -> Result<Vec<Standing>, StorageError> {
+    pub async fn standings_of(&self, gyros: &[u32]) -> Result<Vec<GyroStatus>, StorageError> {
         self.standings(store::histories::last(&self.store, gyros).await?).await
     }
 
@@ -402,7 +402,7 @@ impl Fleet {
     /// The same; where that takes longer than `patience`, as they were found last: none before they first were. Who
     /// would wait in vain, as the last one did, does not wait.
     pub async fn station_figures_within(&self, patience: Duration) -> Result<Option<Arc<FleetStations>>, StorageError> {
-        if !self.known.stations.is_sought() {
+        if !self.known.stations.is_computing() {
             let (fleet, took) = (self.clone(), self.last_stations().1);
             let patience = if took > patience { Duration::ZERO } else { patience };
             let found = found_until(Instant::now() + patience, async move { fleet.station_figures().await });
@@ -492,7 +492,7 @@ impl Fleet {
 
     /// What these records found of their gyros.
     async fn rows_of(&self, heads: &[RecordEntry]) -> Result<Vec<Figures>, StoreError> {
-        let sheets = store::record::verdict_sheets(&self.store, heads.iter().map(|head| head.id)).await?;
+        let sheets = store::record::record_verdicts(&self.store, heads.iter().map(|head| head.id)).await?;
         let of = |head: &RecordEntry| {
             let then = Span { from: head.calibrated_at, to: head.calibrated_at };
             let gyros = sheets.get(&head.id).map_or(&[][..], |sheet| &sheet.0);
@@ -503,11 +503,11 @@ impl Fleet {
     }
 
     /// How gyros stand with these newest calibrations.
-    pub async fn standings(&self, newest: Vec<(u32, Option<Figures>)>) -> Result<Vec<Standing>, StorageError> {
+    pub async fn standings(&self, newest: Vec<(u32, Option<Figures>)>) -> Result<Vec<GyroStatus>, StorageError> {
         let gyros: Vec<u32> = newest.iter().map(|(gyro, _)| *gyro).collect();
         let heads = store::head::of_gyros(&self.store, &gyros).await?;
-        let outlooks = heads.into_iter().map(|row| (row.gyro, row.outlook)).collect();
-        let stored = StoredFacts::of(&self.store, &newest, outlooks).await?;
+        let projections = heads.into_iter().map(|row| (row.gyro, row.projection)).collect();
+        let stored = StoredFacts::of(&self.store, &newest, projections).await?;
         let mut attributes = store::gyro_attribute::of(&self.store, &gyros).await?;
         let (tables, now) = (self.store.names().read(), self.clock.now());
         let mut standing = |(number, newest): (u32, Option<Figures>)| {
@@ -515,13 +515,13 @@ impl Fleet {
             let imu = newest.map_or("", |figures| tables.imus.text(figures.imu));
             let limits = self.config.judging.limits(imu, &serial);
             let attributes = attributes.remove(&number).unwrap_or_default();
-            Some(Standing { attributes, ..stored.facts(number, serial, newest).standing(&limits, now) })
+            Some(GyroStatus { attributes, ..stored.facts(number, serial, newest).standing(&limits, now) })
         };
         Ok(newest.into_iter().filter_map(&mut standing).collect())
     }
 
     /// How one gyro stands, and the verdicts on its newest record in words; none where there is no such gyro.
-    pub async fn standing_in_words(&self, number: u32) -> Result<Option<(Standing, Vec<VerdictBody>)>, StorageError> {
+    pub async fn standing_in_words(&self, number: u32) -> Result<Option<(GyroStatus, Vec<VerdictBody>)>, StorageError> {
         let newest = store::history::newest(&self.store, number, Span::EVER, 1).await?.pop();
         let stored = match &newest {
             Some(figures) => self.records.reread(figures.record).await?,
@@ -537,7 +537,7 @@ impl Fleet {
     }
 
     /// The last `count` values of each of these gyros, in three queries however many they are.
-    pub async fn recent_values(&self, of: &[&Standing], count: usize) -> Result<Vec<RecentValues>, StorageError> {
+    pub async fn recent_values(&self, of: &[&GyroStatus], count: usize) -> Result<Vec<RecentValues>, StorageError> {
         let gyros: Vec<u32> = of.iter().map(|standing| standing.number).collect();
         let marks = marks_of(&self.store, &gyros).await?;
         let marks: Vec<&[Mark]> = gyros.iter().map(|gyro| marks.get(gyro).map_or(&[][..], Vec::as_slice)).collect();
@@ -570,7 +570,7 @@ impl Fleet {
         Ok(fit_fleet(&all))
     }
 
-    fn recent(&self, standing: &Standing, marks: &[Mark], rows: &[Figures], baseline: &[Figures]) -> RecentValues {
+    fn recent(&self, standing: &GyroStatus, marks: &[Mark], rows: &[Figures], baseline: &[Figures]) -> RecentValues {
         let method = self.config.judging.method;
         let samples = |rows: &[Figures]| -> Vec<Sample> { rows.iter().map(|row| sample_of(row, method)).collect() };
         let last = last_of(rows);
@@ -643,10 +643,10 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
-    use crate::core::alert_decision::{self, Alert, Standing as Handling};
+    use crate::core::alert_decision::{self, Alert, AlertState};
     use crate::core::alert_filter::AlertFilter;
     use crate::core::id::Id;
-    use crate::core::judge::{Coefficient, Outlook, Severity};
+    use crate::core::judge::{BudgetProjection, Coefficient, Severity};
     use crate::pipeline::Pipeline;
     use crate::store::{AlertRow, Changes, HeadChanges, HeadRow, NewName, NewestRow, Remark};
 
@@ -684,7 +684,10 @@ mod tests {
             out_of_use: None,
             firing: 0,
             severity: None,
-            outlook: Outlook { load: [drawn_load(rng), drawn_load(rng), None], ..Outlook::default() },
+            projection: BudgetProjection {
+                load: [drawn_load(rng), drawn_load(rng), None],
+                ..BudgetProjection::default()
+            },
             since: None,
             changed_at: rng.random_bool(0.3).then(|| UtcMicros(now.0 - rng.random_range(0..5))),
         }
@@ -749,7 +752,7 @@ mod tests {
         }
         assert!(cut > 40, "{cut}");
         let by_load = |a: &&HeadRow, b: &&HeadRow| {
-            let extreme = |row: &HeadRow| row.outlook.extreme().unwrap_or(-1.0);
+            let extreme = |row: &HeadRow| row.projection.extreme().unwrap_or(-1.0);
             extreme(b).total_cmp(&extreme(a)).then(a.serial.cmp(&b.serial))
         };
         for statuses in all {
@@ -774,7 +777,7 @@ mod tests {
             assert_eq!(count, rows.iter().filter(|row| is(row, of)).count(), "{of:?}");
         }
         for of in Status::ALL {
-            let filter = StandingFilter { status: Some(of), state: None };
+            let filter = StatusFilter { status: Some(of), state: None };
             let (found, more) = fleet.listed(0, 1000, filter, &FleetFilter::default()).await.unwrap();
             let mut expected: Vec<&HeadRow> = sorted.iter().filter(|row| is(row, of)).copied().collect();
             expected.sort_by(|a, b| a.serial.cmp(&b.serial));
@@ -801,8 +804,8 @@ mod tests {
             silenced_until: handled(rng).then(|| UtcMicros(now.0 + rng.random_range(-1..2))),
             muted_until: None,
             inhibited: handled(rng),
-            hushed: None,
-            told: None,
+            suppressed: None,
+            last_notification: None,
         };
         let remark = Remark { by: "A".into(), reason: "B".into(), at: now };
         AlertRow {
@@ -852,8 +855,8 @@ mod tests {
         sorted.sort_by(|a, b| b.rank.cmp(&a.rank).then(b.load.total_cmp(&a.load)).then(a.serial.cmp(&b.serial)));
         for rule in [None, Some(Rule::Baseline), Some(Rule::Step)] {
             let any = AlertFilter { rule, ..AlertFilter::default() };
-            let counts = store::alerts::standings(&store, &any, now).await.unwrap();
-            for standing in Handling::ALL {
+            let counts = store::alerts::counts_by_state(&store, &any, now).await.unwrap();
+            for standing in AlertState::ALL {
                 let filter = AlertFilter { standing: Some(standing), ..any.clone() };
                 let fits =
                     |row: &&AlertRow| rule.is_none_or(|rule| row.rule == rule) && row.alert.standing(now) == standing;

@@ -15,7 +15,7 @@ use crate::store::StoredVerdict;
 
 /// Everything about one gyro, oldest first.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Course {
+pub struct GyroTimeline {
     pub figures: Vec<Figures>,
     pub benches: Vec<BenchItem>,
     pub events: Vec<GyroEvent>,
@@ -113,7 +113,7 @@ pub struct Histories {
 
 impl Histories {
     /// A gyro's course, its baselines by `method`.
-    pub async fn course(&self, gyro: u32, serial: &str, method: JudgedMethod) -> Result<Course, StorageError> {
+    pub async fn course(&self, gyro: u32, serial: &str, method: JudgedMethod) -> Result<GyroTimeline, StorageError> {
         let figures = store::history::oldest(&self.store, gyro, Span::EVER, usize::MAX).await?;
         let events = store::event::of_gyro(&self.store, gyro).await?;
         let events: Vec<GyroEvent> = events.into_iter().map(|row| row.told).collect();
@@ -125,7 +125,7 @@ impl Histories {
         let samples = distinct(figures.iter().map(|figures| sample_of(figures, method)));
         let tests = self.tests(gyro, &events, &figures).await?;
         let baselines = baselines(&samples, &marks, &limits);
-        Ok(Course { baselines, figures, benches, events, corrections, set_aside, tests, limits })
+        Ok(GyroTimeline { baselines, figures, benches, events, corrections, set_aside, tests, limits })
     }
 
     /// The baselines of one of D_I, D_S and D_O by `method`, and the budget that its newest record is judged by.
@@ -210,7 +210,7 @@ impl Histories {
     async fn tests(&self, gyro: u32, events: &[GyroEvent], figures: &[Figures]) -> Result<Vec<Tested>, StoreError> {
         let mut tests = tested(events, figures);
         let after = tests.iter().filter_map(|test| Some(test.after?.record));
-        let sheets = store::record::verdict_sheets(&self.store, after).await?;
+        let sheets = store::record::record_verdicts(&self.store, after).await?;
         let ends: Vec<UtcMicros> = tests.iter().map(Tested::until).collect();
         for test in &mut tests {
             let Some(after) = &test.after else { continue };

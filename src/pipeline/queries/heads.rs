@@ -1,11 +1,11 @@
 //! The rows of the table `head`, by what is stored or about to be.
 
 use crate::config::Judging;
-use crate::core::judge::{Need, Older, Outlook};
-use crate::pipeline::alerts::Naming;
+use crate::core::judge::{BudgetProjection, Need, Older};
+use crate::pipeline::alerts::NameLookup;
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, read_ahead};
 use crate::pipeline::prelude::*;
-use crate::pipeline::queries::standing::{Facts, StoredFacts};
+use crate::pipeline::queries::gyro_status::{Facts, StoredFacts};
 use crate::store::HeadRow;
 use crate::system::sha256;
 
@@ -13,7 +13,7 @@ use crate::system::sha256;
 const WINDOWS_AT_ONCE: usize = 128;
 
 /// The row of a gyro by what its standing follows from.
-pub(crate) fn row_of(facts: &Facts<'_>, judging: &Judging, naming: &Naming<'_>) -> HeadRow {
+pub(crate) fn row_of(facts: &Facts<'_>, judging: &Judging, naming: &NameLookup<'_>) -> HeadRow {
     let names = facts.newest.map(|Figures { imu, station, .. }| (naming.imu(imu), naming.station(station)));
     let (imu, station) = names.unwrap_or_default();
     facts.head(judging, &imu, &station)
@@ -21,9 +21,9 @@ pub(crate) fn row_of(facts: &Facts<'_>, judging: &Judging, naming: &Naming<'_>) 
 
 pub(crate) async fn stored_rows(store: &Store, judging: &Judging, gyros: &[u32]) -> Result<Vec<HeadRow>, StoreError> {
     let newest = store::histories::last(store, gyros).await?;
-    let outlooks = stored_outlooks(store, judging, &newest).await?;
-    let stored = StoredFacts::of(store, &newest, outlooks).await?;
-    let naming = Naming { tables: &store.names().read(), new: None };
+    let projections = stored_projections(store, judging, &newest).await?;
+    let stored = StoredFacts::of(store, &newest, projections).await?;
+    let naming = NameLookup { tables: &store.names().read(), new: None };
     let row = |(gyro, newest): &(u32, Option<Figures>)| {
         row_of(&stored.facts(*gyro, naming.gyro(*gyro).into(), *newest), judging, &naming)
     };
@@ -31,13 +31,13 @@ pub(crate) async fn stored_rows(store: &Store, judging: &Judging, gyros: &[u32])
 }
 
 /// How gyros with these newest calibrations lie to their budgets and where they go, judged anew by what is stored.
-pub(crate) async fn stored_outlooks(
+pub(crate) async fn stored_projections(
     store: &Store,
     judging: &Judging,
     newest: &[(u32, Option<Figures>)],
-) -> Result<HashMap<u32, Outlook>, StoreError> {
+) -> Result<HashMap<u32, BudgetProjection>, StoreError> {
     let need = Need::of(&judging.limits("", ""));
-    let mut outlooks = HashMap::with_capacity(newest.len());
+    let mut projections = HashMap::with_capacity(newest.len());
     for some in newest.chunks(WINDOWS_AT_ONCE) {
         let gyros: Vec<u32> = some.iter().map(|(gyro, _)| *gyro).collect();
         let rows = store::histories::newest_ever(store, &gyros, read_ahead(need)).await?;
@@ -54,10 +54,10 @@ pub(crate) async fn stored_outlooks(
                 let tables = store.names().read();
                 judging.limits(tables.imus.text(figures.imu), tables.gyros.text(*gyro))
             };
-            outlooks.insert(*gyro, Outlook::of(&window.judge_newest(&limits, Older::NONE)));
+            projections.insert(*gyro, BudgetProjection::of(&window.judge_newest(&limits, Older::NONE)));
         }
     }
-    Ok(outlooks)
+    Ok(projections)
 }
 
 /// Which stations have ever calibrated gyros, station first.

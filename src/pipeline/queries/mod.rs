@@ -1,16 +1,16 @@
 //! What is asked of the database: fleet, histories, records, stations, agreement of methods, verification.
 
 pub(super) mod agreement;
+mod calibration_preview;
 mod changes_explained;
 mod common_shift;
 mod dues;
 mod entries;
 mod fleet;
-mod foreseen;
 mod gyro_history;
+pub(super) mod gyro_status;
 pub(super) mod heads;
 mod record;
-pub(super) mod standing;
 mod status;
 mod today;
 mod verify;
@@ -21,14 +21,14 @@ use crate::pipeline::prelude::*;
 
 pub use crate::pipeline::ingest::judge::gyro_window::sample_of;
 pub use agreement::{Compared, Comparison};
+pub use calibration_preview::{CalibrationPreview, GyroPreview};
 pub use changes_explained::ExplainedHistory;
-pub use common_shift::{CommonShift, Together};
+pub use common_shift::{CommonFactor, CommonShift};
 pub use dues::{DueDate, Dues};
-pub use fleet::{BEYOND, Fleet, FleetFilter, FleetPage, RecentValues, Seats, StandingFilter};
-pub use foreseen::{Forecast, Foreseen};
-pub use gyro_history::{Baseline, Course, Histories, Levels, Tested};
+pub use fleet::{BEYOND, Fleet, FleetFilter, FleetPage, RecentValues, Seats, StatusFilter};
+pub use gyro_history::{Baseline, GyroTimeline, Histories, Levels, Tested};
+pub use gyro_status::{GyroStatus, Violation};
 pub use record::{ListFilter, Names, Records, StoredCampaign, StoredRecord};
-pub use standing::{Standing, Violation};
 pub use status::Statuses;
 pub use today::{FEW_RECORDS, LINES, Today, today};
 pub use verify::Verified;

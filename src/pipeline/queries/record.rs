@@ -111,7 +111,7 @@ pub struct ListFilter<'a> {
 }
 
 /// What a stored row says.
-pub(crate) struct Reread {
+pub(crate) struct DecodedRecord {
     pub row: RecordRow,
     pub calibration: Calibration,
     pub fitted: Option<CampaignFit>,
@@ -131,7 +131,7 @@ impl Records {
     /// # Errors
     /// [`StorageError`], for one where the body is not what was hashed when it came.
     pub async fn record(&self, id: Id) -> Result<Option<StoredRecord>, StorageError> {
-        let Some(Reread { row, calibration, .. }) = self.reread(id).await? else { return Ok(None) };
+        let Some(DecodedRecord { row, calibration, .. }) = self.reread(id).await? else { return Ok(None) };
         let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?;
         let closures = closures_of(&calibration);
         let separations = self.reader.separations(&calibration.gyros);
@@ -146,7 +146,9 @@ impl Records {
     /// # Errors
     /// [`StorageError`], for one where the body is not what was hashed when it came.
     pub async fn campaign(&self, id: Id) -> Result<Option<StoredCampaign>, StorageError> {
-        let Some(Reread { row, calibration, fitted: Some(fitted) }) = self.reread(id).await? else { return Ok(None) };
+        let Some(DecodedRecord { row, calibration, fitted: Some(fitted) }) = self.reread(id).await? else {
+            return Ok(None);
+        };
         let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?;
         let mut answer = self.reader.campaign_answer(&fitted);
         answer.id = Some(id.to_string());
@@ -173,7 +175,7 @@ impl Records {
     }
 
     /// A stored record or campaign, read and separated again; it was plausible once, whatever today's limits are.
-    pub(crate) async fn reread(&self, id: Id) -> Result<Option<Reread>, StoreError> {
+    pub(crate) async fn reread(&self, id: Id) -> Result<Option<DecodedRecord>, StoreError> {
         let Some(row) = store::record::get(&self.store, id).await? else { return Ok(None) };
         if sha256(row.body.as_bytes()) != row.body_sha256 {
             return Err(StoreError::damaged(format_args!("the body of record {id} does not have its hash")));
@@ -181,7 +183,7 @@ impl Records {
         let unreadable =
             |faults: Faults| StoreError::damaged(format_args!("the body of record {id} cannot be read: {faults}"));
         let (calibration, fitted) = self.reader.again(&row).await?.map_err(unreadable)?;
-        Ok(Some(Reread { row, calibration, fitted }))
+        Ok(Some(DecodedRecord { row, calibration, fitted }))
     }
 
     pub async fn sent(&self, id: Id) -> Result<Option<RecordRow>, StorageError> {

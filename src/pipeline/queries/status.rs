@@ -55,7 +55,7 @@ impl Statuses {
     ) -> Result<Self, StoreError> {
         let several = |state: Option<State>| matches!(state, Some(State::Indeterminate | State::Exceeded));
         let asked = rows.filter(|row| columns.iter().any(|&column| several(row.states.0[column])));
-        let sheets = store::record::verdict_sheets(store, asked.map(|row| row.record)).await?;
+        let sheets = store::record::record_verdicts(store, asked.map(|row| row.record)).await?;
         let of_gyro = sheets.iter().map(|(record, sheet)| {
             (*record, COLUMNS.map(|coefficient| CoefficientStatus::of(sheet.of(gyro), coefficient)))
         });

@@ -5,7 +5,7 @@ use super::fleet::Fleet;
 use crate::core::first_of::{DueImu, FirstOf, MovedImu};
 use crate::pipeline::diagnoses::outside_forecasts;
 use crate::pipeline::prelude::*;
-use crate::pipeline::{CommonShift, Standing};
+use crate::pipeline::{CommonShift, GyroStatus};
 use crate::store::head::CalibratedRow;
 use crate::wire::diagnoses::OutsideForecastBody;
 
@@ -27,10 +27,10 @@ const ALIKE: usize = 20;
 #[derive(Debug, Clone)]
 pub struct Today {
     /// Of which something began to be worse, the newest first.
-    pub worse: FirstOf<Standing>,
+    pub worse: FirstOf<GyroStatus>,
     /// Within their limits, and carried to the budget by an established trend, the first to reach it first: those that
     /// should be there by now among them.
-    pub approaching: FirstOf<Standing>,
+    pub approaching: FirstOf<GyroStatus>,
     pub overdue: FirstOf<DueImu>,
     /// Within [`DUE_DAYS`].
     pub due: FirstOf<DueImu>,
@@ -91,6 +91,6 @@ async fn misspelt(store: &Store) -> Result<Vec<[String; 2]>, StoreError> {
     Ok(named.into_iter().zip(rows).filter(|(_, rows)| is_few(rows)).map(|((_, names), _)| names).collect())
 }
 
-async fn first_of(fleet: &Fleet, gyros: FirstOf<u32>) -> Result<FirstOf<Standing>, StorageError> {
+async fn first_of(fleet: &Fleet, gyros: FirstOf<u32>) -> Result<FirstOf<GyroStatus>, StorageError> {
     Ok(FirstOf { first: fleet.standings_of(&gyros.first).await?, of: gyros.of })
 }

@@ -15,7 +15,7 @@ use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
 use crate::pipeline::prelude::*;
 use crate::pipeline::queries::heads::{checksum, stored_rows};
-use crate::pipeline::queries::record::{Records, Reread};
+use crate::pipeline::queries::record::{DecodedRecord, Records};
 use crate::pipeline::{CalibratedGyro, Calibration};
 use crate::store::{StoredVerdict, Table};
 use crate::wire::bench::parse_bench_result;
@@ -88,8 +88,8 @@ impl Records {
         Ok(())
     }
 
-    async fn verify_record(&self, stored: &Reread, verified: &mut Verified) -> Result<(), StoreError> {
-        let Reread { row, calibration: again, .. } = stored;
+    async fn verify_record(&self, stored: &DecodedRecord, verified: &mut Verified) -> Result<(), StoreError> {
+        let DecodedRecord { row, calibration: again, .. } = stored;
         let (id, counts) = (row.id, !row.voided);
         let names = self.store.names();
         let wrong = |fault| of_record(id, fault);

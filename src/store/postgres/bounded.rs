@@ -33,15 +33,15 @@ fn silent(limit: Duration) -> Error {
 /// When the database last left a question unanswered. Every connection from before may lead to a host that is gone:
 /// finding that out on each of them in turn takes the limit of a question each time.
 #[derive(Debug, Clone)]
-pub(super) struct LastSilence(watch::Sender<Option<Instant>>);
+pub(super) struct LastTimeout(watch::Sender<Option<Instant>>);
 
-impl Default for LastSilence {
+impl Default for LastTimeout {
     fn default() -> Self {
         Self(watch::Sender::new(None))
     }
 }
 
-impl LastSilence {
+impl LastTimeout {
     pub fn is_now(&self) {
         self.0.send_replace(Some(Instant::now()));
     }
@@ -69,7 +69,7 @@ impl LastSilence {
 pub(crate) struct PgReaders {
     pool: PgPool,
     limit: Duration,
-    silence: LastSilence,
+    silence: LastTimeout,
 }
 
 impl PgReaders {
@@ -77,7 +77,7 @@ impl PgReaders {
         options: PgPoolOptions,
         connect: PgConnectOptions,
         limit: Duration,
-        silence: LastSilence,
+        silence: LastTimeout,
     ) -> Result<Self, sqlx::Error> {
         let (lent, released) = (silence.clone(), silence.clone());
         // The pool's own test asks a connection before anything else, and so each silent one in turn.

@@ -11,7 +11,7 @@ use crate::store::rows::AnyRow;
 named! {
 /// What a commit may bring that others want to hear of, each with a column of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum News {
+pub enum ChangeTopic {
     Names = "names",
     /// Hooks, silences and alerts of stations.
     Settings = "settings",
@@ -29,7 +29,7 @@ pub(crate) struct CellRow {
     pub stamp: i64,
     /// The greatest identifier that was given out under its lock.
     pub last_id: i64,
-    pub(super) news: [i64; News::ALL.len()],
+    pub(super) topics: [i64; ChangeTopic::ALL.len()],
 }
 
 pub(super) const COLUMNS: &str =
@@ -37,13 +37,13 @@ pub(super) const COLUMNS: &str =
 
 impl CellRow {
     pub fn of(row: &PgRow) -> Result<Self> {
-        let (cell, stamp, last_id, news): (i64, _, _, _) = row.whole()?;
+        let (cell, stamp, last_id, topics): (i64, _, _, _) = row.whole()?;
         let cell = u8::try_from(cell).map_err(|_| StoreError::damaged(format_args!("there is a cell {cell}")))?;
-        Ok(Self { cell, stamp, last_id, news })
+        Ok(Self { cell, stamp, last_id, topics })
     }
 
-    pub fn stamp_of(&self, news: News) -> i64 {
-        self.news[news as usize]
+    pub fn stamp_of(&self, topic: ChangeTopic) -> i64 {
+        self.topics[topic as usize]
     }
 }
 
@@ -69,29 +69,31 @@ impl AllCells {
     }
 
     /// Takes over what was found; says what is new.
-    pub fn learn(&mut self, found: &[CellRow]) -> Missed {
-        let mut missed = Missed::default();
+    pub fn learn(&mut self, found: &[CellRow]) -> RemoteChanges {
+        let mut remote_changes = RemoteChanges::default();
         for row in found {
             let seen = std::mem::replace(&mut self.0[usize::from(row.cell)], *row);
             if row.stamp != seen.stamp {
-                missed.cells.push(row.cell);
+                remote_changes.cells.push(row.cell);
             }
-            missed.news.extend(News::ALL.into_iter().filter(|news| row.stamp_of(*news) != seen.stamp_of(*news)));
+            remote_changes
+                .topics
+                .extend(ChangeTopic::ALL.into_iter().filter(|topic| row.stamp_of(*topic) != seen.stamp_of(*topic)));
         }
-        missed
+        remote_changes
     }
 }
 
 /// What others have written.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Missed {
+pub struct RemoteChanges {
     /// Cells in which something was written: nothing that is remembered of their gyros is known to hold.
     pub cells: Vec<u8>,
-    pub news: Vec<News>,
+    pub topics: Vec<ChangeTopic>,
 }
 
-impl Missed {
-    pub fn brings(&self, news: News) -> bool {
-        self.news.contains(&news)
+impl RemoteChanges {
+    pub fn brings(&self, topic: ChangeTopic) -> bool {
+        self.topics.contains(&topic)
     }
 }

@@ -20,7 +20,7 @@ use crate::store::changes::batch_of;
 use crate::store::name_tables::Names;
 use crate::store::packed::history_row;
 use crate::store::tables::diagnosis;
-use crate::store::{Cells, Changes, HistoryRow, IdSource, Missed, News, Options, Result, StoreError};
+use crate::store::{Cells, ChangeTopic, Changes, HistoryRow, IdSource, Options, RemoteChanges, Result, StoreError};
 
 /// How long it is kept which commits there were: longer than anybody waits to find out.
 const COMMITS_KEPT_S: i64 = 600;
@@ -65,7 +65,7 @@ impl CellWriter {
     }
 
     /// See [`crate::store::Writer::lock_cells`]. Also where identifiers come from meanwhile.
-    pub async fn lock_cells(&mut self, cells: &Cells) -> Result<(Missed, IdSource)> {
+    pub async fn lock_cells(&mut self, cells: &Cells) -> Result<(RemoteChanges, IdSource)> {
         debug_assert!(self.held.is_empty(), "what was held before has been given back");
         self.held = self.begin(cells).await?;
         let learned = names::learn_cells(&self.readers, &self.names, &self.held).await;
@@ -73,9 +73,9 @@ impl CellWriter {
             self.give_back().await;
         }
         learned?;
-        let missed = self.seen.learn(&self.held);
+        let remote_changes = self.seen.learn(&self.held);
         let last = self.held.iter().map(|row| row.last_id).max().unwrap_or(0);
-        Ok((missed, IdSource::in_cell(self.held.first().map_or(0, |row| row.cell), last)))
+        Ok((remote_changes, IdSource::in_cell(self.held.first().map_or(0, |row| row.cell), last)))
     }
 
     /// A connection that has lain idle may have broken unnoticed: then a fresh one is tried.
@@ -145,8 +145,8 @@ impl CellWriter {
             }
         }
         self.names.learn(changes.new_names());
-        if changes.brings(News::Names) {
-            let stamps = next.iter().map(|row| (usize::from(row.cell), row.stamp_of(News::Names)));
+        if changes.brings(ChangeTopic::Names) {
+            let stamps = next.iter().map(|row| (usize::from(row.cell), row.stamp_of(ChangeTopic::Names)));
             self.names.change(|tables| stamps.for_each(|(place, stamp)| tables.seen[place] = stamp));
         }
         self.seen.learn(&next);
@@ -167,8 +167,8 @@ impl CellWriter {
         let stamp = rand::random_range(1..i64::MAX);
         let after = |row: &CellRow| {
             let mut next = CellRow { stamp, last_id: last_id.max(row.last_id), ..*row };
-            for news in News::ALL.into_iter().filter(|news| changes.brings(*news)) {
-                next.news[news as usize] = stamp;
+            for topic in ChangeTopic::ALL.into_iter().filter(|topic| changes.brings(*topic)) {
+                next.topics[topic as usize] = stamp;
             }
             next
         };
@@ -254,8 +254,9 @@ async fn write(connection: &mut PgConnection, changes: &Changes, next: &[CellRow
     diagnosis::make_due(&changes.models, &mut batch);
     history_row::upsert(last_of_each(changes), &mut batch);
     let (first, cells) = (next[0], next.iter().map(|row| i64::from(row.cell)).collect::<Vec<_>>());
-    let is_new = |news: News| if changes.brings(news) { format!(", {} = $2", news.name()) } else { String::new() };
-    let set = News::ALL.map(is_new).concat();
+    let is_new =
+        |topic: ChangeTopic| if changes.brings(topic) { format!(", {} = $2", topic.name()) } else { String::new() };
+    let set = ChangeTopic::ALL.map(is_new).concat();
     let end = format!(
         "WITH made AS (INSERT INTO cell_commit (cell, at, stamp) VALUES ($1, now(), $2)),
               forgotten AS (DELETE FROM cell_commit WHERE cell = $1 AND at < now() - $5 * INTERVAL '1 second')

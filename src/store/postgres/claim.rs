@@ -28,32 +28,32 @@ pub async fn while_claimed<T>(store: &Store, claimed: &[Id], work: impl Future<O
     let done = loop {
         match tokio::time::timeout(claimant.lease / RENEWALS, &mut work).await {
             Ok(done) => break done,
-            Err(_) => told(claimant.renew(claimed).await),
+            Err(_) => log_error(claimant.renew(claimed).await),
         }
     };
-    told(claimant.release(claimed).await);
+    log_error(claimant.release(claimed).await);
     done
 }
 
-fn claimant(store: &Store) -> Option<Claimant<'_>> {
-    let Readers::Postgres(readers, neighbours) = &store.readers else { return None };
-    neighbours.lease().map(|(number, lease)| Claimant { readers, number, lease })
+fn claimant(store: &Store) -> Option<ClaimHolder<'_>> {
+    let Readers::Postgres(readers, other_servers) = &store.readers else { return None };
+    other_servers.lease().map(|(number, lease)| ClaimHolder { readers, number, lease })
 }
 
-fn told(done: Result<(), sqlx::Error>) {
+fn log_error(done: Result<(), sqlx::Error>) {
     if let Err(error) = done {
         tracing::debug!(%error, "claims could not be renewed or given back; they end by themselves");
     }
 }
 
 /// A server among those that share the database.
-struct Claimant<'a> {
+struct ClaimHolder<'a> {
     readers: &'a PgReaders,
     number: i64,
     lease: Duration,
 }
 
-impl Claimant<'_> {
+impl ClaimHolder<'_> {
     async fn take(&self, wanted: &[Id], most: usize) -> Result<Vec<Id>, sqlx::Error> {
         sqlx::query("DELETE FROM diagnosis_claim WHERE until < now()").execute(self.readers).await?;
         // Of two servers that want the same at once the second finds it taken, and comes back for others.

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use sqlx::postgres::PgConnectOptions;
 use sqlx::{ConnectOptions, PgConnection, Row as _};
 
-use super::bounded::{LastSilence, within};
+use super::bounded::{LastTimeout, within};
 use crate::message;
 use crate::store::error::{Result, StoreError};
 
@@ -20,7 +20,7 @@ pub(crate) struct Hosts {
     last: Arc<AtomicUsize>,
     /// Whether a host that does not take writes is passed over.
     read_write: bool,
-    pub(super) silence: LastSilence,
+    pub(super) silence: LastTimeout,
 }
 
 /// How long one of several hosts is waited for before the next is tried.
@@ -54,7 +54,7 @@ impl Hosts {
             Ok(options.statement_cache_capacity(256).disable_statement_logging())
         };
         let all: Result<Vec<_>, sqlx::Error> = hosts.split(',').map(one).collect();
-        Ok(Self { all: all?.into(), last: Arc::default(), read_write, silence: LastSilence::default() })
+        Ok(Self { all: all?.into(), last: Arc::default(), read_write, silence: LastTimeout::default() })
     }
 
     /// The one that answered last.

@@ -15,7 +15,7 @@ use crate::store::error::Result;
 named! {
     /// What one server does for all.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-    pub enum Duty {
+    pub enum LeasedTask {
         /// Telling hooks what the outbox holds.
         Deliveries = "deliveries",
         /// Letting alerts follow the clock.
@@ -23,25 +23,25 @@ named! {
     }
 }
 
-/// Until when each duty is this server's.
-pub(crate) type Held = [Option<Instant>; Duty::ALL.len()];
+/// Until when this server holds each lease.
+pub(crate) type HeldLeases = [Option<Instant>; LeasedTask::ALL.len()];
 
-pub(super) fn is_held(held: &Held, duty: Duty) -> bool {
+pub(super) fn is_held(held: &HeldLeases, duty: LeasedTask) -> bool {
     held[duty as usize].is_some_and(|until| Instant::now() < until)
 }
 
 /// Renews what is held and takes what is free, until nobody wants to know any more.
-pub(super) async fn keep(readers: PgReaders, number: i64, lease: Duration, held: watch::Sender<Held>) {
+pub(super) async fn keep(readers: PgReaders, number: i64, lease: Duration, held: watch::Sender<HeldLeases>) {
     let pause = lease / 5;
     while !held.is_closed() && !readers.is_closed() {
-        for (place, duty) in Duty::ALL.into_iter().enumerate() {
+        for (place, duty) in LeasedTask::ALL.into_iter().enumerate() {
             let asked = Instant::now();
             match take(&readers, duty, number, lease).await {
-                Ok(mine) => tell(&held, place, mine.then(|| asked + lease - pause)),
+                Ok(mine) => publish(&held, place, mine.then(|| asked + lease - pause)),
                 Err(error) => {
                     tracing::debug!(%error, duty = duty.name(), "a lease could not be renewed");
                     let until = held.borrow()[place];
-                    tell(&held, place, until.filter(|until| Instant::now() < *until));
+                    publish(&held, place, until.filter(|until| Instant::now() < *until));
                 }
             }
         }
@@ -52,7 +52,7 @@ pub(super) async fn keep(readers: PgReaders, number: i64, lease: Duration, held:
     }
 }
 
-/// At the end of a server: its duties, and the diagnoses that it has claimed.
+/// At the end of a server: its leases, and the diagnoses that it has claimed.
 pub(super) async fn give_back(readers: &PgReaders, number: i64) -> Result<()> {
     let release = "UPDATE lease SET until = now() WHERE holder = $1";
     sqlx::query(release).bind(number).execute(readers).await?;
@@ -60,8 +60,8 @@ pub(super) async fn give_back(readers: &PgReaders, number: i64) -> Result<()> {
     Ok(())
 }
 
-/// Wakes those who wait when a duty begins or ends, not each time it goes on.
-fn tell(held: &watch::Sender<Held>, place: usize, until: Option<Instant>) {
+/// Wakes those who wait when a lease begins or ends, not each time it goes on.
+fn publish(held: &watch::Sender<HeldLeases>, place: usize, until: Option<Instant>) {
     held.send_if_modified(|held| {
         let turned = held[place].is_some() != until.is_some();
         held[place] = until;
@@ -69,7 +69,7 @@ fn tell(held: &watch::Sender<Held>, place: usize, until: Option<Instant>) {
     });
 }
 
-async fn take(readers: &PgReaders, duty: Duty, number: i64, lease: Duration) -> Result<bool> {
+async fn take(readers: &PgReaders, duty: LeasedTask, number: i64, lease: Duration) -> Result<bool> {
     let sql = "UPDATE lease SET holder = $2, until = now() + $3 * INTERVAL '1 second'
                WHERE name = $1 AND (holder = $2 OR until < now())";
     let query = sqlx::query(sql).bind(duty.name()).bind(number).bind(lease.as_secs_f64());

@@ -15,8 +15,8 @@ pub(in crate::store) mod open;
 mod other_servers;
 
 pub(super) use self::bounded::PgReaders;
-pub use self::cell_rows::{Missed, News};
+pub use self::cell_rows::{ChangeTopic, RemoteChanges};
 pub(super) use self::cell_writer::CellWriter;
-pub use self::lease::Duty;
-pub use self::other_servers::Moves;
-pub(super) use self::other_servers::Neighbours;
+pub use self::lease::LeasedTask;
+pub use self::other_servers::ChangeFeed;
+pub(super) use self::other_servers::OtherServers;

@@ -3,7 +3,7 @@
 use futures::TryStreamExt as _;
 use sqlx::AssertSqlSafe;
 
-use super::cell_rows::{AllCells, CellRow, News};
+use super::cell_rows::{AllCells, CellRow, ChangeTopic};
 use crate::store::db::PgReaders;
 use crate::store::error::StoreError;
 use crate::store::name_tables::{Names, NamesOf, Tables};
@@ -36,7 +36,7 @@ fn read_one((kind, number, cell, name): Found) -> Result<(NamesOf, u32, u8, Stri
 /// [`StoreError`]; then what was known before is known.
 pub(super) async fn learn_all(readers: &PgReaders, names: &Names) -> Result<(), StoreError> {
     // What comes after this look is newer, and is read again.
-    let seen = AllCells::look(readers).await?.0.map(|row| row.stamp_of(News::Names));
+    let seen = AllCells::look(readers).await?.0.map(|row| row.stamp_of(ChangeTopic::Names));
     let mut tables = Tables { seen, ..Tables::default() };
     let mut rows = sqlx::query_as(select([""; 3])).fetch(readers);
     while let Some(found) = rows.try_next().await? {
@@ -55,8 +55,11 @@ pub(super) async fn learn_all(readers: &PgReaders, names: &Names) -> Result<(), 
 /// [`StoreError`]; then what was known before is known.
 pub(super) async fn learn_cells(readers: &PgReaders, names: &Names, found: &[CellRow]) -> Result<(), StoreError> {
     let seen = |row: &CellRow| names.read().seen[usize::from(row.cell)];
-    let moved: Vec<(CellRow, i64)> =
-        found.iter().map(|row| (*row, seen(row))).filter(|(row, seen)| row.stamp_of(News::Names) != *seen).collect();
+    let moved: Vec<(CellRow, i64)> = found
+        .iter()
+        .map(|row| (*row, seen(row)))
+        .filter(|(row, seen)| row.stamp_of(ChangeTopic::Names) != *seen)
+        .collect();
     if moved.is_empty() {
         return Ok(());
     }
@@ -75,7 +78,7 @@ pub(super) async fn learn_cells(readers: &PgReaders, names: &Names, found: &[Cel
             for (kind, number, cell, name) in of_cell {
                 tables.learn(*kind, *number, *cell, name)?;
             }
-            tables.seen[place] = row.stamp_of(News::Names);
+            tables.seen[place] = row.stamp_of(ChangeTopic::Names);
         }
         Ok(())
     })

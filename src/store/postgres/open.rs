@@ -10,7 +10,7 @@ use super::bounded::{BREATH, COMES_UP, PgReaders};
 use super::cell_writer::CellWriter;
 use super::hosts::Hosts;
 use super::names;
-use super::other_servers::Neighbours;
+use super::other_servers::OtherServers;
 use crate::message;
 use crate::store::cells::cell_of;
 use crate::store::db::{MigrationFile, Readers, migrations, migrator, newest_of};
@@ -38,18 +38,18 @@ const TO_READ_ALL: Duration = Duration::from_secs(600);
 pub(in crate::store) async fn open(options: &Options) -> Result<(Store, Writer)> {
     let (readers, names, writer) = ready(options).await?;
     let (hosts, number) = (Hosts::of(&options.url)?, rand::random_range(1..i64::MAX));
-    let neighbours = Neighbours::watch(readers.clone(), hosts, names.clone(), number, options.lease);
-    Ok((store_of(readers, names, neighbours), Writer::of_server(writer)))
+    let other_servers = OtherServers::watch(readers.clone(), hosts, names.clone(), number, options.lease);
+    Ok((store_of(readers, names, other_servers), Writer::of_server(writer)))
 }
 
 /// As [`open`], to write a row beside the servers: nothing in the background becomes this process's.
 pub(in crate::store) async fn open_beside(options: &Options) -> Result<(Store, Writer)> {
     let (readers, names, writer) = ready(options).await?;
-    Ok((store_of(readers, names, Neighbours::none()), Writer::of_server(writer)))
+    Ok((store_of(readers, names, OtherServers::none()), Writer::of_server(writer)))
 }
 
-fn store_of(readers: PgReaders, names: Names, neighbours: Neighbours) -> Store {
-    Store::new(Readers::Postgres(readers, neighbours), names, WriteBehind::default())
+fn store_of(readers: PgReaders, names: Names, other_servers: OtherServers) -> Store {
+    Store::new(Readers::Postgres(readers, other_servers), names, WriteBehind::default())
 }
 
 async fn ready(options: &Options) -> Result<(PgReaders, Names, CellWriter)> {
@@ -103,7 +103,7 @@ pub(in crate::store) async fn open_to_read(options: &Options) -> Result<Store> {
         check_schema(&mut connection, options).await?;
     }
     names::learn_all(&readers, &names).await?;
-    Ok(store_of(readers, names, Neighbours::none()))
+    Ok(store_of(readers, names, OtherServers::none()))
 }
 
 /// Opens the database to be copied into: its schema as of this program, no service made ready on it.

@@ -7,33 +7,33 @@ use tokio::sync::watch;
 use super::bounded::PgReaders;
 use super::cell_rows::AllCells;
 use super::hosts::Hosts;
-use super::lease::{self, Held};
+use super::lease::{self, HeldLeases};
 use super::names;
 use crate::store::name_tables::Names;
-use crate::store::{Duty, Missed, News, Result};
+use crate::store::{ChangeTopic, LeasedTask, RemoteChanges, Result};
 
 /// How soon what others have written is known here.
 const LOOK_EVERY: Duration = Duration::from_millis(250);
 
 /// The other servers, watched as long as a clone is alive.
 #[derive(Debug, Clone)]
-pub(crate) struct Neighbours {
+pub(crate) struct OtherServers {
     seen: watch::Receiver<AllCells>,
-    held: watch::Receiver<Held>,
+    held: watch::Receiver<HeldLeases>,
     /// This server among them, and how long what it takes is its own; none where it takes nothing.
     lease: Option<(i64, Duration)>,
 }
 
-impl Neighbours {
-    /// Nobody is watched, and nothing is this server's duty.
+impl OtherServers {
+    /// Nobody is watched, and this server holds no lease.
     pub fn none() -> Self {
-        Self { seen: watch::channel(AllCells::default()).1, held: watch::channel(Held::default()).1, lease: None }
+        Self { seen: watch::channel(AllCells::default()).1, held: watch::channel(HeldLeases::default()).1, lease: None }
     }
 
     pub fn watch(readers: PgReaders, hosts: Hosts, names: Names, number: i64, lease: Duration) -> Self {
         // Whatever there is, is news to the first look.
         let (told, seen) = watch::channel(AllCells::default());
-        let (keeper, held) = watch::channel(Held::default());
+        let (keeper, held) = watch::channel(HeldLeases::default());
         tokio::spawn(look_around(readers.clone(), hosts, names, told));
         tokio::spawn(lease::keep(readers, number, lease, keeper));
         Self { seen, held, lease: Some((number, lease)) }
@@ -43,16 +43,16 @@ impl Neighbours {
         self.lease
     }
 
-    pub fn is_on_duty(&self, duty: Duty) -> bool {
+    pub fn holds_lease(&self, duty: LeasedTask) -> bool {
         lease::is_held(&self.held.borrow(), duty)
     }
 
     /// What is written by any server from now on.
-    pub fn moves(&self) -> Moves {
-        Moves { neighbours: self.clone(), seen: *self.seen.borrow() }
+    pub fn change_feed(&self) -> ChangeFeed {
+        ChangeFeed { other_servers: self.clone(), seen: *self.seen.borrow() }
     }
 
-    /// Gives up every duty, for others to take over at once.
+    /// Gives up every lease, for others to take over at once.
     pub async fn part(&self, readers: &PgReaders) {
         let Some((number, _)) = self.lease else { return };
         if let Err(error) = lease::give_back(readers, number).await {
@@ -86,25 +86,25 @@ async fn look(readers: &PgReaders, names: &Names, told: &watch::Sender<AllCells>
     Ok(())
 }
 
-/// What is written, by whomever, and whose duty is whose, as it changes.
+/// What is written, by whomever, and who holds which lease, as it changes.
 #[derive(Debug)]
-pub struct Moves {
-    neighbours: Neighbours,
+pub struct ChangeFeed {
+    other_servers: OtherServers,
     seen: AllCells,
 }
 
-impl Moves {
-    /// Waits until something was written or a duty began or ended; says what is new. None where nobody watches any
+impl ChangeFeed {
+    /// Waits until something was written or a lease began or ended; says what is new. None where nobody watches any
     /// more.
-    pub async fn next(&mut self) -> Option<Missed> {
+    pub async fn next(&mut self) -> Option<RemoteChanges> {
         tokio::select! {
-            changed = self.neighbours.seen.changed() => changed.ok()?,
-            changed = self.neighbours.held.changed() => {
+            changed = self.other_servers.seen.changed() => changed.ok()?,
+            changed = self.other_servers.held.changed() => {
                 changed.ok()?;
-                return Some(Missed { news: vec![News::Outbox], ..Missed::default() });
+                return Some(RemoteChanges { topics: vec![ChangeTopic::Outbox], ..RemoteChanges::default() });
             }
         }
-        let found = *self.neighbours.seen.borrow_and_update();
+        let found = *self.other_servers.seen.borrow_and_update();
         Some(self.seen.learn(&found.0))
     }
 }

@@ -33,7 +33,7 @@ impl Options {
 
 /// What a checked file holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Holdings {
+pub struct BackupContents {
     pub gyros: usize,
     pub records: usize,
     /// Rows of the gyros' histories.
@@ -46,7 +46,7 @@ pub struct Holdings {
 /// # Errors
 /// [`StoreError`] where `target` exists, a file cannot be read or written, or the copy does not pass [`check`]; then
 /// there is no `target`.
-pub async fn backup(options: &Options, target: &Path) -> Result<Holdings> {
+pub async fn backup(options: &Options, target: &Path) -> Result<BackupContents> {
     let source = options.file()?;
     let mut source = reading(&source).busy_timeout(options.busy_timeout).connect().await?;
     placed(target, async |part: &Path| {
@@ -58,7 +58,7 @@ pub async fn backup(options: &Options, target: &Path) -> Result<Holdings> {
 }
 
 /// Copies a backup to where the configured database is to be, and checks the copy.
-pub async fn restore(file: &Path, options: &Options) -> Result<Holdings> {
+pub async fn restore(file: &Path, options: &Options) -> Result<BackupContents> {
     let target = options.file()?;
     placed(&target, async |part: &Path| copy(file, part).map_err(|error| failed(file, &error))).await
 }
@@ -70,19 +70,19 @@ fn copy(file: &Path, to: &Path) -> io::Result<()> {
 }
 
 /// Lets `write` fill an empty file beside `target`, checks it, and gives it its name once it is on disk.
-async fn placed(target: &Path, write: impl AsyncFnOnce(&Path) -> Result<()>) -> Result<Holdings> {
+async fn placed(target: &Path, write: impl AsyncFnOnce(&Path) -> Result<()>) -> Result<BackupContents> {
     // Takes the name, so that nothing that comes up meanwhile is overwritten.
     private::create(target).map_err(|error| failed(target, &error))?;
     let part = beside(target, ".part");
     let finished = async {
         private::create(&part).map_err(|error| failed(&part, &error))?;
         write(&part).await?;
-        let holdings = check(&part).await?;
+        let contents = check(&part).await?;
         File::open(&part).and_then(|file| file.sync_all()).map_err(|error| failed(&part, &error))?;
         fs::rename(&part, target).map_err(|error| failed(target, &error))?;
         let directory = target.parent().filter(|dir| !dir.as_os_str().is_empty()).unwrap_or(Path::new("."));
         File::open(directory).and_then(|dir| dir.sync_all()).map_err(|error| failed(directory, &error))?;
-        Ok(holdings)
+        Ok(contents)
     }
     .await;
     if finished.is_err() {
@@ -99,10 +99,10 @@ async fn placed(target: &Path, write: impl AsyncFnOnce(&Path) -> Result<()>) -> 
 /// # Errors
 /// [`StoreError::Damaged`] naming the first thing that is not as it was written; [`StoreError::File`] where it is no
 /// database of this program.
-pub async fn check(file: &Path) -> Result<Holdings> {
-    let holdings = read_through(file, true).await?;
+pub async fn check(file: &Path) -> Result<BackupContents> {
+    let contents = read_through(file, true).await?;
     match checksum::check(file)? {
-        faults if faults.is_empty() => Ok(holdings),
+        faults if faults.is_empty() => Ok(contents),
         faults => Err(StoreError::Damaged(message!("damages", faults = list(faults)))),
     }
 }
@@ -123,7 +123,7 @@ pub async fn check_all_but_records(options: &Options) -> Result<()> {
     read_through(&options.file()?, false).await.map(|_| ())
 }
 
-async fn read_through(file: &Path, records: bool) -> Result<Holdings> {
+async fn read_through(file: &Path, records: bool) -> Result<BackupContents> {
     // SQLite says of what is not there only that it cannot be opened.
     if !fs::exists(file).map_err(|error| failed(file, &error))? {
         return Err(StoreError::File(message!("file_absent")));
@@ -155,13 +155,13 @@ async fn read_through(file: &Path, records: bool) -> Result<Holdings> {
     checked
 }
 
-async fn read_tables(file: &Path, records: bool) -> Result<Holdings> {
+async fn read_tables(file: &Path, records: bool) -> Result<BackupContents> {
     let readers = SqlitePoolOptions::new().max_connections(1).connect_with(reading(file)).await?;
     check_calendar(&readers).await?;
     let store = store_of(readers, file).await?;
-    let holdings = contents(&store, records).await;
+    let contents = contents(&store, records).await;
     store.close().await;
-    holdings
+    contents
 }
 
 /// Opens a database, served or not, for reading alone, as it stands now: what is written meanwhile is not seen.
@@ -246,8 +246,8 @@ fn newest_version() -> Option<i64> {
     newest_of(&MIGRATIONS)
 }
 
-async fn contents(store: &Store, records: bool) -> Result<Holdings> {
-    let mut holdings = Holdings::default();
+async fn contents(store: &Store, records: bool) -> Result<BackupContents> {
+    let mut contents = BackupContents::default();
     let records = if records { store::record::ids(store).await? } else { Vec::new() };
     for id in records {
         let missing = || of_record(id, message!("in_index_only"));
@@ -255,12 +255,12 @@ async fn contents(store: &Store, records: bool) -> Result<Holdings> {
         if !is_unchanged(&row.body, row.body_sha256) {
             return Err(of_record(id, message!("text_not_as_stored")));
         }
-        holdings.records += 1;
+        contents.records += 1;
     }
     let gyros = store.names().read().gyros.numbers();
     for gyro in gyros {
-        holdings.gyros += 1;
-        holdings.figures += store::history::oldest(store, gyro, Span::EVER, usize::MAX).await?.len();
+        contents.gyros += 1;
+        contents.figures += store::history::oldest(store, gyro, Span::EVER, usize::MAX).await?.len();
         store::history::voided(store, gyro, Span::EVER).await?;
         store::event::of_gyro(store, gyro).await?;
         for row in store::bench::all_of_gyro(store, gyro, Span::EVER).await? {
@@ -268,10 +268,10 @@ async fn contents(store: &Store, records: bool) -> Result<Holdings> {
                 let fault = message!("text_not_as_stored");
                 return Err(StoreError::Damaged(message!("fault_of_bench_result", id = text(row.id), fault)));
             }
-            holdings.bench_results += 1;
+            contents.bench_results += 1;
         }
     }
-    Ok(holdings)
+    Ok(contents)
 }
 
 fn is_unchanged(body: &str, hash: [u8; 32]) -> bool {

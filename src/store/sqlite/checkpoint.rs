@@ -11,7 +11,7 @@ use std::thread::{self, JoinHandle};
 
 use rusqlite::Connection;
 
-use super::halt::Halt;
+use super::flush_failure::FlushFailure;
 use crate::store::error::{Result, StoreError};
 
 /// Pages that the committing connection may copy by itself: a few milliseconds.
@@ -33,12 +33,12 @@ pub(crate) struct Checkpoints {
 impl Checkpoints {
     /// Copies on `connection`, on a thread, each time about `every` pages have been written. The thread ends when
     /// `self` is gone, which only [`Checkpoints::stop`] waits for.
-    pub fn start(connection: Connection, every: u32, halt: Halt) -> Result<Self> {
+    pub fn start(connection: Connection, every: u32, flush_failure: FlushFailure) -> Result<Self> {
         let (wanted, requests) = mpsc::sync_channel(1);
         let nearly_done = Arc::new(AtomicBool::new(false));
         let beside = nearly_done.clone();
         let thread = thread::Builder::new().name("checkpoints".into());
-        let thread = thread.spawn(move || serve(connection, &requests, &beside, &halt));
+        let thread = thread.spawn(move || serve(connection, &requests, &beside, &flush_failure));
         let thread = thread.map_err(|error| StoreError::Other(error.into()))?;
         Ok(Self { wanted, thread, nearly_done, begun: false, written: 0, every })
     }
@@ -81,14 +81,19 @@ impl Checkpoints {
     }
 }
 
-fn serve(connection: Connection, requests: &mpsc::Receiver<()>, nearly_done: &AtomicBool, halt: &Halt) {
-    while requests.recv().is_ok() && halt.check().is_ok() {
-        match halt.heed(catch_up(&connection)) {
+fn serve(
+    connection: Connection,
+    requests: &mpsc::Receiver<()>,
+    nearly_done: &AtomicBool,
+    flush_failure: &FlushFailure,
+) {
+    while requests.recv().is_ok() && flush_failure.check().is_ok() {
+        match flush_failure.record(catch_up(&connection)) {
             Ok(()) => nearly_done.store(true, Ordering::Relaxed),
             Err(error) => tracing::warn!(%error, "the write-ahead log could not be copied into the database"),
         }
     }
-    if halt.check().is_err() {
+    if flush_failure.check().is_err() {
         std::mem::forget(connection);
     }
 }

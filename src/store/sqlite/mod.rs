@@ -4,7 +4,7 @@
 pub(super) mod backup;
 pub(super) mod checkpoint;
 pub(super) mod checksum;
-pub(super) mod halt;
+pub(super) mod flush_failure;
 pub(super) mod lock;
 pub(super) mod private;
 pub(super) mod write_behind;

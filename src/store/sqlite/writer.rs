@@ -9,7 +9,7 @@ use tokio::runtime::{Handle, RuntimeFlavor};
 
 use super::checkpoint::{self, Checkpoints};
 use super::checksum::Summing;
-use super::halt::Halt;
+use super::flush_failure::FlushFailure;
 use super::lock::{Lock, beside};
 use super::private;
 use crate::store::changes::batch_of;
@@ -25,7 +25,7 @@ pub(crate) struct FileWriter {
     names: Names,
     write_behind: WriteBehind,
     checkpoints: Checkpoints,
-    halt: Halt,
+    flush_failure: FlushFailure,
     /// Pages, about, of a write that failed: whether writing works again, only as large a one can tell.
     in_doubt: Option<u32>,
     _lock: Lock,
@@ -37,20 +37,20 @@ impl FileWriter {
         names: Names,
         write_behind: WriteBehind,
         checkpoints: Checkpoints,
-        halt: Halt,
+        flush_failure: FlushFailure,
         lock: Lock,
     ) -> Self {
-        Self { connection, names, write_behind, checkpoints, halt, in_doubt: None, _lock: lock }
+        Self { connection, names, write_behind, checkpoints, flush_failure, in_doubt: None, _lock: lock }
     }
 
     /// See [`crate::store::Writer::commit`].
     pub fn commit(&mut self, changes: &Changes) -> Result<()> {
-        self.halt.check()?;
+        self.flush_failure.check()?;
         let finished = self.checkpoints.finish(&self.connection);
         if finished.is_err() {
             self.in_doubt = self.in_doubt.or(Some(0));
         }
-        self.halt.heed(finished)?;
+        self.flush_failure.record(finished)?;
         let mut batch = batch_of(changes);
         let fold = {
             let history = self.write_behind.history.read();
@@ -74,7 +74,7 @@ impl FileWriter {
             Err(StoreError::Refused(_)) => {}
             Err(_) => self.in_doubt = self.in_doubt.max(Some(pages)),
         }
-        self.halt.heed(committed)?;
+        self.flush_failure.record(committed)?;
         // First, so that whoever finds a row knows its names.
         self.names.learn(changes.new_names());
         self.write_behind.history.change(|history| history.committed(changes.history_rows(), &fold));
@@ -85,8 +85,8 @@ impl FileWriter {
 
     /// Whether writing works: the database can be locked for it, and after a failure it takes a write.
     pub fn probe(&mut self) -> Result<()> {
-        self.halt.check()?;
-        self.halt.heed(self.checkpoints.begin(&self.connection))?;
+        self.flush_failure.check()?;
+        self.flush_failure.record(self.checkpoints.begin(&self.connection))?;
         let sql = match self.in_doubt {
             Some(pages) => {
                 // What the failed write has left of the log would take one page of another.
@@ -99,7 +99,7 @@ impl FileWriter {
         };
         if let Err(error) = self.connection.execute_batch(sql) {
             let _nothing_left = self.connection.execute_batch("ROLLBACK");
-            return self.halt.heed(Err(error.into()));
+            return self.flush_failure.record(Err(error.into()));
         }
         self.in_doubt = None;
         Ok(())
@@ -108,8 +108,8 @@ impl FileWriter {
     /// Copies the whole log into the database and closes it.
     pub fn close(self) -> Result<()> {
         self.checkpoints.stop();
-        let copied = match self.halt.check() {
-            Ok(()) => self.halt.heed(checkpoint::copy_all(&self.connection)),
+        let copied = match self.flush_failure.check() {
+            Ok(()) => self.flush_failure.record(checkpoint::copy_all(&self.connection)),
             halted => halted,
         };
         if matches!(copied, Err(StoreError::NotDurable(_))) {

@@ -3,7 +3,7 @@
 use std::collections::{BTreeSet, HashMap};
 
 use super::*;
-use crate::core::alert_decision::{Alert, Hushed, LastNotification, Standing};
+use crate::core::alert_decision::{Alert, AlertState, LastNotification, Suppressed};
 use crate::core::alert_filter::AlertFilter;
 use crate::core::judge::{Coefficient, Rule, Severity};
 use crate::store::tables::head::STAMPS;
@@ -135,9 +135,10 @@ impl Part for AlertRow {
         row.put(id).put(rule).put(&of.gyro().or(of.batch())).put(&of.station()).put(&of.imu()).put(coefficient);
         row.put(&alert.status).put(&alert.severity).put(&alert.since).put(&alert.fired_at).put(&alert.resolved_at);
         row.put(&alert.record_at).put(&alert.within);
-        row.put(&alert.told.map(|told| told.at)).put(&alert.told.map(|told| told.severity));
+        row.put(&alert.last_notification.map(|told| told.at)).put(&alert.last_notification.map(|told| told.severity));
         row.put(acknowledged).put(silenced).put(&alert.silenced_until).words(finding);
-        row.put(&alert.hushed.map(|hushed| hushed.at)).put(&alert.hushed.is_some_and(|hushed| hushed.digest));
+        row.put(&alert.suppressed.map(|suppressed| suppressed.at))
+            .put(&alert.suppressed.is_some_and(|suppressed| suppressed.digest));
         row.put(&muted.as_ref().map(|(silence, _)| *silence)).put(&alert.muted_until).put(inhibited_by);
     }
 
@@ -191,8 +192,8 @@ fn alert(found: &mut Found<'_, impl AnyRow>) -> Result<AlertRow> {
         silenced_until,
         muted_until,
         inhibited: inhibited_by.is_some(),
-        hushed: hushed_at.map(|at| Hushed { at, digest }),
-        told: told_at.zip(told_severity).map(|(at, severity)| LastNotification { at, severity }),
+        suppressed: hushed_at.map(|at| Suppressed { at, digest }),
+        last_notification: told_at.zip(told_severity).map(|(at, severity)| LastNotification { at, severity }),
     };
     let muted = muted_by.zip(muted);
     Ok(AlertRow { id, of, coefficient, rule, alert, acknowledged, silenced, muted, inhibited_by, finding })
@@ -225,7 +226,7 @@ fn conditions(store: &Store, filter: &AlertFilter, lookup: Lookup) -> String {
         store.readers.words(Sql { sqlite: "alert.finding->>'imu'", postgres: "CAST(alert.finding AS JSONB)->>'imu'" });
     // Follows from the standing.
     let status = match filter.standing {
-        Some(Standing::Resolved) => "alert.status = 'resolved'",
+        Some(AlertState::Resolved) => "alert.status = 'resolved'",
         _ if lookup == Lookup::Status => "alert.status = 'firing'",
         _ => "alert.status <> 'resolved'",
     };
@@ -238,7 +239,7 @@ fn conditions(store: &Store, filter: &AlertFilter, lookup: Lookup) -> String {
         (filter.standing.is_some(), &format!("$6 = {STANDING} AND {status}")),
     ];
     // The time is a parameter even where no standing is asked for.
-    asked(1, conditions) + " AND $7 = $7"
+    where_conditions(1, conditions) + " AND $7 = $7"
 }
 
 macro_rules! filtered {
@@ -308,7 +309,11 @@ pub async fn found_of(store: &Store, filter: &AlertFilter, now: UtcMicros, gyros
 
 /// How many alerts stand how, among those that a filter lets through. Most of those that fire are handled by nobody:
 /// they are what is left.
-pub async fn standings(store: &Store, filter: &AlertFilter, now: UtcMicros) -> Result<HashMap<Standing, usize>> {
+pub async fn counts_by_state(
+    store: &Store,
+    filter: &AlertFilter,
+    now: UtcMicros,
+) -> Result<HashMap<AlertState, usize>> {
     let conditions = conditions(store, filter, Lookup::Status);
     let by_status = AssertSqlSafe(format!("SELECT status, count(*) FROM alert WHERE {conditions} GROUP BY status"));
     let handled = AssertSqlSafe(format!(
@@ -316,12 +321,12 @@ pub async fn standings(store: &Store, filter: &AlertFilter, now: UtcMicros) -> R
              AND (silenced_until > $7 OR muted_until > $7 OR inhibited_by IS NOT NULL OR acknowledged_at IS NOT NULL)
          GROUP BY 1"
     ));
-    let mut counts: HashMap<Standing, usize> = HashMap::new();
+    let mut counts: HashMap<AlertState, usize> = HashMap::new();
     for sql in [by_status, handled] {
         let rows: Vec<(String, usize)> = filtered!(store, all, sql, filter, now)?;
-        let known = |(name, count): (String, usize)| Some((Standing::from_name(&name)?, count));
-        let rows: Vec<(Standing, usize)> = rows.into_iter().filter_map(known).collect();
-        if let Some(firing) = counts.get_mut(&Standing::Firing) {
+        let known = |(name, count): (String, usize)| Some((AlertState::from_name(&name)?, count));
+        let rows: Vec<(AlertState, usize)> = rows.into_iter().filter_map(known).collect();
+        if let Some(firing) = counts.get_mut(&AlertState::Firing) {
             *firing = firing.saturating_sub(rows.iter().map(|(_, count)| count).sum());
         }
         counts.extend(rows);

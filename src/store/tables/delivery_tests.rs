@@ -3,7 +3,7 @@ use crate::core::delivery::{DeliveryState, QueueState};
 use crate::core::id::Id;
 use tempfile::TempDir;
 
-use crate::core::alert_decision::{Alert, Hushed, LastNotification, Status};
+use crate::core::alert_decision::{Alert, LastNotification, Status, Suppressed};
 use crate::core::judge::{Coefficient, Rule, Severity};
 use crate::core::time::UtcMicros;
 use crate::store;
@@ -30,8 +30,8 @@ fn alert(id: Id, gyro: u32) -> AlertRow {
             silenced_until: None,
             muted_until: None,
             inhibited: true,
-            hushed: Some(Hushed { at: UtcMicros(11), digest: true }),
-            told: Some(LastNotification { at: UtcMicros(10), severity: Severity::Warning }),
+            suppressed: Some(Suppressed { at: UtcMicros(11), digest: true }),
+            last_notification: Some(LastNotification { at: UtcMicros(10), severity: Severity::Warning }),
         },
         acknowledged: None,
         silenced: None,
@@ -165,8 +165,8 @@ async fn alerts_steps_and_hooks_are_read_back_as_they_were_written() {
         silenced_until: Some(UtcMicros(90)),
         muted_until: Some(UtcMicros(91)),
         inhibited: false,
-        hushed: None,
-        told: None,
+        suppressed: None,
+        last_notification: None,
     };
     let matchers = Matchers { serial: Some("LFG-0101".into()), rule: Some(Rule::Step), ..Matchers::default() };
     let silence = SilenceRow { id: Id(80), matchers, until: UtcMicros(91), said: remark("eve").unwrap(), ended: None };

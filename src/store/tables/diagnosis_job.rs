@@ -42,7 +42,7 @@ pub struct NewJob {
 
 /// A campaign whose diagnosis has come to its end.
 #[derive(Debug, PartialEq)]
-pub struct SettledTask {
+pub struct FinishedTask {
     pub record: Id,
     pub begun_at: UtcMicros,
     pub ended_at: UtcMicros,
@@ -56,7 +56,7 @@ pub struct JobChanges {
     pub started: Vec<NewJob>,
     /// Which, and when.
     pub canceled: Vec<(Id, UtcMicros)>,
-    pub settled: Vec<SettledTask>,
+    pub settled: Vec<FinishedTask>,
 }
 
 /// How many tasks of an order are in each state.
@@ -117,7 +117,7 @@ fn start(jobs: &[NewJob], batch: &mut Batch) {
 
 const WAITS: &str = "EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND state = 'waiting')";
 
-fn settle(settled: &[SettledTask], batch: &mut Batch) {
+fn settle(settled: &[FinishedTask], batch: &mut Batch) {
     let tasks = Rows::each(settled, |task, row| _ = row.put(&task.record).put(&task.failed));
     let orders = Rows::of(settled.iter().map(|task| (task.record, task.begun_at, task.ended_at)));
     batch.change(

@@ -6,7 +6,9 @@ use std::sync::Arc;
 use super::*;
 use crate::core::first_of::{DueImu, FirstOf, MovedImu};
 use crate::core::fleet_order::FleetOrder;
-use crate::core::judge::{Coefficient, Event, Measured, Outlook, Reach, Rule, Severity, State, Status};
+use crate::core::judge::{
+    BudgetCrossing, BudgetProjection, Coefficient, Event, Measured, Rule, Severity, State, Status,
+};
 use crate::core::mounting::Slot;
 
 /// How a gyro stands, whatever the time is.
@@ -30,7 +32,7 @@ pub struct HeadRow {
     /// Alerts that are not resolved, and the gravest of them.
     pub firing: u32,
     pub severity: Option<Severity>,
-    pub outlook: Outlook,
+    pub projection: BudgetProjection,
     /// Since when it is beyond its limits; where it is not, since when it drifts.
     pub since: Option<UtcMicros>,
     /// When the newest of its alerts that fire began, what is overdue left out.
@@ -41,19 +43,19 @@ impl HeadRow {
     /// Whether another row says the same: figures that were computed twice may differ in their last digits.
     pub fn agrees(&self, other: &Self) -> bool {
         let figures = |row: &Self| {
-            let of_drift = row.outlook.load.into_iter().chain(row.outlook.per_year);
+            let of_drift = row.projection.load.into_iter().chain(row.projection.per_year);
             of_drift.flat_map(|one| [one.map(|it| it.value), one.and_then(|it| it.sd)])
         };
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs()).max(1.0);
         // A date lies a year ahead: its last digits are a minute.
         let near_date = |a: UtcMicros, b: UtcMicros| (a.0 - b.0).abs() <= 60_000_000;
-        let same_reach = |a: Reach, b: Reach| {
+        let same_reach = |a: BudgetCrossing, b: BudgetCrossing| {
             let between = a.between.into_iter().zip(b.between).all(|(a, b)| both_or_neither(a, b, near_date));
             (a.coefficient, a.provisional) == (b.coefficient, b.provisional) && near_date(a.at, b.at) && between
         };
-        Self { outlook: other.outlook, ..self.clone() } == *other
+        Self { projection: other.projection, ..self.clone() } == *other
             && figures(self).zip(figures(other)).all(|(a, b)| both_or_neither(a, b, near))
-            && both_or_neither(self.outlook.reach, other.outlook.reach, same_reach)
+            && both_or_neither(self.projection.reach, other.projection.reach, same_reach)
     }
 }
 
@@ -82,7 +84,7 @@ pub struct HeadChanges {
     /// Stations (first) that have calibrated gyros.
     pub seen: Vec<[u32; 2]>,
     /// What the verdicts on records of this transaction say of where their gyros go.
-    pub outlooks: HashMap<(Id, u32), Outlook>,
+    pub projections: HashMap<(Id, u32), BudgetProjection>,
 }
 
 /// How far the rows of all gyros have been made.
@@ -103,7 +105,7 @@ columns! {
         gyro, serial, sought,
         newest: ["calibrated_at", "record", "imu", "station", "slot", "d_i", "d_i_sd", "d_s", "d_s_sd"],
         state, status, rank, load, ahead: ["d_i_ahead", "d_s_ahead"], overdue_at, out_of_use, firing, severity,
-        outlook: [
+        projection: [
             "d_i_load", "d_i_load_sd", "d_s_load", "d_s_load_sd", "d_o_load", "d_o_load_sd", "d_i_year", "d_i_year_sd",
             "d_s_year", "d_s_year_sd", "extreme", "reach_of", "reach_at", "reach_from", "reach_until", "reach_provisional"
         ],
@@ -132,7 +134,7 @@ impl Part for Option<NewestRow> {
     }
 }
 
-impl Part for Outlook {
+impl Part for BudgetProjection {
     fn put(&self, row: &mut Row<'_>) {
         let Self { load, per_year, reach } = self;
         row.put(load).put(per_year).real(self.extreme().map_or(-1.0, |extreme| extreme.min(f64::MAX)));
@@ -146,7 +148,7 @@ impl Part for Outlook {
         let _extreme: f64 = found.part()?;
         let (of, at): (Option<Coefficient>, Option<UtcMicros>) = found.part()?;
         let (between, provisional) = found.part()?;
-        let reach = of.zip(at).map(|(coefficient, at)| Reach { coefficient, at, between, provisional });
+        let reach = of.zip(at).map(|(coefficient, at)| BudgetCrossing { coefficient, at, between, provisional });
         Ok(Self { load, per_year, reach })
     }
 }
@@ -180,9 +182,9 @@ pub async fn imus_after(store: &Store, after: u32, limit: u32) -> Result<Vec<(u3
 
 /// The fleet at an instant, or what it is narrowed down to.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Narrowed {
+pub struct HeadFilter {
     pub now: UtcMicros,
-    pub sought: Option<Sought>,
+    pub sought: Option<SerialSearch>,
     /// Number of the station of the newest calibration.
     pub station: Option<u32>,
     /// Number of a station that has ever calibrated it.
@@ -199,7 +201,7 @@ pub struct Narrowed {
     pub batch: Option<String>,
 }
 
-impl Narrowed {
+impl HeadFilter {
     pub fn is_whole(&self) -> bool {
         *self == Self { now: self.now, ..Self::default() }
     }
@@ -207,14 +209,14 @@ impl Narrowed {
 
 /// What was searched for.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Sought {
-    /// Part of [`HeadRow::sought`], as a pattern.
+pub enum SerialSearch {
+    /// Part of [`HeadRow::search`], as a pattern.
     Text(String),
     /// The gyros that were found, in JSON, where they are few.
     Found(String),
 }
 
-impl Sought {
+impl SerialSearch {
     pub fn text(part: &str) -> Self {
         let mut pattern = String::from("%");
         for letter in part.chars() {
@@ -232,8 +234,8 @@ impl Sought {
 /// Asks of the fleet: its time is `$1`, what it is narrowed down to stands from `$2` on, what else is bound from `$10` on.
 macro_rules! of_fleet {
     ($store:expr, $rows:ident, $sql:expr, $narrowed:expr $(, $bound:expr)* $(,)?) => {{
-        let Narrowed { now, sought, station, ever, imu, rule, calibrated_since, changed_since, batch } = $narrowed;
-        let (sought, batch) = (sought.as_ref().map(Sought::words), batch.as_deref());
+        let HeadFilter { now, sought, station, ever, imu, rule, calibrated_since, changed_since, batch } = $narrowed;
+        let (sought, batch) = (sought.as_ref().map(SerialSearch::words), batch.as_deref());
         read!(
             $store, $rows, AssertSqlSafe($sql),
             *now, sought, *station, *ever, *imu, *rule, *calibrated_since, *changed_since, batch $(, $bound)*
@@ -301,7 +303,7 @@ fn tallies_of((rank, [all, overdue]): (i64, [usize; 2])) -> impl Iterator<Item =
 }
 
 /// Counts what is left of the fleet where it is narrowed down.
-pub async fn tallies(store: &Store, narrowed: &Narrowed) -> Result<Vec<Tally>> {
+pub async fn tallies(store: &Store, narrowed: &HeadFilter) -> Result<Vec<Tally>> {
     let conditions = conditions(store, narrowed);
     let sql = format!(
         "SELECT rank + 0, count(*), count(*) FILTER (WHERE overdue_at < $1) FROM head WHERE {conditions} GROUP BY 1"
@@ -311,9 +313,9 @@ pub async fn tallies(store: &Store, narrowed: &Narrowed) -> Result<Vec<Tally>> {
 }
 
 /// How a fleet is narrowed down, by the parameters of `of_fleet`.
-fn conditions(store: &Store, narrowed: &Narrowed) -> String {
+fn conditions(store: &Store, narrowed: &HeadFilter) -> String {
     let sought = match narrowed.sought {
-        Some(Sought::Found(_)) => &format!("gyro IN {}", store.readers.list("$2")),
+        Some(SerialSearch::Found(_)) => &format!("gyro IN {}", store.readers.list("$2")),
         _ => r"sought LIKE $2 ESCAPE '\'",
     };
     let conditions = [
@@ -334,15 +336,15 @@ fn conditions(store: &Store, narrowed: &Narrowed) -> String {
         (narrowed.batch.is_some(), "gyro IN (SELECT gyro FROM gyro_attribute WHERE batch = $9)"),
     ];
     // The time is a parameter even where nothing asks for it.
-    asked(2, conditions) + " AND $1 = $1"
+    where_conditions(2, conditions) + " AND $1 = $1"
 }
 
 /// Gyros that a search finds among those of the other filters, where it finds few: what is asked next then need not
 /// look through the fleet.
-pub async fn sought(store: &Store, narrowed: &Narrowed) -> Result<Option<Sought>> {
+pub async fn search(store: &Store, narrowed: &HeadFilter) -> Result<Option<SerialSearch>> {
     let sql = format!("SELECT gyro FROM head WHERE {} LIMIT {}", conditions(store, narrowed), FEW + 1);
     let gyros: Vec<u32> = of_fleet!(store, all, sql, narrowed)?;
-    Ok((gyros.len() <= FEW).then(|| Sought::Found(gyros.as_slice().bound())))
+    Ok((gyros.len() <= FEW).then(|| SerialSearch::Found(gyros.as_slice().bound())))
 }
 
 /// Gyros up to which what was found is named one by one.
@@ -357,14 +359,19 @@ pub struct Ranks {
 }
 
 /// The gyros of some ranks from place `skip` on, as many as `limit`: the greater load first, then by serial.
-pub async fn of_ranks(store: &Store, ranks: Ranks, narrowed: &Narrowed, [skip, limit]: [usize; 2]) -> Result<Vec<u32>> {
+pub async fn of_ranks(
+    store: &Store,
+    ranks: Ranks,
+    narrowed: &HeadFilter,
+    [skip, limit]: [usize; 2],
+) -> Result<Vec<u32>> {
     let Ranks { lowest, highest, is_overdue } = ranks;
     let (conditions, overdue) = (conditions(store, narrowed), overdue(is_overdue));
     // Of one rank the index has the order, and what is found often is soon found in it. Who narrows the fleet down
     // further reads it through: in the order of an index each row would be looked up by itself.
     let is_often = match narrowed.sought {
-        Some(Sought::Text(_)) => true,
-        Some(Sought::Found(_)) => false,
+        Some(SerialSearch::Text(_)) => true,
+        Some(SerialSearch::Found(_)) => false,
         None => narrowed.is_whole(),
     };
     let parts: Vec<String> = match is_often {
@@ -386,7 +393,7 @@ pub async fn of_ranks(store: &Store, ranks: Ranks, narrowed: &Narrowed, [skip, l
 
 /// What a list by serial is narrowed down to besides.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Standings {
+pub struct HeadStatusFilter {
     /// Of gyros that are not in use; those that are have ten more.
     pub rank: Option<i64>,
     pub is_overdue: Option<bool>,
@@ -409,8 +416,8 @@ pub async fn listed(
     store: &Store,
     after: u32,
     order: FleetOrder,
-    standings: Standings,
-    narrowed: &Narrowed,
+    standings: HeadStatusFilter,
+    narrowed: &HeadFilter,
     limit: u32,
 ) -> Result<Vec<u32>> {
     let (conditions, key, by_serial) = (conditions(store, narrowed), key(order), order == FleetOrder::Serial);
@@ -428,7 +435,7 @@ pub async fn listed(
              AND {conditions}
          ORDER BY {by} LIMIT $14"
     );
-    let Standings { rank, is_overdue, state } = standings;
+    let HeadStatusFilter { rank, is_overdue, state } = standings;
     of_fleet!(store, all, sql, narrowed, after, rank, is_overdue, state, limit)
 }
 
@@ -453,7 +460,7 @@ pub async fn in_order(
     store: &Store,
     order: FleetOrder,
     of_ranks: Option<&[Ranks]>,
-    narrowed: &Narrowed,
+    narrowed: &HeadFilter,
     [skip, limit]: [usize; 2],
 ) -> Result<Vec<u32>> {
     let (conditions, ranks) = (conditions(store, narrowed), among_ranks(of_ranks));
@@ -583,7 +590,7 @@ pub async fn moved(store: &Store, since: UtcMicros, loads: f64, limit: usize) ->
 pub async fn imus(
     store: &Store,
     of_ranks: Option<&[Ranks]>,
-    narrowed: &Narrowed,
+    narrowed: &HeadFilter,
     overdue: i64,
     [skip, limit]: [usize; 2],
 ) -> Result<Vec<u32>> {
@@ -597,7 +604,7 @@ pub async fn imus(
 }
 
 /// How many IMUs [`imus`] finds in all.
-pub async fn imus_found(store: &Store, of_ranks: Option<&[Ranks]>, narrowed: &Narrowed) -> Result<usize> {
+pub async fn imus_found(store: &Store, of_ranks: Option<&[Ranks]>, narrowed: &HeadFilter) -> Result<usize> {
     let (conditions, ranks) = (conditions(store, narrowed), among_ranks(of_ranks));
     let sql = format!("SELECT count(DISTINCT imu) FROM head WHERE imu IS NOT NULL AND {ranks} AND {conditions}");
     of_fleet!(store, one, sql, narrowed)

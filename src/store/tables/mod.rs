@@ -7,7 +7,7 @@ use crate::core::id::Id;
 use crate::core::time::{Span, UtcMicros};
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::columns::{columns, part};
-use crate::store::db::{Bound, Readers, Sql, asked, each, on, read};
+use crate::store::db::{Bound, Readers, Sql, each, on, read, where_conditions};
 use crate::store::rows::{AnyRow, CellKind, Column, Columns, Found, Part, Row, Rows};
 use crate::store::{Result, Store, StoreError};
 

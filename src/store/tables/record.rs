@@ -138,13 +138,13 @@ pub async fn unpacked(store: &Store, after: Id, limit: u32) -> Result<Vec<LongTe
 /// The verdicts of a stored record, some of them new, beside those that were there. They are of several gyros, which
 /// may be at home in different cells: whoever changes those of one must not undo what others have made of another.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RejudgedSheet {
+pub struct RejudgedVerdicts {
     pub sheet: RecordVerdicts,
     packed_before: Vec<u8>,
 }
 
-pub(crate) fn update_verdicts(sheets: &[(Id, RejudgedSheet)], batch: &mut Batch) {
-    let rows = Rows::each(sheets, |(id, RejudgedSheet { sheet, packed_before }), row| {
+pub(crate) fn update_verdicts(sheets: &[(Id, RejudgedVerdicts)], batch: &mut Batch) {
+    let rows = Rows::each(sheets, |(id, RejudgedVerdicts { sheet, packed_before }), row| {
         row.put(id).written(|out| sheet.pack(*id, out)).bytes(packed_before);
     });
     batch.add_to_all(
@@ -281,17 +281,17 @@ pub async fn whose(store: &Store, id: Id) -> Result<Option<(u32, Vec<u32>)>> {
     found.map(whose).transpose()
 }
 
-/// The verdict sheet of a record, to be changed.
-pub async fn sheet_to_rejudge(store: &Store, id: Id) -> Result<Option<RejudgedSheet>> {
+/// The verdicts of a record, to be changed.
+pub async fn verdicts_to_rejudge(store: &Store, id: Id) -> Result<Option<RejudgedVerdicts>> {
     let sql = "SELECT verdicts FROM record WHERE id = $1";
     let found: Option<Vec<u8>> = read!(store, first, sql, id)?;
     let sheet = |packed_before: Vec<u8>| {
-        Ok(RejudgedSheet { sheet: RecordVerdicts::unpack(id, &packed_before)?, packed_before })
+        Ok(RejudgedVerdicts { sheet: RecordVerdicts::unpack(id, &packed_before)?, packed_before })
     };
     found.map(sheet).transpose()
 }
 
-pub async fn verdict_sheets(store: &Store, records: impl Iterator<Item = Id>) -> Result<HashMap<Id, RecordVerdicts>> {
+pub async fn record_verdicts(store: &Store, records: impl Iterator<Item = Id>) -> Result<HashMap<Id, RecordVerdicts>> {
     let sql = AssertSqlSafe(format!("SELECT id, verdicts FROM record WHERE id IN {}", store.readers.list("$1")));
     let records: Vec<Id> = records.collect();
     if records.is_empty() {

@@ -9,11 +9,11 @@ pub struct SetAside {
     /// Rows of new records, which never come into the history.
     pub history: Vec<HistoryRow>,
     /// Stored records, which are withdrawn with the same transaction.
-    pub stored: Vec<StoredAside>,
+    pub stored: Vec<SetAsideRecord>,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct StoredAside {
+pub struct SetAsideRecord {
     pub record: Id,
     pub author: String,
     pub reason: String,

@@ -3,7 +3,9 @@
 use serde_json::Map;
 
 use crate::core::bench::Alias;
-use crate::core::campaign::{CampaignNote, CoarseStep, DwellColumn, LeftOut, StationLack, Stepped, StuckOutput};
+use crate::core::campaign::{
+    CampaignNote, CoarseStep, DwellColumn, EffectNotFitted, StationUndetermined, Stepped, StuckOutput,
+};
 use crate::core::message::{Parameter, figure, list, signed, significant, text};
 use crate::wire::campaign::commanded;
 use crate::wire::prelude::*;
@@ -71,8 +73,8 @@ pub(super) fn message(note: &CampaignNote) -> Message {
         CampaignNote::EffectsLeftOut { why } => message!("effects_left_out", why = why.message()),
         CampaignNote::StationLeftOut { parts, why } => {
             let why = match why {
-                StationLack::Attitude => message!("dwells_without_attitude"),
-                StationLack::Scale(slot) => message!("station_needs_scale", slot = slot.name()),
+                StationUndetermined::Attitude => message!("dwells_without_attitude"),
+                StationUndetermined::Scale(slot) => message!("station_needs_scale", slot = slot.name()),
             };
             message!("station_left_out", parts = list(parts.iter().map(|part| part.name())), why)
         }
@@ -114,12 +116,12 @@ fn missing(column: DwellColumn, dwells: &[usize], of: usize) -> Message {
     }
 }
 
-fn left_out(why: &LeftOut) -> Message {
+fn left_out(why: &EffectNotFitted) -> Message {
     match why {
-        LeftOut::Lacks(what) => what.message(),
-        LeftOut::NotTold => message!("not_told_apart"),
-        LeftOut::Held => message!("held_as_in_model"),
-        LeftOut::AnyTemperature => message!("any_temperature"),
+        EffectNotFitted::Lacks(what) => what.message(),
+        EffectNotFitted::NotDistinguished => message!("not_told_apart"),
+        EffectNotFitted::Held => message!("held_as_in_model"),
+        EffectNotFitted::AnyTemperature => message!("any_temperature"),
     }
 }
 

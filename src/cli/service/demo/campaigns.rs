@@ -1,6 +1,6 @@
 //! Raw campaigns with something hidden in them, to diagnose.
 
-use super::Happening;
+use super::DemoInput;
 use crate::core::time::UtcMicros;
 use crate::simulate::presets::preset;
 use crate::simulate::scenario::{EffectChoice, Population};
@@ -21,11 +21,11 @@ const CAMPAIGNS: [(f64, &str, &[(&str, f64)]); 4] = [
     (10.0, "24-bare", &[]),
 ];
 
-pub fn happenings(today: UtcMicros) -> anyhow::Result<Vec<Happening>> {
+pub fn inputs(today: UtcMicros) -> anyhow::Result<Vec<DemoInput>> {
     CAMPAIGNS.iter().map(|&(days_ago, programme, hidden)| campaign(today, days_ago, programme, hidden)).collect()
 }
 
-fn campaign(today: UtcMicros, days_ago: f64, programme: &str, hidden: &[(&str, f64)]) -> anyhow::Result<Happening> {
+fn campaign(today: UtcMicros, days_ago: f64, programme: &str, hidden: &[(&str, f64)]) -> anyhow::Result<DemoInput> {
     let base = preset(programme).expect("the presets are those of the list");
     let mut gyros = base.gyros.clone();
     for (gyro, (serial, scale)) in gyros.iter_mut().zip(GYROS) {
@@ -44,5 +44,5 @@ fn campaign(today: UtcMicros, days_ago: f64, programme: &str, hidden: &[(&str, f
         ..base
     };
     let simulated = simulate(&scenario)?;
-    Ok(Happening::Campaign(Box::new(CampaignBody::from(&simulated.campaign))))
+    Ok(DemoInput::Campaign(Box::new(CampaignBody::from(&simulated.campaign))))
 }

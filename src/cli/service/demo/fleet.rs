@@ -9,7 +9,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-use super::happening::{Happening, bench_body, gyro_body, record_body};
+use super::input::{DemoInput, bench_body, gyro_body, record_body};
 use crate::core::bench::BenchMethod;
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::time::UtcMicros;
@@ -70,7 +70,7 @@ struct Gyro {
 }
 
 /// A gyro in its place for a while. Every installation has its own mounting.
-struct Stay {
+struct Installation {
     imu: usize,
     slot: Slot,
     gyro: usize,
@@ -80,29 +80,29 @@ struct Stay {
     mounting: Rotation3<f64>,
 }
 
-pub fn draw(today: UtcMicros) -> Vec<Happening> {
+pub fn draw(today: UtcMicros) -> Vec<DemoInput> {
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     let gyros: Vec<Gyro> = (0..3 * IMUS + SPARES).map(|n| Gyro::draw(n, &mut rng)).collect();
     let seats = seats(&mut rng);
     let first_day = today.plus_days(-DAYS);
-    let mut happenings = Vec::new();
+    let mut inputs = Vec::new();
     for imu in 0..IMUS {
         for day in calibration_days(imu, &mut rng) {
             let record = record(imu, day, instant(first_day, day), &gyros, &seats, &mut rng);
-            happenings.push(Happening::Record(Box::new(record)));
+            inputs.push(DemoInput::Record(Box::new(record)));
         }
     }
     for (gyro, day) in [(3, 1.0), (7, 1.2), (10, 1.4), (15, 1.6), (10, stories::BACK - 0.8), (36, 380.0)] {
         for method in [BenchMethod::TorqueFeedback, BenchMethod::TurntableServo] {
-            happenings.push(Happening::Bench(bench(&gyros[gyro], gyro, day, method, first_day, &mut rng)));
+            inputs.push(DemoInput::Bench(bench(&gyros[gyro], gyro, day, method, first_day, &mut rng)));
         }
     }
-    happenings.push(Happening::Repair {
+    inputs.push(DemoInput::Repair {
         serial: gyros[stories::FALLING.0].serial.clone(),
         at: time::format(instant(first_day, stories::REPAIRED)),
         reason: "rotor bearing replaced, rebalanced; goes into IMU-09".into(),
     });
-    happenings
+    inputs
 }
 
 impl Gyro {
@@ -140,7 +140,7 @@ impl Gyro {
 }
 
 /// Who sits where and when: three gyros an IMU, in order of their numbers, and the moves of [`stories`].
-fn seats(rng: &mut ChaCha8Rng) -> Vec<Stay> {
+fn seats(rng: &mut ChaCha8Rng) -> Vec<Installation> {
     let (out, back) = (stories::TAKEN_OUT, stories::BACK);
     let (one, other, swapped) = stories::SWAPPED;
     let (remounted, remounted_on) = stories::REMOUNTED;
@@ -148,7 +148,7 @@ fn seats(rng: &mut ChaCha8Rng) -> Vec<Stay> {
     let mut sit = |place: usize, gyro: usize, from: f64, to: f64| {
         let (imu, slot) = (place / 3, Slot::ALL[place % 3]);
         let mounting = mounting(slot, rng);
-        seats.push(Stay { imu, slot, gyro, from, to, mounting });
+        seats.push(Installation { imu, slot, gyro, from, to, mounting });
     };
     let (spare, displaced, falling) = (3 * IMUS, 25, stories::FALLING.0);
     for place in 0..3 * IMUS {
@@ -201,7 +201,14 @@ fn station(imu: usize, day: f64) -> &'static str {
     if imu.is_multiple_of(2) && !moved { "ST-1" } else { "ST-2" }
 }
 
-fn record(imu: usize, day: f64, at: UtcMicros, gyros: &[Gyro], seats: &[Stay], rng: &mut ChaCha8Rng) -> RecordBody {
+fn record(
+    imu: usize,
+    day: f64,
+    at: UtcMicros,
+    gyros: &[Gyro],
+    seats: &[Installation],
+    rng: &mut ChaCha8Rng,
+) -> RecordBody {
     let station = station(imu, day);
     let seated = seats.iter().filter(|seat| seat.imu == imu && (seat.from..seat.to).contains(&day));
     let geometry = GeometryBody::Named(NamedGeometry::Skewed);
@@ -213,7 +220,7 @@ fn record(imu: usize, day: f64, at: UtcMicros, gyros: &[Gyro], seats: &[Stay], r
 }
 
 /// E and G as the station's fit gives them: the gyro's rows in body axes, and their scatter.
-fn parameters(seat: &Stay, gyro: &Gyro, station: &str, day: f64, rng: &mut ChaCha8Rng) -> GyroBody {
+fn parameters(seat: &Installation, gyro: &Gyro, station: &str, day: f64, rng: &mut ChaCha8Rng) -> GyroBody {
     let nominal = Geometry::Skewed.triad(seat.slot).expect("the skewed geometry names every slot");
     let [input, spin] = [nominal.input(), nominal.spin()].map(|axis| seat.mounting * axis);
     let [mut d_i, d_s] = gyro.drift(seat.gyro, day);
@@ -275,7 +282,7 @@ mod tests {
 
     fn records() -> Vec<Record> {
         let record = |happening| match happening {
-            Happening::Record(body) => Some(body.to_core(&Plausibility::default()).expect("a record without fault")),
+            DemoInput::Record(body) => Some(body.to_core(&Plausibility::default()).expect("a record without fault")),
             _ => None,
         };
         let mut records: Vec<Record> = draw(TODAY).into_iter().filter_map(record).collect();
@@ -338,8 +345,8 @@ mod tests {
         let (serial, mut repaired, mut tested) = ("LFG-0011", None, Vec::new());
         for happening in draw(TODAY) {
             match happening {
-                Happening::Repair { at, .. } => repaired = Some(time::parse(&at).expect("a time")),
-                Happening::Bench(bench) if bench.serial == serial => tested.push(bench),
+                DemoInput::Repair { at, .. } => repaired = Some(time::parse(&at).expect("a time")),
+                DemoInput::Bench(bench) if bench.serial == serial => tested.push(bench),
                 _ => {}
             }
         }

@@ -2,7 +2,7 @@
 
 mod campaigns;
 mod fleet;
-mod happening;
+mod input;
 mod paper;
 
 use std::net::SocketAddr;
@@ -16,7 +16,7 @@ use crate::cli::client::{JSON, Sent, Service};
 use crate::cli::errors::with_causes;
 use crate::cli::prelude::*;
 use crate::core::message::text;
-use happening::Happening;
+use input::DemoInput;
 
 use crate::config::Config;
 use crate::core::time::UtcMicros;
@@ -48,7 +48,7 @@ impl Demo {
         let config = Config::load(&[], keys)?;
         serve::run(config, |address| {
             tokio::spawn(async move {
-                if let Err(error) = furnish(address).await {
+                if let Err(error) = seed(address).await {
                     eprintln!("gyrowatch: {}", said(message!("terminal_demo_not_posted", why = with_causes(&error))));
                 }
             });
@@ -58,7 +58,7 @@ impl Demo {
 }
 
 /// Posts paper and fleet, unless they are there, and says what to look at.
-async fn furnish(address: SocketAddr) -> anyhow::Result<()> {
+async fn seed(address: SocketAddr) -> anyhow::Result<()> {
     let service = Service::at(&address.to_string(), None)?;
     let gyros: Value = service.get("/v1/gyros?limit=1").await?;
     if gyros["gyros"].as_array().is_none_or(Vec::is_empty) {
@@ -71,12 +71,12 @@ async fn furnish(address: SocketAddr) -> anyhow::Result<()> {
 
 async fn post_all(service: &Service) -> anyhow::Result<()> {
     let today = last_friday(Clock::System.now());
-    let mut happenings = paper::happenings(today);
-    happenings.extend(fleet::draw(today));
-    happenings.extend(campaigns::happenings(today)?);
-    happenings.sort_by(|a, b| a.at().cmp(b.at()));
-    let bar = ProgressBar::new(happenings.len() as u64);
-    for happening in &happenings {
+    let mut inputs = paper::inputs(today);
+    inputs.extend(fleet::draw(today));
+    inputs.extend(campaigns::inputs(today)?);
+    inputs.sort_by(|a, b| a.at().cmp(b.at()));
+    let bar = ProgressBar::new(inputs.len() as u64);
+    for happening in &inputs {
         let (route, body) = happening.request()?;
         match service.post(&route, JSON, Bytes::from(body)).await {
             Ok(Sent::Stored(_) | Sent::Known(_)) => bar.inc(1),
@@ -85,7 +85,7 @@ async fn post_all(service: &Service) -> anyhow::Result<()> {
         }
     }
     bar.finish_and_clear();
-    println!("{}", said(message!("terminal_demo_posted", count = happenings.len().to_string())));
+    println!("{}", said(message!("terminal_demo_posted", count = inputs.len().to_string())));
     Ok(())
 }
 

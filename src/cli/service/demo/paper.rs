@@ -5,7 +5,7 @@
 //! its D_I and D_S at one pulse per arc second, and their axes are stated one by one, for Tables 3 and 4 are required
 //! of the geometry `skewed`.
 
-use super::happening::{Happening, bench_body, gyro_body, record_body};
+use super::input::{DemoInput, bench_body, gyro_body, record_body};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::time::UtcMicros;
 use crate::wire::geometry::{GeometryBody, NamedGeometry};
@@ -30,7 +30,7 @@ const DAYS_AGO: [f64; 3] = [44.0, 30.0, 16.0];
 const TABLES_3_4_SERIALS: [&str; 3] = ["PAPER-T4-G1", "PAPER-T4-G2", "PAPER-T4-G3"];
 const TABLE_5_SERIALS: [&str; 3] = ["PAPER-T5-G1", "PAPER-T5-G2", "PAPER-T5-G3"];
 
-pub fn happenings(today: UtcMicros) -> Vec<Happening> {
+pub fn inputs(today: UtcMicros) -> Vec<DemoInput> {
     let calibrated = today.plus_days(-DAYS_AGO[1]);
     let printed = Slot::ALL.map(|slot| {
         let (e, g) = TABLES_3_4[slot.index()];
@@ -42,21 +42,21 @@ pub fn happenings(today: UtcMicros) -> Vec<Happening> {
         gyro_body(slot, TABLE_5_SERIALS[slot.index()], triad.input(), d_i * triad.input() + d_s * triad.spin())
     });
     let stated = Geometry::Custom(Slot::ALL.map(|slot| Geometry::Skewed.triad(slot)));
-    let mut happenings = vec![
+    let mut inputs = vec![
         record("IMU-PAPER-T4", calibrated, GeometryBody::Named(NamedGeometry::Skewed), printed),
         record("IMU-PAPER-T5", calibrated, GeometryBody::of(&stated), nominal),
     ];
     for (column, days) in [(0, DAYS_AGO[0]), (2, DAYS_AGO[2])] {
         for slot in 0..3 {
             let (serial, drift) = (TABLE_5_SERIALS[slot], TABLE_5[slot][column]);
-            happenings.push(Happening::Bench(bench_body(serial, "BENCH-PAPER", today.plus_days(-days), drift)));
+            inputs.push(DemoInput::Bench(bench_body(serial, "BENCH-PAPER", today.plus_days(-days), drift)));
         }
     }
-    happenings
+    inputs
 }
 
-fn record(imu: &str, calibrated: UtcMicros, geometry: GeometryBody, gyros: [GyroBody; 3]) -> Happening {
-    Happening::Record(Box::new(RecordBody {
+fn record(imu: &str, calibrated: UtcMicros, geometry: GeometryBody, gyros: [GyroBody; 3]) -> DemoInput {
+    DemoInput::Record(Box::new(RecordBody {
         gyros: gyros.into(),
         note: Some("doi 10.11918/j.issn.0367-6234.2015.01.015".into()),
         ..record_body(imu.into(), "ST-PAPER", calibrated, geometry)

@@ -7,7 +7,7 @@ use crate::core::augmented::Options;
 use crate::core::calibrate::{Calibration, EffectParameter, calibrate_at_station, calibrate_augmented};
 use crate::core::campaign::made_for_tests::{self, name};
 use crate::core::campaign::{CampaignGyro, Dwell};
-use crate::core::effects::{Lack, OwnHypothesis, Refusal, Shape, Written, own};
+use crate::core::effects::{HypothesisDefinition, MissingInput, OwnHypothesis, Refusal, Shape, own};
 use crate::core::frames::Rotation;
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::Slot;
@@ -76,7 +76,11 @@ fn adopted_effects_come_back_for_the_gyros_that_have_them() {
     let by_temperature = BY_TEMPERATURE.map(|k| (Effect::TemperatureBias, "deg/h/K", k));
     is(&values(&found.gyros[0].effects), &[ramp, by_temperature[0], azimuth]);
     is(&values(&found.gyros[1].effects), &[by_temperature[1], azimuth]);
-    let step = CampaignNote::EffectLeftOut { slot: Some(Slot::G2), effect: Effect::BiasStep, why: LeftOut::NotTold };
+    let step = CampaignNote::EffectLeftOut {
+        slot: Some(Slot::G2),
+        effect: Effect::BiasStep,
+        why: EffectNotFitted::NotDistinguished,
+    };
     assert_eq!(found.notes, [step]);
     for (fit, scale) in found.gyros.iter().zip(SCALES) {
         // The drift is on the body's axes, so G is the same but for the scale.
@@ -87,7 +91,7 @@ fn adopted_effects_come_back_for_the_gyros_that_have_them() {
     // Without a temperature that effect alone is left out, and says why.
     campaign.dwells.iter_mut().for_each(|dwell| dwell.temperature_c = None);
     let found = calibrate_augmented(&campaign, Terms::MODEL_6, &model[1..3]);
-    let why = LeftOut::Lacks(Lack::Temperature);
+    let why = EffectNotFitted::Lacks(MissingInput::Temperature);
     assert_eq!(found.notes, [CampaignNote::EffectLeftOut { slot: None, effect: Effect::TemperatureBias, why }]);
     assert_eq!(found.gyros[0].effects.len(), 1);
 
@@ -194,7 +198,7 @@ fn what_the_model_knows_better_is_held_and_states_the_bias_at_its_temperature() 
     let found = fit(&campaign, known(0.01));
     let note = |slot| {
         let (slot, effect) = (Some(slot), Effect::TemperatureBias);
-        CampaignNote::EffectLeftOut { slot, effect, why: LeftOut::Held }
+        CampaignNote::EffectLeftOut { slot, effect, why: EffectNotFitted::Held }
     };
     assert_eq!(found.notes, both.map(note));
     for j in 0..2 {
@@ -223,21 +227,22 @@ fn what_the_model_knows_better_is_held_and_states_the_bias_at_its_temperature() 
         );
         assert!(found.gyros[j].effects.iter().all(|one| one.effect != Effect::TemperatureBias));
     }
-    let any = |note: &CampaignNote| matches!(note, CampaignNote::EffectLeftOut { why: LeftOut::AnyTemperature, .. });
+    let any =
+        |note: &CampaignNote| matches!(note, CampaignNote::EffectLeftOut { why: EffectNotFitted::AnyTemperature, .. });
     assert!(found.notes.len() == 2 && found.notes.iter().all(any), "{:?}", found.notes);
     // Of a gyro that was exchanged nothing is known, and it is said.
     let found = fit(&campaign, known(0.01).into_iter().filter(|one| one.slot == Slot::G2).collect());
     let left_out = CampaignNote::EffectLeftOut {
         slot: Some(Slot::G1),
         effect: Effect::TemperatureBias,
-        why: LeftOut::Lacks(Lack::Temperature),
+        why: EffectNotFitted::Lacks(MissingInput::Temperature),
     };
     assert!(found.notes.contains(&left_out) && bias(&found, 0).1 < 1e-2, "{:?}", found.notes);
 }
 
 #[test]
 fn what_any_temperature_does_need_not_be_linear_in_it() {
-    let written = Written {
+    let written = HypothesisDefinition {
         id: "bent_bias".into(),
         words: "bent".into(),
         cause: "oil".into(),

@@ -5,7 +5,7 @@
 //! whatever the fit looks like.
 //!
 //! Reading order: [`measure`] (what each dwell says), [`transform`] (the mistakes that stations make, undone),
-//! [`search`] (which of them explains all dwells), [`senses`] (turning against static dwells), [`worth`] (whether it
+//! [`search`] (which explains all dwells), [`senses`] (turning against static dwells), [`trial_fit`] (whether it
 //! matters). A campaign whose dwells are all as
 //! they should be costs no fit.
 
@@ -13,7 +13,7 @@ mod measure;
 mod search;
 mod senses;
 mod transform;
-mod worth;
+mod trial_fit;
 
 pub use search::{findings, force_off_gravity};
 

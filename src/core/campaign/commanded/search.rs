@@ -3,7 +3,7 @@
 use super::measure::{HEADING_ROOM, Measures, RATE_ROOM};
 use super::senses::senses;
 use super::transform::{Mistake, mistakes, other_headings, single_axes};
-use super::worth::{Tried, Worth};
+use super::trial_fit::{TrialFit, TrialFits};
 use super::{AffectedDwells, CommandFinding, EARTH, MistakeKind, Symptom};
 use crate::core::campaign::steps::decimal_step;
 use crate::core::campaign::{Campaign, Dwell, Phase};
@@ -62,20 +62,20 @@ fn rates(campaign: &Campaign, measures: &Measures) -> Option<CommandFinding> {
     let worst = [Symptom::Attitude, Symptom::StaticRate, Symptom::VerticalRate, Symptom::TurningRate];
     let count = |s: Symptom| symptoms.iter().filter(|x| **x == Some(s)).count();
     let symptom = worst.into_iter().filter(|s| count(*s) > 0).max_by_key(|s| count(*s)).unwrap_or(symptom);
-    let mut worth = Worth::new(campaign);
+    let mut trial_fits = TrialFits::new(campaign);
     let single = bad.len() as f64 <= SINGLE * symptoms.len() as f64;
-    let of_all_dwells = explained(campaign, measures, mistakes(), |_| true, &mut worth);
+    let of_all_dwells = explained(campaign, measures, mistakes(), |_| true, &mut trial_fits);
     let everywhere = !of_all_dwells.is_empty();
     let causes = if everywhere {
         of_all_dwells
     } else if single {
         let these = |k: usize| bad.contains(&k);
         let silent = bad.iter().all(|&k| measures.dwells[k].rate < NO_RATE);
-        let found = explained(campaign, measures, mistakes(), these, &mut worth);
+        let found = explained(campaign, measures, mistakes(), these, &mut trial_fits);
         if found.is_empty() && silent { vec![MistakeKind::EarthRateLeftOut] } else { found }
     } else {
         let in_phase =
-            |phase| explained(campaign, measures, mistakes(), |k| campaign.dwells[k].phase == phase, &mut worth);
+            |phase| explained(campaign, measures, mistakes(), |k| campaign.dwells[k].phase == phase, &mut trial_fits);
         let found = [Phase::Rate, Phase::Static].map(in_phase).into_iter().find(|causes| !causes.is_empty());
         found.unwrap_or_else(|| of_all(measures))
     };
@@ -97,7 +97,7 @@ fn rates(campaign: &Campaign, measures: &Measures) -> Option<CommandFinding> {
         },
         of,
         dwells,
-        matters: symptom == Symptom::Attitude || worth.earth_is_above_noise(),
+        matters: symptom == Symptom::Attitude || trial_fits.earth_is_above_noise(),
     })
 }
 
@@ -108,7 +108,7 @@ fn explained(
     measures: &Measures,
     families: impl IntoIterator<Item = Vec<Mistake>>,
     concerned: impl Fn(usize) -> bool + Copy,
-    worth: &mut Worth,
+    trial_fits: &mut TrialFits,
 ) -> Vec<MistakeKind> {
     let n = measures.dwells.len();
     let some = !(0..n).all(concerned);
@@ -121,8 +121,8 @@ fn explained(
             let good = Measures::of(right).good();
             good >= needed && good > before
         });
-        let tried: Vec<(MistakeKind, Tried)> = passing.map(|(cause, right)| (cause, Tried::of(&right))).collect();
-        let mut causes = worth.best(tried, 1.0);
+        let tried: Vec<(MistakeKind, TrialFit)> = passing.map(|(cause, right)| (cause, TrialFit::of(&right))).collect();
+        let mut causes = trial_fits.best(tried, 1.0);
         let unit_of_all = causes.iter().find_map(|cause| match cause {
             MistakeKind::RateUnit { unit, part: AffectedDwells::All } => Some(*unit),
             _ => None,
@@ -194,7 +194,7 @@ fn common_offset(campaign: &Campaign, measures: &Measures) -> Option<CommandFind
     } else {
         (Symptom::VerticalRate, other_latitude(vertical, rate), expected)
     };
-    let (dwells, matters) = (still(campaign, measures, symptom), Worth::new(campaign).moved_by_rate(shift));
+    let (dwells, matters) = (still(campaign, measures, symptom), TrialFits::new(campaign).moved_by_rate(shift));
     let found = CommandFinding::of_all(symptom, vec![cause], dwells, matters);
     Some(CommandFinding { expected: Some(expected), ..found })
 }
@@ -208,10 +208,10 @@ fn headings(campaign: &Campaign, measures: &Measures) -> Option<CommandFinding> 
     if (dwells.len() as f64) <= SINGLE * of as f64 {
         return None;
     }
-    let mut worth = Worth::new(campaign);
+    let mut trial_fits = TrialFits::new(campaign);
     let families = mistakes().into_iter().chain([other_headings()]);
-    let causes = explained(campaign, measures, families, |_| true, &mut worth);
-    let matters = worth.fits_better_undone() && worth.earth_is_above_noise();
+    let causes = explained(campaign, measures, families, |_| true, &mut trial_fits);
+    let matters = trial_fits.fits_better_undone() && trial_fits.earth_is_above_noise();
     let dwells = dwells.into_iter().map(|k| (k, measures.dwells[k].value(Symptom::Heading))).collect();
     (matters && !causes.is_empty())
         .then(|| CommandFinding { of, ..CommandFinding::of_all(Symptom::Heading, causes, dwells, matters) })
@@ -224,15 +224,16 @@ fn outputs(campaign: &Campaign, measures: &Measures) -> Option<CommandFinding> {
     if !held || measures.dwells.iter().any(|m| m.tilt.is_some()) {
         return None;
     }
-    let mut worth = Worth::new(campaign);
-    let left = worth.left_beyond_noise()?;
+    let mut trial_fits = TrialFits::new(campaign);
+    let left = trial_fits.left_beyond_noise()?;
     let n = measures.dwells.len();
     let undone = single_axes().into_iter().filter_map(|m| Some((m.cause, m.undone(campaign, |_| true)?)));
-    let right = undone.filter(|(_, c)| Measures::of(c).good() == n).map(|(cause, c)| (cause, Tried::of(&c)));
-    let mut causes = worth.best(right.collect(), CLEARLY);
+    let right = undone.filter(|(_, c)| Measures::of(c).good() == n).map(|(cause, c)| (cause, TrialFit::of(&c)));
+    let mut causes = trial_fits.best(right.collect(), CLEARLY);
     causes.truncate(MOST_CAUSES);
     let dwells = (0..campaign.dwells.len()).map(|k| (k, left)).collect();
-    (!causes.is_empty()).then(|| CommandFinding::of_all(Symptom::Output, causes, dwells, worth.earth_is_above_noise()))
+    (!causes.is_empty())
+        .then(|| CommandFinding::of_all(Symptom::Output, causes, dwells, trial_fits.earth_is_above_noise()))
 }
 
 /// Median of |f| of static dwells over gravity (g0), and its standard deviation.
@@ -277,7 +278,7 @@ fn gravity(campaign: &Campaign, measures: &Measures) -> Option<CommandFinding> {
     if !common || !(impossible || worth_telling) {
         return None;
     }
-    let matters = Worth::new(campaign).moved_by_force(ratio);
+    let matters = TrialFits::new(campaign).moved_by_force(ratio);
     let normalised = expected.is_some() && (ratio * gravity - 1.0).abs() < 1e-5 + 3.0 * error;
     let cause = if normalised { MistakeKind::ForceNormalised } else { MistakeKind::ForceScale { ratio } };
     // A measured specific force is rarely right to a per mille; where it moves nothing, nothing is said of less.

@@ -1,6 +1,6 @@
 //! How far the named effects close the gap, and what remains beside them.
 
-use super::remaining::{self, Left, Tested};
+use super::remaining::{self, FittedResiduals, Tested};
 use crate::core::calibrate::Calibration;
 use crate::core::calibrate::noise::{self, Evidence};
 use crate::core::diagnose::diagnosis::*;
@@ -11,7 +11,7 @@ use crate::core::diagnose::residuals::augmented_fit;
 use crate::core::diagnose::residuals::augmented_fit::{Fit, Part, with_parts};
 use crate::core::diagnose::residuals::noise_floor;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::diagnose::search::noise_rounds::{FALSE_ALARM, Settled};
+use crate::core::diagnose::search::noise_rounds::{FALSE_ALARM, SearchOutcome};
 use crate::core::diagnose::search::refined_shape::{instant, shape_sd};
 use crate::core::diagnose::search::stepwise::Search;
 use crate::core::effects::{Estimate, Shape};
@@ -55,7 +55,7 @@ pub(crate) fn floor_variances(frame: &Frame, fit: &Fit, remains: bool) -> Vec<f6
 }
 
 /// What closures are held against.
-pub(crate) struct Ground<'a> {
+pub(crate) struct ClosureReference<'a> {
     pub frame: &'a Frame,
     pub fit: &'a Fit,
     pub variances: &'a [f64],
@@ -65,7 +65,7 @@ pub(crate) struct Ground<'a> {
     pub may_be_noise: bool,
 }
 
-impl Ground<'_> {
+impl ClosureReference<'_> {
     /// The share of the gap that `asked` close beside `earlier`, and its interval, which reaches as far as if what is
     /// left were noise where that may be.
     pub fn held_out(&self, earlier: &[&Part], asked: &[&Part], coefficients: usize) -> HeldOut {
@@ -102,7 +102,7 @@ impl Signs {
 
 /// What is left beside the named effects: competitors that the search adopted, rivals, and tests that know no
 /// catalogue.
-pub(crate) fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &Fit, crowded: &[Sign]) -> Signs {
+pub(crate) fn signs(settled: &SearchOutcome, search: &Search, named: &[Named], fit: &Fit, crowded: &[Sign]) -> Signs {
     let frame = &settled.frame;
     let mut list: Vec<Sign> = crowded.to_vec();
     let competitors = settled.found.iter().filter(|choice| choice.is_competitor());
@@ -120,7 +120,7 @@ pub(crate) fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &F
         })
         .collect();
     let apart = settled.noise_found.between_gyros.as_ref().map(|shared| shared.apart(&fit.residuals));
-    let left = Left { frame, extras: &extras, residuals: apart.as_ref().unwrap_or(&fit.residuals) };
+    let left = FittedResiduals { frame, extras: &extras, residuals: apart.as_ref().unwrap_or(&fit.residuals) };
     let power = |r: &[f64]| dot(r, r);
     let taken: f64 = frame.gyros.iter().zip(&fit.residuals).map(|(g, r)| power(&g.residual) - power(r)).sum();
     let changes = constancy::changes(&left, named, fit, taken.max(0.0).sqrt());
@@ -151,7 +151,7 @@ pub(crate) fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &F
 }
 
 /// The second and third harmonic of each named sinusoid: a cycle of another form has them.
-fn harmonics(left: &Left, named: &[Named]) -> Vec<Tested> {
+fn harmonics(left: &FittedResiduals, named: &[Named]) -> Vec<Tested> {
     let mut tests = Vec::new();
     for part in named.iter().map(|n| &n.part) {
         let Shape::Period(period) = part.shape else { continue };
@@ -165,7 +165,7 @@ fn harmonics(left: &Left, named: &[Named]) -> Vec<Tested> {
 }
 
 pub(crate) fn gap(
-    settled: &Settled,
+    settled: &SearchOutcome,
     search: &Search,
     variances: &[f64],
     signs: &Signs,
@@ -189,13 +189,13 @@ pub(crate) fn gap(
 }
 
 pub(crate) fn effects(
-    settled: &Settled,
+    settled: &SearchOutcome,
     named: &[Named],
     parts: &[Part],
-    ground: &Ground<'_>,
+    ground: &ClosureReference<'_>,
     signs: &Signs,
 ) -> Vec<NamedEffect> {
-    let &Ground { frame, fit, variances, .. } = ground;
+    let &ClosureReference { frame, fit, variances, .. } = ground;
     let rss = |fit: &Fit| fit.residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum::<f64>();
     (0..named.len())
         .map(|p| {

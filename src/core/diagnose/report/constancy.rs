@@ -6,7 +6,7 @@
 //! in which part it acts.
 
 use super::named::Named;
-use super::remaining::Left;
+use super::remaining::FittedResiduals;
 use crate::core::diagnose::residuals::augmented_fit::Fit;
 use crate::core::effects::Shape;
 use crate::core::numerics::basis::dot;
@@ -40,7 +40,7 @@ pub(crate) struct Change {
 }
 
 /// Names that are not constant, the least probable change of each.
-pub(crate) fn changes(left: &Left, named: &[Named], fit: &Fit, detectability: f64) -> Vec<Change> {
+pub(crate) fn changes(left: &FittedResiduals, named: &[Named], fit: &Fit, detectability: f64) -> Vec<Change> {
     let mut all: Vec<Change> = Vec::new();
     for (p, name) in named.iter().enumerate().filter(|(_, n)| n.part.dwell().is_none()) {
         for j in (0..name.part.members.len()).filter(|&j| name.part.members[j]) {
@@ -63,7 +63,12 @@ pub(crate) fn changes(left: &Left, named: &[Named], fit: &Fit, detectability: f6
 }
 
 /// Every change of a drift of gyro `j` that is tried: its probability, and the part in which it would act.
-fn of_gyro(left: &Left, j: usize, drift: Vec<f64>, shape: Shape) -> impl Iterator<Item = (f64, Option<[f64; 2]>)> {
+fn of_gyro(
+    left: &FittedResiduals,
+    j: usize,
+    drift: Vec<f64>,
+    shape: Shape,
+) -> impl Iterator<Item = (f64, Option<[f64; 2]>)> {
     let s = &left.frame.setting;
     let n = s.dwells();
     // Off the model alone: what the other names leave of it is the effect's own.
@@ -121,7 +126,7 @@ fn of_gyro(left: &Left, j: usize, drift: Vec<f64>, shape: Shape) -> impl Iterato
 
 /// From when to when a drift acts where its size changes with dwell `first`: sizes before and after by least squares,
 /// in units of what was fitted.
-fn part(left: &Left, j: usize, drift: &[f64], first: usize) -> Option<[f64; 2]> {
+fn part(left: &FittedResiduals, j: usize, drift: &[f64], first: usize) -> Option<[f64; 2]> {
     let (gyro, s) = (&left.frame.gyros[j], &left.frame.setting);
     let n = drift.len();
     let off_model = |from: usize, to: usize| {

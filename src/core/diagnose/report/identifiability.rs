@@ -20,18 +20,19 @@ const SHARED: f64 = 0.5;
 pub(crate) const JUST_MISSED: f64 = 4.5;
 
 /// Entries that the campaign lacks a column for, that the model in use absorbs, or that hide in D_I and D_S.
-pub(crate) fn not_identifiable(frame: &Frame, bank: &Bank, mimics: &[Mimic]) -> Vec<NotIdentifiable> {
+pub(crate) fn not_identifiable(frame: &Frame, bank: &Bank, g_confounders: &[GConfounder]) -> Vec<NotIdentifiable> {
     let unseen = frame.nameable().filter(|entry| !held(frame, entry)).filter_map(|entry| judged(frame, bank, entry));
     let mut list: Vec<NotIdentifiable> = unseen.collect();
-    let further: Vec<&Mimic> = mimics.iter().filter(|m| list.iter().all(|n| n.effect != m.effect)).collect();
-    list.extend(further.into_iter().map(Mimic::told));
+    let further: Vec<&GConfounder> =
+        g_confounders.iter().filter(|m| list.iter().all(|n| n.effect != m.effect)).collect();
+    list.extend(further.into_iter().map(GConfounder::to_not_identifiable));
     list
 }
 
 /// An entry whose regressor nearly lies in the span of g_linear, in every shape and gyro: what is too small to be
 /// seen of it still moves G, hence D_I and D_S. Bias is taken out of both first: every campaign has it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Mimic {
+pub(crate) struct GConfounder {
     pub effect: Effect,
     pub shape: Shape,
     pub gyro: usize,
@@ -42,7 +43,7 @@ pub(crate) struct Mimic {
 }
 
 /// The entries that this design confounds with g_linear, where that is in the model or was named.
-pub(crate) fn mimics(frame: &Frame, bank: &Bank, parts: &[Part]) -> Vec<Mimic> {
+pub(crate) fn g_confounders(frame: &Frame, bank: &Bank, parts: &[Part]) -> Vec<GConfounder> {
     let named = |effect: Effect| parts.iter().any(|part| part.effect == effect);
     if !frame.terms.contains(Term::GLinear) && !parts.iter().any(|part| part.effect.term() == Some(Term::GLinear)) {
         return Vec::new();
@@ -53,7 +54,7 @@ pub(crate) fn mimics(frame: &Frame, bank: &Bank, parts: &[Part]) -> Vec<Mimic> {
     // What is seen beside the bias and the model is not shared with g_linear.
     let doubtful = |entry: &&Entry| visible(bank, entry.effect) < 1.0 - SHARED;
     let spans: Vec<Spans> = (0..frame.gyros.len()).map(|j| Spans::of(frame, j)).collect();
-    frame.nameable().filter(open).filter(doubtful).filter_map(|entry| Mimic::of(frame, &spans, entry)).collect()
+    frame.nameable().filter(open).filter(doubtful).filter_map(|entry| GConfounder::of(frame, &spans, entry)).collect()
 }
 
 /// What regressors of one gyro are held against.
@@ -93,7 +94,7 @@ impl Spans {
     }
 }
 
-impl Mimic {
+impl GConfounder {
     /// The shape and gyro in which the entry is least confounded, where even there it is.
     fn of(frame: &Frame, spans: &[Spans], entry: &Entry) -> Option<Self> {
         let shapes = (entry.shapes)(&frame.setting);
@@ -113,7 +114,7 @@ impl Mimic {
         JUST_MISSED * (self.shared / self.visible.max(1e-6)).sqrt()
     }
 
-    fn told(&self) -> NotIdentifiable {
+    fn to_not_identifiable(&self) -> NotIdentifiable {
         let angle = self.shared.min(1.0).sqrt().acos().to_degrees();
         NotIdentifiable {
             effect: self.effect,

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use crate::core::campaign::Phase;
 use crate::core::diagnose::diagnosis::NextDwell;
-use crate::core::diagnose::report::identifiability::{JUST_MISSED, Mimic, visible};
+use crate::core::diagnose::report::identifiability::{GConfounder, JUST_MISSED, visible};
 use crate::core::diagnose::residuals::augmented_fit::{Fit, Part};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::hypotheses::Bank;
@@ -39,13 +39,13 @@ pub(crate) fn next_dwells(
     parts: &[Part],
     fit: &Fit,
     classes: &[Vec<Effect>],
-    mimics: &[Mimic],
+    g_confounders: &[GConfounder],
 ) -> Vec<NextDwell> {
     let proposals = proposals(frame);
     let setting = extended(&frame.setting, &proposals);
     let mut questions = tied(frame, &setting, parts, fit, classes);
     questions.extend(hidden(frame, &setting, bank));
-    questions.extend(mimics.iter().map(|mimic| confounded(frame, &setting, mimic)));
+    questions.extend(g_confounders.iter().map(|mimic| confounded(frame, &setting, mimic)));
     let n = frame.dwells();
     let mut taken: Vec<usize> = Vec::new();
     let mut chosen = Vec::new();
@@ -228,7 +228,7 @@ fn hidden(frame: &Frame, setting: &Setting, bank: &Bank) -> Vec<Question> {
 }
 
 /// An entry that hides in g_linear, as large as it may be without being seen.
-fn confounded(frame: &Frame, setting: &Setting, mimic: &Mimic) -> Question {
+fn confounded(frame: &Frame, setting: &Setting, mimic: &GConfounder) -> Question {
     let sd = deviations(frame, mimic.gyro, setting.dwells());
     let mut columns = model(frame, setting, mimic.gyro, &sd);
     columns.extend((0..3).map(|axis| whitened(setting.column(|k| setting.force[k][axis]), &sd, 1.0)));

@@ -1,6 +1,6 @@
 //! What is left after adoption, tested by means that know no catalogue.
 //!
-//! Each test is a quadratic form `r' W r` of the residuals (`likeness`). `W` says which dwells ought to be strangers:
+//! Each test is a quadratic form `r' W r` of the residuals (`test`). `W` says which dwells should be independent:
 //! neighbours in time, in temperature, of one orientation, of neighbouring orientations, of similar rates.
 //! Beside them stand the spread against the noise floor and repeats against the rest.
 
@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 use crate::core::campaign::Phase;
 use crate::core::campaign::repeats::PureError;
 use crate::core::diagnose::diagnosis::Sign;
-use crate::core::diagnose::report::likeness::{Score, Weights};
+use crate::core::diagnose::report::quadratic_form::{Score, Weights};
 use crate::core::diagnose::residuals::noise_floor::pure_error;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::Setting;
@@ -27,7 +27,7 @@ pub(crate) struct Tested {
 }
 
 /// Residuals of each gyro with all that was fitted to them.
-pub(crate) struct Left<'a> {
+pub(crate) struct FittedResiduals<'a> {
     pub frame: &'a Frame,
     /// Adopted columns, beyond the model's.
     pub extras: &'a [Basis],
@@ -35,7 +35,7 @@ pub(crate) struct Left<'a> {
     pub residuals: &'a [Vec<f64>],
 }
 
-impl Left<'_> {
+impl FittedResiduals<'_> {
     fn basis(&self, j: usize) -> DMatrix<f64> {
         self.frame.gyros[j].basis.with(&self.extras[j]).matrix(self.frame.dwells())
     }
@@ -54,11 +54,9 @@ impl Left<'_> {
         }
         let bases: Vec<DMatrix<f64>> = (0..self.residuals.len()).map(|j| self.basis(j)).collect();
         let mut tests = Vec::new();
-        for (kind, weights) in strangers(&self.frame.setting) {
+        for (kind, weights) in structure_weights(&self.frame.setting) {
             let scores: Vec<Score> = (0..bases.len())
-                .map(|j| {
-                    weights.likeness(&bases[j], self.dof(j)).map_or(Score::NONE, |it| it.score(&self.residuals[j]))
-                })
+                .map(|j| weights.test(&bases[j], self.dof(j)).map_or(Score::NONE, |it| it.score(&self.residuals[j])))
                 .collect();
             tests.extend(scores.iter().enumerate().map(|(j, score)| Tested {
                 kind,
@@ -189,7 +187,7 @@ fn beyond_stated((sum, dof): (f64, f64), repeats: PureError) -> f64 {
     if weights > 0.0 { p_value / weights } else { 1.0 }
 }
 
-/// Weight of all tests of spread together: the one test that asks for no likeness between dwells.
+/// Weight of all tests of spread together: the one test that compares no dwells.
 const SPREAD_WEIGHT: f64 = 0.3;
 
 /// Probability that something significant is left, over all tests: Cauchy's combination (Liu and Xie 2020), weighted,
@@ -235,7 +233,7 @@ pub(crate) fn signs(tests: &[Tested], slots: &[Slot], level: f64) -> Vec<Sign> {
 }
 
 /// Pairs of dwells that a gap would make alike, row by row; zero diagonal.
-fn strangers(s: &Setting) -> Vec<(&'static str, Weights)> {
+fn structure_weights(s: &Setting) -> Vec<(&'static str, Weights)> {
     let n = s.dwells();
     let pairs = |like: &dyn Fn(usize, usize) -> f64| {
         Weights::new(DMatrix::from_fn(n, n, |a, b| if a == b { 0.0 } else { like(a.min(b), a.max(b)) }))

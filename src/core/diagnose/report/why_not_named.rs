@@ -7,19 +7,19 @@ use crate::core::diagnose::report::{held_out, identifiability};
 use crate::core::diagnose::search::bayes_factor::Score;
 use crate::core::diagnose::search::choice::Choice;
 use crate::core::diagnose::search::hypotheses::INVISIBLE;
-use crate::core::diagnose::search::noise_rounds::{FALSE_ALARM, Settled};
+use crate::core::diagnose::search::noise_rounds::{FALSE_ALARM, SearchOutcome};
 use crate::core::diagnose::search::stepwise::{MOST, Search};
 use crate::core::effects::Effect;
 use crate::core::message::{Message, text};
 use crate::message;
 
-pub(crate) struct WhyNot<'a> {
-    pub settled: &'a Settled,
+pub(crate) struct RejectionReasons<'a> {
+    pub settled: &'a SearchOutcome,
     pub search: &'a Search<'a>,
     pub named: &'a [Named],
 }
 
-impl WhyNot<'_> {
+impl RejectionReasons<'_> {
     /// `alone` is what the entry is held against the threshold with where nothing else is in the model.
     pub fn of(&self, effect: Effect, alone: f64, visible: bool) -> Message {
         if !visible {
@@ -77,14 +77,14 @@ impl WhyNot<'_> {
 
 /// Every other entry that was tried, best first, with why it was not taken.
 pub(crate) fn candidates(
-    settled: &Settled,
+    settled: &SearchOutcome,
     search: &Search,
     named: &[Named],
     variances: &[f64],
     remains: bool,
 ) -> Vec<Candidate> {
     let (frame, known) = (&settled.frame, search.scores(&[]));
-    let why_not = WhyNot { settled, search, named };
+    let why_not = RejectionReasons { settled, search, named };
     let open = |score: &&Score| score.kind.is_nameable() && !named.iter().any(|n| n.part.effect == score.kind);
     let mut alone: Vec<&Score> = known.iter().filter(open).collect();
     alone.sort_by(|a, b| b.log_evidence.total_cmp(&a.log_evidence));

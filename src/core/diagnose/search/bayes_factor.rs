@@ -16,7 +16,7 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use crate::core::diagnose::search::hypotheses::{Bank, Block, Hypothesis, SMALL};
-use crate::core::diagnose::search::projections::{MAX_GYROS, Products, Seen, State};
+use crate::core::diagnose::search::projections::{GyroStatistics, MAX_GYROS, Products, State};
 use crate::core::diagnose::search::shared_coefficients::Common;
 use crate::core::effects::Effect;
 use crate::core::numerics::log_sum::LogSum;
@@ -38,7 +38,7 @@ pub(crate) fn scores(bank: &Bank, state: &State) -> Vec<Score> {
 }
 
 /// The same of products with all columns of the bank.
-pub(crate) fn scores_of(bank: &Bank, seen: &[Seen]) -> Vec<Score> {
+pub(crate) fn scores_of(bank: &Bank, seen: &[GyroStatistics]) -> Vec<Score> {
     bank.kinds.iter().map(|(kind, range)| score(bank, *kind, range.clone(), seen)).collect()
 }
 
@@ -54,7 +54,7 @@ pub(crate) fn together(logs: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Scores one kind of hypothesis.
-pub(crate) fn score(bank: &Bank, kind: Effect, range: std::ops::Range<usize>, seen: &[Seen]) -> Score {
+pub(crate) fn score(bank: &Bank, kind: Effect, range: std::ops::Range<usize>, seen: &[GyroStatistics]) -> Score {
     let mut score = Score { kind, log_evidence: f64::NEG_INFINITY, best: range.start, gyro_log: [0.0; MAX_GYROS] };
     let mut total = LogSum::default();
     for i in range {
@@ -69,7 +69,7 @@ pub(crate) fn score(bank: &Bank, kind: Effect, range: std::ops::Range<usize>, se
 }
 
 /// ln(weight x Bayes factor) of one hypothesis, and the factor of each gyro.
-fn log_bayes(hypothesis: &Hypothesis, seen: &[Seen]) -> (f64, [LogSum; MAX_GYROS]) {
+fn log_bayes(hypothesis: &Hypothesis, seen: &[GyroStatistics]) -> (f64, [LogSum; MAX_GYROS]) {
     if hypothesis.common {
         let log = Common::of(hypothesis, seen).map_or(0.0, |common| common.log_bayes(hypothesis.powers));
         return (hypothesis.log_weight + log, [LogSum::of_one(log); MAX_GYROS]);
@@ -82,7 +82,7 @@ fn log_bayes(hypothesis: &Hypothesis, seen: &[Seen]) -> (f64, [LogSum; MAX_GYROS
 }
 
 /// As [`log_bayes`], with the effect in exactly the gyros `members`: one of the equally likely sets.
-pub(crate) fn log_bayes_in(hypothesis: &Hypothesis, members: &[bool], seen: &[Seen]) -> f64 {
+pub(crate) fn log_bayes_in(hypothesis: &Hypothesis, members: &[bool], seen: &[GyroStatistics]) -> f64 {
     if hypothesis.common {
         return log_bayes(hypothesis, seen).0;
     }
@@ -92,7 +92,7 @@ pub(crate) fn log_bayes_in(hypothesis: &Hypothesis, members: &[bool], seen: &[Se
 }
 
 /// Bayes factor of one gyro, averaged over the powers.
-fn bayes_factor(powers: &[f64], block: &Block, seen: &Seen) -> LogSum {
+fn bayes_factor(powers: &[f64], block: &Block, seen: &GyroStatistics) -> LogSum {
     if block.len == 0 {
         return LogSum::of_one(0.0);
     }
@@ -137,12 +137,12 @@ enum Projected<'a> {
     },
     Large {
         block: &'a Block,
-        seen: &'a Seen<'a>,
+        seen: &'a GyroStatistics<'a>,
     },
 }
 
 impl<'a> Projected<'a> {
-    fn of(block: &'a Block, seen: &'a Seen<'a>) -> Self {
+    fn of(block: &'a Block, seen: &'a GyroStatistics<'a>) -> Self {
         if seen.adopted == 0 {
             Self::Orthogonal { block, side: &seen.with_residual[block.start..][..block.len] }
         } else if block.len <= SMALL {
@@ -190,7 +190,7 @@ fn explained_by_few(gram: &Matrix3<f64>, side: &Vector3<f64>, power: f64) -> Opt
 /// With the block's columns orthogonal, `A = 1 + g U'U` is diagonal, and what has been adopted takes `W W'` out of it
 /// (W: block x adopted), so that determinant and inverse need only a matrix of the size of the adopted columns:
 /// `det(A - g W W') = det A det S`, `S = 1 - g W' A^-1 W`.
-fn explained_by_many(block: &Block, power: f64, seen: &Seen) -> (f64, f64) {
+fn explained_by_many(block: &Block, power: f64, seen: &GyroStatistics) -> (f64, f64) {
     let b = &seen.with_residual[block.start..block.start + block.len];
     let mut own = 0.0;
     let mut small = DMatrix::<f64>::identity(seen.adopted, seen.adopted);
@@ -216,7 +216,7 @@ fn explained_by_many(block: &Block, power: f64, seen: &Seen) -> (f64, f64) {
 const NO_PRIOR: f64 = 1e5;
 
 /// Gain in log-likelihood of one hypothesis in each gyro, coefficients free, and the number of coefficients.
-pub(crate) fn gains(hypothesis: &Hypothesis, seen: &[Seen]) -> Vec<(f64, usize)> {
+pub(crate) fn gains(hypothesis: &Hypothesis, seen: &[GyroStatistics]) -> Vec<(f64, usize)> {
     hypothesis
         .blocks
         .iter()
@@ -230,7 +230,7 @@ pub(crate) fn gains(hypothesis: &Hypothesis, seen: &[Seen]) -> Vec<(f64, usize)>
 
 /// Log-likelihood gain less number of coefficients (half of Akaike's criterion) of a kind at its best: gyros that do
 /// not pay for their coefficients stay out, an unknown shape counts as one more.
-pub(crate) fn criterion(bank: &Bank, range: std::ops::Range<usize>, seen: &[Seen]) -> f64 {
+pub(crate) fn criterion(bank: &Bank, range: std::ops::Range<usize>, seen: &[GyroStatistics]) -> f64 {
     let shape = if range.len() > 1 { 1.0 } else { 0.0 };
     let best = range
         .map(|i| {
@@ -245,7 +245,12 @@ pub(crate) fn criterion(bank: &Bank, range: std::ops::Range<usize>, seen: &[Seen
 }
 
 /// Evidence of a kind from gyro `j` alone, and its [`criterion`] there; none for coefficients that all gyros share.
-pub(crate) fn of_gyro(bank: &Bank, range: std::ops::Range<usize>, j: usize, seen: &Seen) -> Option<(f64, f64)> {
+pub(crate) fn of_gyro(
+    bank: &Bank,
+    range: std::ops::Range<usize>,
+    j: usize,
+    seen: &GyroStatistics,
+) -> Option<(f64, f64)> {
     let shape = if range.len() > 1 { 1.0 } else { 0.0 };
     let (mut total, mut best) = (LogSum::default(), f64::NEG_INFINITY);
     for hypothesis in bank.hypotheses[range].iter().filter(|hypothesis| !hypothesis.common) {

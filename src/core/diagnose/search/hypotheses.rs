@@ -390,10 +390,10 @@ mod tests {
     use crate::core::augmented::Options;
     use crate::core::diagnose::search::bayes_factor::scores;
     use crate::core::diagnose::search::projections::{Extra, state};
-    use crate::core::effects::{OwnHypothesis, Written, own};
+    use crate::core::effects::{HypothesisDefinition, OwnHypothesis, own};
 
     fn own_of(id: &str, equation: &str, unit: &str) -> Effect {
-        let written = Written {
+        let written = HypothesisDefinition {
             id: id.into(),
             words: id.into(),
             cause: id.into(),

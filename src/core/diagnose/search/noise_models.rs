@@ -15,9 +15,9 @@ use super::hypotheses::{Bank, Candidates};
 use super::projections::{State, each_by_itself};
 use super::shared_noise::Shared;
 use super::temperature_odds::odds_of_temperature;
-use crate::core::calibrate::law::{AS_STATED, Course, Law};
-use crate::core::calibrate::memory::{Memory, NoiseDeparture, POWERS, WITHOUT_MEMORY};
-use crate::core::calibrate::noise_found::{MemoryFound, NoiseFound};
+use crate::core::calibrate::correlated_noise::{CorrelatedNoise, NoiseDeparture, POWERS, WITHOUT_MEMORY};
+use crate::core::calibrate::law::{AS_STATED, DwellConditions, Law};
+use crate::core::calibrate::noise_found::{CorrelatedNoiseFound, NoiseFound};
 use crate::core::diagnose::residuals::noise_growth::spanned;
 use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
 use crate::core::diagnose::residuals::whitened::Frame;
@@ -36,8 +36,8 @@ const NOTHING: f64 = -6.9;
 const CERTAIN: f64 = 0.98;
 
 /// What the laws take of a campaign.
-fn course(s: &Setting) -> Course<'_> {
-    Course { times: &s.time, durations: &s.duration, rates: &s.rate }
+fn course(s: &Setting) -> DwellConditions<'_> {
+    DwellConditions { times: &s.time, durations: &s.duration, rates: &s.rate }
 }
 
 struct Model {
@@ -50,7 +50,7 @@ struct Model {
 
 impl Model {
     fn has_memory(&self) -> bool {
-        matches!(self.kind, NoiseDeparture::Memory(..))
+        matches!(self.kind, NoiseDeparture::CorrelatedNoise(..))
     }
 }
 
@@ -69,7 +69,7 @@ pub(crate) struct Found {
     pub between_gyros: Option<Shared>,
     /// Power of each kind of memory over the square of the median standard deviation, and the probability that there
     /// is none.
-    pub memory: Option<(Memory, f64, f64)>,
+    pub memory: Option<(CorrelatedNoise, f64, f64)>,
 }
 
 impl Found {
@@ -82,7 +82,7 @@ impl Found {
         };
         NoiseFound {
             between_gyros: self.between_gyros.as_ref().map(correlated).unwrap_or_default(),
-            memory: self.memory.map(|(memory, power, without)| MemoryFound {
+            memory: self.memory.map(|(memory, power, without)| CorrelatedNoiseFound {
                 kind: memory.name(),
                 deg_per_h: (frame.gyros.iter().zip(gyros))
                     .map(|(gyro, axes)| (axes.slot, power.sqrt() * median_of(gyro.sd.iter().copied()).unwrap_or(1.0)))
@@ -95,7 +95,7 @@ impl Found {
 }
 
 /// One of the models that are averaged over.
-pub(crate) struct Weighed<'a> {
+pub(crate) struct WeightedModel<'a> {
     pub log_weight: f64,
     pub has_memory: bool,
     pub frame: &'a Frame,
@@ -144,12 +144,12 @@ impl NoiseModels {
             tried.extend(laws.into_iter().filter_map(framed));
         }
         let odds = ((1.0 - WITHOUT_MEMORY) / WITHOUT_MEMORY / (2 * POWERS.len()) as f64).ln() - odds_of_temperature(s);
-        for memory in Memory::ALL {
+        for memory in CorrelatedNoise::ALL {
             let kernel = memory.kernel(&s.time);
             for power in POWERS.map(|power| memory.size() * power) {
                 let framed = frame
                     .with_memory(&kernel, power)
-                    .map(|framed| (NoiseDeparture::Memory(memory, power), odds, framed));
+                    .map(|framed| (NoiseDeparture::CorrelatedNoise(memory, power), odds, framed));
                 tried.extend(framed);
             }
         }
@@ -191,7 +191,7 @@ impl NoiseModels {
         bank: &'a Bank,
         columns: impl FnOnce() -> Vec<Vec<Vec<f64>>>,
         state: impl Fn(&Frame, &Bank) -> State,
-    ) -> Vec<Weighed<'a>> {
+    ) -> Vec<WeightedModel<'a>> {
         // What gyros share may be white or have a memory; a law is each gyro's own.
         let weighed = |log_weight: f64, model: Option<&'a Model>| {
             let (frame, bank) = model.map_or((frame, bank), |model| (&model.frame, &model.bank));
@@ -201,7 +201,7 @@ impl NoiseModels {
             let shared = may_be_shared.map(|log_odds| (log_odds, Shared::of(frame, &state)));
             let shared = shared.filter(|(_, shared)| shared.is_of_noise());
             let shared = shared.map(|(log_odds, shared)| (log_weight + log_odds + shared.log_gain, shared));
-            Weighed { log_weight, has_memory, frame, bank, state, shared }
+            WeightedModel { log_weight, has_memory, frame, bank, state, shared }
         };
         let mut all = vec![weighed(0.0, None)];
         if !self.models.is_empty() {
@@ -232,7 +232,7 @@ impl NoiseModels {
         let without = (without.log() - of_all.log()).exp().min(1.0);
         let likeliest = memories.iter().max_by(|a, b| a.0.total_cmp(&b.0));
         let memory = likeliest.filter(|_| 1.0 - without > CERTAIN).and_then(|(_, model)| match model.kind {
-            NoiseDeparture::Memory(memory, power) => Some((memory, power, without)),
+            NoiseDeparture::CorrelatedNoise(memory, power) => Some((memory, power, without)),
             NoiseDeparture::Law(_) => None,
         });
         let between_gyros = shared

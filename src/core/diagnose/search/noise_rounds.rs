@@ -41,7 +41,7 @@ const LOWER: usize = 2;
 /// ln of evidence from which on an effect is strong: what hangs on its size is then fitted about it.
 const STRONG: f64 = 60.0;
 
-pub(crate) struct Settled {
+pub(crate) struct SearchOutcome {
     pub frame: Frame,
     pub bank: Bank,
     pub null: Null,
@@ -61,7 +61,7 @@ pub(crate) struct Settled {
     components: Rc<OnceCell<Vec<Component>>>,
 }
 
-impl Settled {
+impl SearchOutcome {
     /// Searches, and again while what was found asks for another growth of the noise with rate; at most four times.
     ///
     /// # Errors
@@ -255,7 +255,7 @@ const MOST_DESCRIBED: usize = 2;
 /// residuals: a name in time or temperature where the noise has a memory, any name where it follows a law.
 const UNDER_OTHER_NOISE: f64 = 4.0;
 
-impl Settled {
+impl SearchOutcome {
     /// The name that a component leads by most, where one leads clearly: the cause has another form.
     fn of_another_form(&self) -> Option<usize> {
         let found = &self.found;

@@ -19,8 +19,8 @@ use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::bayes_factor::together;
 use crate::core::diagnose::search::hypotheses::Bank;
-use crate::core::diagnose::search::null_tables::Tabled;
-use crate::core::diagnose::search::projections::Seen;
+use crate::core::diagnose::search::null_tables::BayesFactorTables;
+use crate::core::diagnose::search::projections::GyroStatistics;
 use crate::core::numerics::log_sum::LogSum;
 
 const DRAWS: usize = 160;
@@ -61,14 +61,14 @@ impl Null {
         }
         let nu: Vec<f64> = scatters.iter().map(|of_gyro| of_gyro[0].nu).collect();
         // A draw's gyros count alone or together, as they are alike or not.
-        let alone = LazyCell::new(|| Tabled::of(bank, &kinds, &nu));
-        let pooled = LazyCell::new(|| Tabled::of(bank, &kinds, &vec![nu.iter().sum::<f64>(); nu.len()]));
+        let alone = LazyCell::new(|| BayesFactorTables::of(bank, &kinds, &nu));
+        let pooled = LazyCell::new(|| BayesFactorTables::of(bank, &kinds, &vec![nu.iter().sum::<f64>(); nu.len()]));
         let mut draws: Vec<(f64, f64)> = (0..DRAWS)
             .map(|d| {
                 let mut scatter: Vec<Scatter> = scatters.iter().map(|of_gyro| of_gyro[d]).collect();
                 let tabled = if frame.noise.stated && pool(&mut scatter) { &*pooled } else { &*alone };
-                let seen: Vec<Seen> = (0..frame.gyros.len())
-                    .map(|j| Seen {
+                let seen: Vec<GyroStatistics> = (0..frame.gyros.len())
+                    .map(|j| GyroStatistics {
                         with_residual: &products[j].as_slice()[d * products[j].nrows()..][..products[j].nrows()],
                         with_extra: &[],
                         adopted: 0,

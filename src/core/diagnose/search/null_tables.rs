@@ -9,8 +9,8 @@ use std::ops::Range;
 
 use crate::core::diagnose::search::bayes_factor::score;
 use crate::core::diagnose::search::hypotheses::{Bank, Hypothesis};
+use crate::core::diagnose::search::projections::GyroStatistics;
 use crate::core::diagnose::search::projections::MAX_GYROS;
-use crate::core::diagnose::search::projections::Seen;
 use crate::core::effects::Effect;
 
 /// Cells of a table over u from 0 to 1.
@@ -32,14 +32,14 @@ enum Entries {
     Common(Effect, Range<usize>),
 }
 
-pub(crate) struct Tabled<'a> {
+pub(crate) struct BayesFactorTables<'a> {
     bank: &'a Bank,
     gyros: usize,
     tables: Vec<Table>,
     kinds: Vec<Entries>,
 }
 
-impl<'a> Tabled<'a> {
+impl<'a> BayesFactorTables<'a> {
     /// `nu` are the degrees of freedom of each gyro.
     pub fn of(bank: &'a Bank, kinds: &[&(Effect, Range<usize>)], nu: &[f64]) -> Self {
         // Gyros with as many degrees of freedom share their tables.
@@ -72,12 +72,12 @@ impl<'a> Tabled<'a> {
     }
 
     /// ln of the Bayes factor of each kind.
-    pub fn evidence(&self, seen: &[Seen]) -> impl Iterator<Item = f64> {
+    pub fn evidence(&self, seen: &[GyroStatistics]) -> impl Iterator<Item = f64> {
         let none = 0.5_f64.powi(self.gyros as i32);
         self.kinds.iter().map(move |entries| match entries {
             Entries::Common(kind, range) => score(self.bank, *kind, range.clone(), seen).log_evidence,
             Entries::Flat(hypotheses) => {
-                let factor = |(seen, place): (&Seen, &Place)| match place {
+                let factor = |(seen, place): (&GyroStatistics, &Place)| match place {
                     Some((start, len, table)) => {
                         let explained: f64 = seen.with_residual[*start..][..*len].iter().map(|b| b * b).sum();
                         0.5 + 0.5 * self.tables[*table].at(explained / seen.rss)

@@ -133,13 +133,13 @@ impl Products {
     }
 
     /// By gyro, the products with the noise that goes with them.
-    pub fn seen(&self) -> Vec<Seen<'_>> {
+    pub fn seen(&self) -> Vec<GyroStatistics<'_>> {
         self.seen_in(&self.scatter)
     }
 
     /// By gyro, with the noise that each is held to have.
-    pub fn seen_in(&self, scatter: &[Scatter]) -> Vec<Seen<'_>> {
-        let of_gyro = |(j, scatter): (usize, &Scatter)| Seen {
+    pub fn seen_in(&self, scatter: &[Scatter]) -> Vec<GyroStatistics<'_>> {
+        let of_gyro = |(j, scatter): (usize, &Scatter)| GyroStatistics {
             with_residual: self.with_residual[j].as_slice(),
             with_extra: self.with_extra[j].as_slice(),
             adopted: self.with_extra[j].nrows(),
@@ -169,7 +169,7 @@ fn with_adopted(bank: &Bank, j: usize, i: usize, extra: &Extra) -> DMatrix<f64> 
 }
 
 /// What the evidence of one gyro is made of.
-pub(crate) struct Seen<'a> {
+pub(crate) struct GyroStatistics<'a> {
     /// Products of the gyro's columns with its residual.
     pub with_residual: &'a [f64],
     /// Products of what has been adopted with the gyro's columns, those of one column together.
@@ -180,7 +180,7 @@ pub(crate) struct Seen<'a> {
     pub nu: f64,
 }
 
-impl Seen<'_> {
+impl GyroStatistics<'_> {
     /// Products of column `c` with what has been adopted.
     pub fn taken(&self, c: usize) -> &[f64] {
         &self.with_extra[c * self.adopted..][..self.adopted]

@@ -6,20 +6,20 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::core::diagnose::search::hypotheses::{Hypothesis, SMALL};
+use crate::core::diagnose::search::projections::GyroStatistics;
 use crate::core::diagnose::search::projections::MAX_GYROS;
-use crate::core::diagnose::search::projections::Seen;
 use crate::core::numerics::log_sum::LogSum;
 
 /// A hypothesis whose coefficients all gyros share.
 pub(crate) struct Common<'a> {
     pub size: usize,
     /// Gyros that show it, in front: Gram matrix and products with the residual.
-    parts: [Option<(&'a Seen<'a>, Matrix3<f64>, Vector3<f64>)>; MAX_GYROS],
+    parts: [Option<(&'a GyroStatistics<'a>, Matrix3<f64>, Vector3<f64>)>; MAX_GYROS],
 }
 
 impl<'a> Common<'a> {
     /// None where no gyro shows it.
-    pub fn of(hypothesis: &Hypothesis, seen: &'a [Seen<'a>]) -> Option<Self> {
+    pub fn of(hypothesis: &Hypothesis, seen: &'a [GyroStatistics<'a>]) -> Option<Self> {
         let size = hypothesis.blocks.iter().map(|block| block.len).max().filter(|len| *len > 0)?;
         let mut parts = [None; MAX_GYROS];
         let show = hypothesis.blocks.iter().zip(seen).filter(|(block, _)| block.len == size);

@@ -19,7 +19,7 @@ use statrs::function::gamma::ln_gamma;
 
 use super::bayes_factor::Score;
 use super::hypotheses::{Bank, Block, Hypothesis, SMALL};
-use super::projections::{MAX_GYROS, Products, Seen, State};
+use super::projections::{GyroStatistics, MAX_GYROS, Products, State};
 use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::Effect;
@@ -129,13 +129,13 @@ impl Shared {
         bank.kinds.iter().map(|(kind, range)| self.score(bank, *kind, range.clone(), &all)).collect()
     }
 
-    fn side_by_side<'a>(&self, bank: &Bank, state: &'a State, products: &'a Products) -> SideBySide<'a> {
+    fn side_by_side<'a>(&self, bank: &Bank, state: &'a State, products: &'a Products) -> JointStatistics<'a> {
         let mut across = products.across(bank, state);
         across.iter_mut().for_each(|across| across.unscale_mut(self.unit));
-        SideBySide { state, seen: products.seen(), across }
+        JointStatistics { state, seen: products.seen(), across }
     }
 
-    fn score(&self, bank: &Bank, kind: Effect, range: Range<usize>, all: &SideBySide) -> Score {
+    fn score(&self, bank: &Bank, kind: Effect, range: Range<usize>, all: &JointStatistics) -> Score {
         let mut score = Score { kind, log_evidence: f64::NEG_INFINITY, best: range.start, gyro_log: [0.0; MAX_GYROS] };
         let mut total = LogSum::default();
         let mut best = f64::NEG_INFINITY;
@@ -187,7 +187,7 @@ impl Shared {
     }
 
     /// ln of the mean of B over those sets of gyros that count, and over the powers.
-    fn of_sets(&self, hypothesis: &Hypothesis, all: &SideBySide, counts: impl Fn(usize) -> bool) -> f64 {
+    fn of_sets(&self, hypothesis: &Hypothesis, all: &JointStatistics, counts: impl Fn(usize) -> bool) -> f64 {
         let mut total = LogSum::default();
         let mut count = 0;
         for power in 0..hypothesis.powers.len() {
@@ -201,7 +201,7 @@ impl Shared {
     }
 
     /// ln of the odds that gyro `j` has it: of the sets that hold it against those that do not.
-    fn membership(&self, hypothesis: &Hypothesis, all: &SideBySide, j: usize) -> f64 {
+    fn membership(&self, hypothesis: &Hypothesis, all: &JointStatistics, j: usize) -> f64 {
         let (mut with, mut without) = (LogSum::default(), LogSum::default());
         for power in 0..hypothesis.powers.len() {
             let fitted = self.fitted(hypothesis, power, all);
@@ -214,7 +214,7 @@ impl Shared {
         with.log() - without.log()
     }
 
-    fn fitted(&self, hypothesis: &Hypothesis, power: usize, all: &SideBySide) -> Fitted {
+    fn fitted(&self, hypothesis: &Hypothesis, power: usize, all: &JointStatistics) -> Fitted {
         let g = hypothesis.powers[power];
         let mut taken = Matrix3::zeros();
         let mut penalties = [0.0; MAX_GYROS];
@@ -292,7 +292,7 @@ impl Shared {
 }
 
 /// (U'U + 1/g)^-1 U'r of one gyro's block, and ln det(1 + g U'U).
-fn coefficients(block: &Block, seen: &Seen, g: f64, across: &DMatrix<f64>, own: usize) -> (Vec<f64>, f64) {
+fn coefficients(block: &Block, seen: &GyroStatistics, g: f64, across: &DMatrix<f64>, own: usize) -> (Vec<f64>, f64) {
     let side = |c: usize| across[(own, block.start + c)];
     if seen.adopted == 0 {
         let of = |c: usize| g * side(c) / (1.0 + g * block.length(c));
@@ -328,9 +328,9 @@ fn ln_gamma_of_matrix(p: usize, a: f64) -> f64 {
 }
 
 /// What the evidence of gyros that share noise is made of.
-struct SideBySide<'a> {
+struct JointStatistics<'a> {
     state: &'a State,
-    seen: Vec<Seen<'a>>,
+    seen: Vec<GyroStatistics<'a>>,
     /// [`Products::across`] over the unit of the residuals.
     across: Vec<DMatrix<f64>>,
 }

@@ -9,7 +9,7 @@ use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::bayes_factor::{Score, log_bayes_in, scores, scores_of, together};
 use crate::core::diagnose::search::choice::{Choice, designs, without};
 use crate::core::diagnose::search::hypotheses::Bank;
-use crate::core::diagnose::search::noise_models::{NoiseModels, Weighed};
+use crate::core::diagnose::search::noise_models::{NoiseModels, WeightedModel};
 use crate::core::diagnose::search::null_distribution::Null;
 use crate::core::diagnose::search::projections::{Extra, Products, State, each_by_itself, from_one_another, state};
 use crate::core::effects::Effect;
@@ -135,7 +135,7 @@ impl Search<'_> {
         }
         let mut all = Vec::new();
         for model in self.under(choices) {
-            let Weighed { log_weight, has_memory, bank, state, .. } = &model;
+            let WeightedModel { log_weight, has_memory, bank, state, .. } = &model;
             let products = Products::of(bank, state);
             let scores = independent(&model, &products);
             all.push(Scored { log_weight: *log_weight, has_memory: *has_memory, scores });
@@ -152,7 +152,7 @@ impl Search<'_> {
         evidence_of(&scores(self.bank, &each_by_itself(self.frame, self.extras(choices))), kind)
     }
 
-    fn under(&self, choices: &[Choice]) -> Vec<Weighed<'_>> {
+    fn under(&self, choices: &[Choice]) -> Vec<WeightedModel<'_>> {
         let columns = || designs(self.frame, self.bank, choices);
         let state = |frame: &Frame, bank: &Bank| each_by_itself(frame, extras(bank, choices));
         self.noise.under(self.frame, self.bank, columns, state)
@@ -448,7 +448,7 @@ impl Search<'_> {
     fn in_members(&self, before: &[Choice], choice: &Choice) -> f64 {
         let Some((_, range)) = self.bank.kinds.iter().find(|(kind, _)| *kind == choice.kind) else { return 0.0 };
         let (mut total, mut weights) = (LogSum::default(), LogSum::default());
-        for Weighed { log_weight, bank, state, shared, .. } in self.under(before) {
+        for WeightedModel { log_weight, bank, state, shared, .. } in self.under(before) {
             let hypotheses = &bank.hypotheses[range.clone()];
             let products = Products::of(bank, &state);
             let seen = products.seen();
@@ -472,7 +472,7 @@ const STRONG: f64 = 25.0;
 /// Evidence under noise that gyros do not share. Where gyros know their noise from one another, what a strong effect
 /// leaves in the others counts as noise to each, and its evidence falls short of the likelihoods that it is weighed
 /// with: there each gyro has its own.
-fn independent(model: &Weighed, products: &Products) -> Vec<Score> {
+fn independent(model: &WeightedModel, products: &Products) -> Vec<Score> {
     let own = || scores_of(model.bank, &products.seen());
     let Some(known) = from_one_another(model.frame, &model.state) else { return own() };
     let pooled = scores_of(model.bank, &products.seen_in(&known));

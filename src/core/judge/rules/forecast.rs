@@ -6,7 +6,7 @@
 //! is chi-square, or n F(n, dof) where the noise was estimated. Of m gyros the one with the smallest p is judged, which
 //! must lie below [`FALSE_ALARMS`]/m (Bonferroni).
 //!
-//! A step `d` of D_I or D_S adds `d^2 telling` to the sum of squares. A forecast that would not show a step of the
+//! A step `d` of D_I or D_S adds `d^2 noncentrality` to the sum. A forecast that would not show a step of the
 //! limit says nothing of a gyro that lies within, nor one of conditions that the model has not seen of any gyro: but for
 //! errors that nothing plausible makes there.
 
@@ -21,7 +21,7 @@ const SEEN: f64 = 1.644_853_627;
 
 /// A gyro of the campaign against its forecast.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ForetoldGyro {
+pub struct GyroForecastErrors {
     pub slot: Slot,
     /// Dwells that were foretold.
     pub count: usize,
@@ -30,7 +30,7 @@ pub struct ForetoldGyro {
     /// Of the independent errors over their standard deviations.
     pub squares: f64,
     /// What a step of D_I and of D_S of 1 deg/(h g0) adds to `squares`.
-    pub telling: [f64; 2],
+    pub noncentrality: [f64; 2],
     /// Where most dwells are unlike those seen: number and sum of squares as they are with all that temperature may
     /// plausibly do beyond.
     pub beyond_seen: Option<(usize, f64)>,
@@ -40,8 +40,8 @@ pub struct ForetoldGyro {
 
 /// A campaign against its forecast.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Foretold {
-    pub gyros: Vec<ForetoldGyro>,
+pub struct ForecastErrors {
+    pub gyros: Vec<GyroForecastErrors>,
     /// Campaigns that the model was fitted to: one does not know what changes between campaigns.
     pub campaigns: usize,
     pub unseen: Option<Unseen>,
@@ -49,27 +49,28 @@ pub struct Foretold {
 
 /// Judges a campaign against its forecast; `limits`: the steps of D_I and D_S that it is to show. None where no gyro
 /// was foretold, or nobody asks.
-pub fn forecast(foretold: &Foretold, limits: [Option<Limit>; 2]) -> Option<Verdict> {
+pub fn forecast(errors: &ForecastErrors, limits: [Option<Limit>; 2]) -> Option<Verdict> {
     let from = limits.into_iter().flatten().next()?.from;
-    let gyros: Vec<&ForetoldGyro> = foretold.gyros.iter().filter(|gyro| gyro.count > 0).collect();
+    let gyros: Vec<&GyroForecastErrors> = errors.gyros.iter().filter(|gyro| gyro.count > 0).collect();
     let each = FALSE_ALARMS / gyros.len() as f64;
-    let p_of = |gyro: &ForetoldGyro| squares_tail(gyro.squares, gyro.count, gyro.dof);
-    let p_beyond =
-        |gyro: &ForetoldGyro| gyro.beyond_seen.map_or(1.0, |(count, squares)| squares_tail(squares, count, gyro.dof));
-    let worst_by = |p: &dyn Fn(&ForetoldGyro) -> f64| {
+    let p_of = |gyro: &GyroForecastErrors| squares_tail(gyro.squares, gyro.count, gyro.dof);
+    let p_beyond = |gyro: &GyroForecastErrors| {
+        gyro.beyond_seen.map_or(1.0, |(count, squares)| squares_tail(squares, count, gyro.dof))
+    };
+    let worst_by = |p: &dyn Fn(&GyroForecastErrors) -> f64| {
         gyros.iter().copied().map(|gyro| (gyro, p(gyro))).min_by(|a, b| a.1.total_cmp(&b.1))
     };
-    let beyond = worst_by(&p_beyond).filter(|(_, p)| foretold.unseen.is_some() && *p < each);
+    let beyond = worst_by(&p_beyond).filter(|(_, p)| errors.unseen.is_some() && *p < each);
     let is_beyond = beyond.is_some();
     let (worst, p) = beyond.or_else(|| worst_by(&p_of))?;
     let n = worst.count as f64;
-    let quantile = |gyro: &ForetoldGyro| squares_quantile(each, gyro.count, gyro.dof);
+    let quantile = |gyro: &GyroForecastErrors| squares_quantile(each, gyro.count, gyro.dof);
     let shown = gyros.iter().flat_map(|gyro| {
         let step = smallest_step(gyro, quantile(gyro));
         [0, 1].map(|column| limits[column].map(|limit| (step[column], limit.value)))
     });
     let (step, budget) = shown.flatten().max_by(|a, b| (a.0 / a.1).total_cmp(&(b.0 / b.1)))?;
-    let state = match (foretold.unseen, p < each) {
+    let state = match (errors.unseen, p < each) {
         (Some(_), _) if is_beyond => State::Exceeded,
         (Some(_), _) => State::Indeterminate,
         (None, true) => State::Exceeded,
@@ -82,20 +83,20 @@ pub fn forecast(foretold: &Foretold, limits: [Option<Limit>; 2]) -> Option<Verdi
         furthest: worst.furthest,
         p: (p * gyros.len() as f64).min(1.0),
         step: step.is_finite().then_some(step),
-        campaigns: foretold.campaigns,
-        unseen: foretold.unseen,
+        campaigns: errors.campaigns,
+        unseen: errors.unseen,
     };
     let undecided = Verdict::undecided(Coefficient::All, Rule::Forecast, limit, finding);
     Some(Verdict { state, value: Some((worst.squares / n).sqrt()), ..undecided })
 }
 
 /// The steps of D_I and D_S, deg/(h g0), that exceed `quantile` in 95 %: a noncentral chi-square as a normal variable
-/// of mean n + l and variance 2n + 4l, l = `d^2 telling` (Patnaik 1949).
-fn smallest_step(gyro: &ForetoldGyro, quantile: f64) -> [f64; 2] {
+/// of mean n + l and variance 2n + 4l, l = `d^2 noncentrality` (Patnaik 1949).
+fn smallest_step(gyro: &GyroForecastErrors, quantile: f64) -> [f64; 2] {
     let half = 0.5 * gyro.count as f64;
     // n + l - 2 SEEN sqrt(n/2 + l) = quantile, in sqrt(n/2 + l).
     let root = SEEN + (SEEN * SEEN + quantile - half).max(0.0).sqrt();
-    gyro.telling.map(|telling| ((root * root - half) / telling).sqrt())
+    gyro.noncentrality.map(|noncentrality| ((root * root - half) / noncentrality).sqrt())
 }
 
 #[cfg(test)]
@@ -105,47 +106,47 @@ mod tests {
 
     const LIMIT: Limit = Limit { value: 0.01, from: LimitKey::BUDGET };
 
-    fn gyro(slot: Slot, squares: f64) -> ForetoldGyro {
-        let telling = [4e6, 4e6];
-        ForetoldGyro {
+    fn gyro(slot: Slot, squares: f64) -> GyroForecastErrors {
+        let noncentrality = [4e6, 4e6];
+        GyroForecastErrors {
             slot,
             count: 100,
             dof: f64::INFINITY,
             squares,
-            telling,
+            noncentrality,
             beyond_seen: None,
             furthest: Some((7, 3.5)),
         }
     }
 
-    fn told(squares: [f64; 3]) -> Foretold {
+    fn errors_of(squares: [f64; 3]) -> ForecastErrors {
         let gyros = [Slot::G1, Slot::G2, Slot::G3].into_iter().zip(squares).map(|(slot, of)| gyro(slot, of));
-        Foretold { gyros: gyros.collect(), campaigns: 3, unseen: None }
+        ForecastErrors { gyros: gyros.collect(), campaigns: 3, unseen: None }
     }
 
-    fn judged(foretold: &Foretold) -> Verdict {
-        forecast(foretold, [Some(LIMIT); 2]).unwrap()
+    fn judged(errors: &ForecastErrors) -> Verdict {
+        forecast(errors, [Some(LIMIT); 2]).unwrap()
     }
 
     #[test]
     fn one_gyro_of_three_must_be_three_times_as_unlikely() {
         // P(chi-square of 100 > 140.169) = 0.005, > 149.449 = 0.001, > 153.167 = 0.0005 (Abramowitz and Stegun 26.8).
         for (squares, state) in [(100.0, State::Within), (149.0, State::Within), (154.0, State::Exceeded)] {
-            let verdict = judged(&told([squares, 90.0, 110.0]));
+            let verdict = judged(&errors_of([squares, 90.0, 110.0]));
             assert_eq!(verdict.state, state, "{squares}");
         }
-        let verdict = judged(&told([90.0, 160.0, 155.0]));
+        let verdict = judged(&errors_of([90.0, 160.0, 155.0]));
         let Finding::Forecast { slot, furthest, p, .. } = verdict.finding else { panic!("{verdict:?}") };
         assert_eq!((slot, furthest, verdict.confirmed), (Slot::G2, Some((7, 3.5)), false));
         assert!(p < 0.002 && (verdict.value.unwrap() - 1.6_f64.sqrt()).abs() < 1e-12);
         assert!((1.49449..1.53167).contains(&verdict.limit.powi(2)), "{}", verdict.limit);
-        let alone = Foretold { gyros: vec![gyro(Slot::G1, 149.5)], ..told([0.0; 3]) };
+        let alone = ForecastErrors { gyros: vec![gyro(Slot::G1, 149.5)], ..errors_of([0.0; 3]) };
         assert_eq!(judged(&alone).state, State::Exceeded, "of one gyro the limit is below 149.449");
     }
 
     #[test]
     fn a_noise_known_by_few_dwells_needs_more() {
-        let mut few = told([160.0, 90.0, 110.0]);
+        let mut few = errors_of([160.0, 90.0, 110.0]);
         few.gyros.iter_mut().for_each(|gyro| gyro.dof = 20.0);
         assert_eq!(judged(&few).state, State::Within);
     }
@@ -153,25 +154,25 @@ mod tests {
     #[test]
     fn what_would_not_show_a_step_of_the_budget_says_nothing_within() {
         // 50 + (1.645 + sqrt(1.645^2 + 101.7))^2 - 100 = 90.7 over the quantile of 151.7.
-        let mut wide = told([100.0, 90.0, 110.0]);
+        let mut wide = errors_of([100.0, 90.0, 110.0]);
         let Finding::Forecast { step: Some(step), .. } = judged(&wide).finding else { panic!() };
         assert!((step * step * 4e6 - 90.7).abs() < 1.0, "{step}");
-        wide.gyros[2].telling[1] = 4e5;
+        wide.gyros[2].noncentrality[1] = 4e5;
         assert_eq!(judged(&wide).state, State::Indeterminate);
         assert_eq!(judged(&wide).status(), crate::core::judge::Status::TooUncertain);
         wide.gyros[0].squares = 160.0;
         assert_eq!(judged(&wide).state, State::Exceeded, "what is outside is outside however wide");
-        wide.gyros[2].telling[1] = 0.0;
+        wide.gyros[2].noncentrality[1] = 0.0;
         let Finding::Forecast { step: None, .. } = judged(&wide).finding else { panic!("no step would show") };
         let loose = Limit { value: 0.1, ..LIMIT };
-        let within = told([100.0, 90.0, 110.0]);
+        let within = errors_of([100.0, 90.0, 110.0]);
         assert_eq!(forecast(&within, [Some(loose), None]).unwrap().state, State::Within);
         assert_eq!(forecast(&within, [None, None]), None, "switched off");
     }
 
     #[test]
     fn what_the_model_has_not_seen_it_cannot_foretell() {
-        let unseen = Foretold { unseen: Some(Unseen::Temperature), ..told([400.0, 90.0, 110.0]) };
+        let unseen = ForecastErrors { unseen: Some(Unseen::Temperature), ..errors_of([400.0, 90.0, 110.0]) };
         let verdict = judged(&unseen);
         assert_eq!((verdict.state, verdict.severity()), (State::Indeterminate, None));
         let mut far = unseen.clone();
@@ -181,6 +182,6 @@ mod tests {
         let verdict = judged(&far);
         assert_eq!(verdict.state, State::Exceeded, "nothing plausible reaches that far");
         assert!(matches!(verdict.finding, Finding::Forecast { slot: Slot::G2, unseen: Some(Unseen::Temperature), .. }));
-        assert_eq!(forecast(&Foretold { gyros: Vec::new(), ..unseen }, [Some(LIMIT); 2]), None);
+        assert_eq!(forecast(&ForecastErrors { gyros: Vec::new(), ..unseen }, [Some(LIMIT); 2]), None);
     }
 }

@@ -88,7 +88,7 @@ impl Group {
 
 /// What is asked of a group: a limit of the shift, and the whole budget, beyond which it is critical, deg/(h g0).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ShiftQuestion {
+pub struct GroupShiftCriteria {
     pub limit: Limit,
     pub budget: f64,
     pub confidence: f64,
@@ -98,7 +98,7 @@ pub struct ShiftQuestion {
 
 /// Judges what the gyros of `group` share among `newest` (column 0: D_I, 1: D_S), the newest calibrations of a fleet.
 /// With too few gyros there is nothing to compare.
-pub fn group_shift(newest: &[NewestCalibration], group: &Group, column: usize, asked: &ShiftQuestion) -> Verdict {
+pub fn group_shift(newest: &[NewestCalibration], group: &Group, column: usize, asked: &GroupShiftCriteria) -> Verdict {
     let coefficient = [Coefficient::DI, Coefficient::DS][column];
     let verdict = |finding| Verdict::undecided(coefficient, group.rule(), asked.limit, finding);
     let few = |have: usize, need: usize| verdict(Finding::TooFew { have, need });
@@ -221,7 +221,7 @@ pub fn shift_began(calibrated: impl IntoIterator<Item = (UtcMicros, u32, f64)>, 
 
 /// What a rule says of one gyro that a shift may explain.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Suspected {
+pub struct ExplicableVerdict {
     pub rule: Rule,
     /// The magnitude that exceeds the limit, deg/(h g0).
     pub value: f64,
@@ -231,7 +231,7 @@ pub struct Suspected {
     pub above: Option<bool>,
 }
 
-impl Suspected {
+impl ExplicableVerdict {
     /// Of a verdict.
     pub fn of(verdict: &Verdict) -> Option<Self> {
         let above = match verdict.finding {
@@ -249,8 +249,8 @@ impl Suspected {
 
 /// Whether a gyro may lie within its limit by itself, beside what its group has moved by: the `shift` with its
 /// standard error. What moves the gyro beyond the limit all the same is its own doing.
-pub fn is_explained(suspected: &Suspected, shift: Measured, confidence: f64) -> bool {
-    let Suspected { rule, value, limit, sd, above } = *suspected;
+pub fn is_explained(suspected: &ExplicableVerdict, shift: Measured, confidence: f64) -> bool {
+    let ExplicableVerdict { rule, value, limit, sd, above } = *suspected;
     let towards = above.map(|above| if above { shift.value } else { -shift.value });
     let own = match (rule, towards) {
         // There and back is the station's doing alike.
@@ -266,8 +266,8 @@ pub fn is_explained(suspected: &Suspected, shift: Measured, confidence: f64) -> 
 }
 
 /// Whether it exceeds its limit by what it has come to since it was `then`: what its IMU has not done to it.
-pub fn has_grown(suspected: &Suspected, then: f64, confidence: f64) -> bool {
-    let Suspected { value, limit, sd, .. } = *suspected;
+pub fn has_grown(suspected: &ExplicableVerdict, then: f64, confidence: f64) -> bool {
+    let ExplicableVerdict { value, limit, sd, .. } = *suspected;
     let growth = Measured { value: (value - then).max(0.0), sd: sd.map(|sd| SQRT_2 * sd) };
     beyond(growth, limit, confidence).state == State::Exceeded
 }
@@ -280,9 +280,9 @@ mod tests {
     const SD: f64 = 5e-4;
     const ST_1: Group = Group::Station(1);
 
-    fn asked(fires: bool) -> ShiftQuestion {
+    fn asked(fires: bool) -> GroupShiftCriteria {
         let limit = Limit { value: 2.5e-3, from: LimitKey::BUDGET };
-        ShiftQuestion { limit, budget: 0.01, confidence: 0.95, fires_since: fires.then_some(UtcMicros(0)) }
+        GroupShiftCriteria { limit, budget: 0.01, confidence: 0.95, fires_since: fires.then_some(UtcMicros(0)) }
     }
 
     /// Fixed figures about zero, with scatter of about 1.
@@ -371,7 +371,7 @@ mod tests {
         // What has shown it is set aside: what is left of the station is older, and as uncertain as can be.
         let mut before = imus(1, 0, 5, 0.0);
         before.iter_mut().for_each(|one| one.deviation[0].as_mut().unwrap().sd = Some(5e-3));
-        let since = |day: f64| ShiftQuestion { fires_since: Some(UtcMicros(0).plus_days(day)), ..asked(true) };
+        let since = |day: f64| GroupShiftCriteria { fires_since: Some(UtcMicros(0).plus_days(day)), ..asked(true) };
         assert_eq!(group_shift(&before, &ST_1, 0, &since(0.0)).state, State::Indeterminate);
         assert_eq!(group_shift(&before, &ST_1, 0, &since(10.0)).value, None, "nothing is left");
         let mut nearly = before.clone();
@@ -507,7 +507,8 @@ mod tests {
 
     #[test]
     fn a_gyro_has_grown_where_what_it_came_to_since_exceeds_its_limit() {
-        let now = |value| Suspected { rule: Rule::Baseline, value, limit: 0.01, sd: Some(5e-4), above: Some(true) };
+        let now =
+            |value| ExplicableVerdict { rule: Rule::Baseline, value, limit: 0.01, sd: Some(5e-4), above: Some(true) };
         let grown = |value| has_grown(&now(value), 0.03, 0.95);
         assert!(grown(0.0425) && !grown(0.039) && !grown(0.0405) && !grown(0.01), "beyond 0.04 and its uncertainty");
     }
@@ -516,7 +517,7 @@ mod tests {
     fn a_gyro_is_explained_where_it_may_lie_within_its_limit_beside_the_shift() {
         let shift = Measured { value: 0.015, sd: Some(3e-4) };
         let says = |rule, value, above| {
-            is_explained(&Suspected { rule, value, limit: 0.01, sd: Some(5e-4), above }, shift, 0.95)
+            is_explained(&ExplicableVerdict { rule, value, limit: 0.01, sd: Some(5e-4), above }, shift, 0.95)
         };
         for rule in [Rule::Baseline, Rule::Step, Rule::Shift, Rule::Trend, Rule::BeforeAfter] {
             assert!(says(rule, 0.0155, Some(true)), "{rule:?}");

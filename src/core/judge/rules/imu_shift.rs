@@ -16,7 +16,7 @@ const GYROS: usize = 3;
 /// What is asked of an IMU: the limit, deg/(h g0), what each of its gyros has moved by with its station and batch (M),
 /// whether one of them has exceeded its limit before the others, and whether a second campaign has confirmed what one of
 /// them exceeds.
-pub struct ImuQuestion<'a> {
+pub struct ImuShiftCriteria<'a> {
     pub limit: Limit,
     pub confidence: f64,
     pub shared: &'a dyn Fn(&NewestCalibration) -> Vec<Measured>,
@@ -26,7 +26,7 @@ pub struct ImuQuestion<'a> {
 
 /// Judges the gyros of one IMU in its newest calibration (column 0: D_I, 1: D_S); `newest` are theirs. Those without a
 /// baseline have nothing to be compared with.
-pub fn imu_shift(newest: &[&NewestCalibration], column: usize, asked: &ImuQuestion<'_>) -> Verdict {
+pub fn imu_shift(newest: &[&NewestCalibration], column: usize, asked: &ImuShiftCriteria<'_>) -> Verdict {
     let coefficient = [Coefficient::DI, Coefficient::DS][column];
     let verdict = |finding| Verdict::undecided(coefficient, Rule::ImuShift, asked.limit, finding);
     let last = newest.iter().map(|one| one.at).max();
@@ -81,7 +81,7 @@ mod tests {
     ) -> Verdict {
         let limit = Limit { value: LIMIT, from: LimitKey::BUDGET };
         let shared = |_: &NewestCalibration| station.into_iter().collect();
-        let asked = ImuQuestion { limit, confidence: 0.95, shared: &shared, one_did_before, confirmed };
+        let asked = ImuShiftCriteria { limit, confidence: 0.95, shared: &shared, one_did_before, confirmed };
         imu_shift(&newest.iter().collect::<Vec<_>>(), 1, &asked)
     }
 

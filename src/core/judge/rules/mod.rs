@@ -17,12 +17,12 @@ mod step;
 mod trend;
 
 pub use agreement::{SourcedResult, agreement};
-pub use forecast::{FALSE_ALARMS, Foretold, ForetoldGyro, forecast};
+pub use forecast::{FALSE_ALARMS, ForecastErrors, GyroForecastErrors, forecast};
 pub use group_shift::{
-    Group, LATELY, NewestCalibration, ShiftQuestion, Suspected, group_shift, has_grown, in_common, is_explained,
-    shift_began,
+    ExplicableVerdict, Group, GroupShiftCriteria, LATELY, NewestCalibration, group_shift, has_grown, in_common,
+    is_explained, shift_began,
 };
-pub use imu_shift::{ImuQuestion, imu_shift};
+pub use imu_shift::{ImuShiftCriteria, imu_shift};
 pub use overdue::overdue;
 pub use requirement::requirement;
 

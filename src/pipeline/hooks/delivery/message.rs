@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use crate::alert::deliver::{Attempt, Courier, DeliveryOutcome, Destination};
-use crate::alert::ladder::{Ladder, Next};
 use crate::alert::payload::{self, Context, Payload};
+use crate::alert::retry_schedule::{RetryDecision, RetrySchedule};
 use crate::alert::sign::{self, Secret};
 use crate::alert::{AlertTransition, HookEvent, HookKind, HookMessage};
 use crate::core::alert_decision::Action;
@@ -25,7 +25,7 @@ pub(super) const OFF_DUTY: Duration = Duration::from_secs(1);
 pub(super) struct DeliveryContext {
     pub hooks: Hooks,
     pub courier: Courier,
-    pub ladder: Ladder,
+    pub retry_schedule: RetrySchedule,
 }
 
 /// A hook, ready to send to.
@@ -133,14 +133,14 @@ pub(super) fn report(
     due: &DueDelivery,
     attempt: &Attempt,
     at: UtcMicros,
-    ladder: &Ladder,
+    retry_schedule: &RetrySchedule,
 ) -> Attempted {
     let again = |retry_after| {
         let first = due.first_attempt_at.unwrap_or(at);
         let tried_for = Duration::from_micros(u64::try_from(at.0 - first.0).unwrap_or_default());
-        match ladder.next(due.attempts + 1, tried_for, retry_after, jitter()) {
-            Next::RetryIn(wait) => Progress::RetryAt(UtcMicros(at.0.saturating_add(wait.as_micros() as i64))),
-            Next::Dead => Progress::Done(DeliveryState::Dead),
+        match retry_schedule.next(due.attempts + 1, tried_for, retry_after, jitter()) {
+            RetryDecision::RetryIn(wait) => Progress::RetryAt(UtcMicros(at.0.saturating_add(wait.as_micros() as i64))),
+            RetryDecision::Dead => Progress::Done(DeliveryState::Dead),
         }
     };
     let progress = match attempt.outcome {
@@ -161,7 +161,7 @@ pub(super) fn report(
         progress,
         gone: (attempt.outcome == DeliveryOutcome::Gone).then(|| to.row.url.clone()),
         hasten: false,
-        tell_anew: false,
+        renotify: false,
         perhaps_written: false,
     }
 }

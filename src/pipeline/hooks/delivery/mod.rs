@@ -11,8 +11,8 @@
 //! What was sent but not yet written down when the process died is sent again: receivers know it by its `webhook-id`.
 
 mod circuit;
+pub(super) mod heartbeat;
 pub(crate) mod message;
-pub(super) mod pulse;
 mod queue;
 
 use std::time::Duration;
@@ -25,7 +25,7 @@ use crate::alert::mail::MailError;
 use crate::pipeline::hooks::Hooks;
 use crate::pipeline::hooks::delivery::message::{DeliveryContext, OFF_DUTY};
 use crate::pipeline::prelude::*;
-use crate::store::Duty;
+use crate::store::LeasedTask;
 use crate::words::Language;
 
 use crate::pipeline::hooks::delivery::queue::DeliveryQueue;
@@ -70,8 +70,9 @@ impl Outbox {
             Courier::through(&config.proxies(), hooks.config.target_policy(), config.limits(), roots.as_deref())?
                 .with_mailer(config.mailer(roots.as_deref()).map_err(OutboxError::Mail)?);
         let (stop, stopping) = watch::channel(false);
-        let context = Arc::new(DeliveryContext { hooks: hooks.clone(), courier, ladder: config.ladder() });
-        context.hooks.pulse.beat();
+        let context =
+            Arc::new(DeliveryContext { hooks: hooks.clone(), courier, retry_schedule: config.retry_schedule() });
+        context.hooks.heartbeat.beat();
         let task = tokio::spawn(Worker { context, stopping, queues: JoinSet::new(), hooks: HashMap::new() }.run());
         Ok(Self { stop, task })
     }
@@ -96,9 +97,9 @@ impl Worker {
     async fn run(mut self) {
         let mut wake = self.context.hooks.wake.subscribe();
         while !*self.stopping.borrow_and_update() {
-            self.context.hooks.pulse.beat();
-            let is_on_duty = self.context.hooks.store.is_on_duty(Duty::Deliveries);
-            if !is_on_duty {
+            self.context.hooks.heartbeat.beat();
+            let holds_lease = self.context.hooks.store.holds_lease(LeasedTask::Deliveries);
+            if !holds_lease {
                 // What was under way is sent again by whoever delivers now.
                 self.queues.shutdown().await;
                 self.hooks.clear();
@@ -109,7 +110,7 @@ impl Worker {
                 Some(ended) = self.queues.join_next_with_id() => self.clear_away(ended).await,
                 _ = wake.changed() => {}
                 _ = self.stopping.changed() => {}
-                () = tokio::time::sleep(if is_on_duty { ROUND } else { OFF_DUTY }) => {}
+                () = tokio::time::sleep(if holds_lease { ROUND } else { OFF_DUTY }) => {}
             }
         }
         let drained = async { while self.queues.join_next().await.is_some() {} };

@@ -10,14 +10,14 @@ use tokio::sync::watch;
 
 use crate::alert::HookKind;
 use crate::alert::deliver::{Attempt, DeliveryOutcome};
-use crate::alert::ladder::HORIZON;
+use crate::alert::retry_schedule::HORIZON;
 use crate::core::delivery::DeliveryState;
 use crate::pipeline::error::StorageFault;
 use crate::pipeline::hooks::delivery::circuit::Circuit;
 use crate::pipeline::hooks::delivery::message::{self, Addressee, DeliveryContext, OFF_DUTY};
 use crate::pipeline::hooks::{Attempted, Found};
 use crate::pipeline::prelude::*;
-use crate::store::{DeadLetters, DueDelivery, Duty, Progress};
+use crate::store::{DeadLetters, DueDelivery, LeasedTask, Progress};
 use crate::telemetry;
 use crate::wire::alert::AlertBody;
 
@@ -86,11 +86,11 @@ impl DeliveryQueue {
             match self.addressee().await {
                 Ok(Some(to)) => {
                     if let Err(error) = self.serve(&to).await {
-                        self.complain(&error).await;
+                        self.report_error(&error).await;
                     }
                 }
                 Ok(None) => break,
-                Err(error) => self.complain(&error).await,
+                Err(error) => self.report_error(&error).await,
             }
         }
         while let Some(event) = self.under_way.next().await {
@@ -98,7 +98,7 @@ impl DeliveryQueue {
         }
     }
 
-    async fn complain(&mut self, error: &StoreError) {
+    async fn report_error(&mut self, error: &StoreError) {
         tracing::warn!(%error, hook = %self.hook, "the outbox cannot be read; trying again");
         tokio::time::sleep(BREATH).await;
     }
@@ -134,7 +134,7 @@ impl DeliveryQueue {
 
     /// Begins all attempts that can begin. Returns after how long there may be more.
     async fn begin(&mut self, to: &Arc<Addressee>) -> Result<Duration, StoreError> {
-        if !self.is_on_duty() {
+        if !self.holds_lease() {
             // By then others may have delivered what was fetched.
             self.ready.clear();
             self.look_again = true;
@@ -146,7 +146,7 @@ impl DeliveryQueue {
                 return Ok(IDLE);
             }
             self.resend(to).await?;
-            if !self.is_on_duty() {
+            if !self.holds_lease() {
                 return Ok(OFF_DUTY);
             }
         }
@@ -165,8 +165,8 @@ impl DeliveryQueue {
         Ok(self.until_more(at_once).await?.min(until_resend).min(IDLE))
     }
 
-    fn is_on_duty(&self) -> bool {
-        self.context.hooks.store.is_on_duty(Duty::Deliveries)
+    fn holds_lease(&self) -> bool {
+        self.context.hooks.store.holds_lease(LeasedTask::Deliveries)
     }
 
     async fn until_more(&mut self, at_once: usize) -> Result<Duration, StoreError> {
@@ -212,13 +212,14 @@ impl DeliveryQueue {
             QueueEvent::Attempted(to, due, attempt) => {
                 // What an address does that the hook has no longer says nothing of the one that it has.
                 let is_current = self.changed_at == Some(to.row.changed_at);
-                let hasten = is_current && self.health.note(&attempt, self.context.ladder.first_wait(), Instant::now());
+                let hasten =
+                    is_current && self.health.note(&attempt, self.context.retry_schedule.first_wait(), Instant::now());
                 let at = self.context.hooks.clock.now();
-                let attempted = message::report(&to, &due, &attempt, at, &self.context.ladder);
+                let attempted = message::report(&to, &due, &attempt, at, &self.context.retry_schedule);
                 // It takes messages, so that it can be told what it was not there for.
                 let is_taken = attempt.outcome == DeliveryOutcome::Delivered;
-                let tell_anew = is_taken && !(self.dead.fires.is_empty() && self.dead.ends.is_empty());
-                let attempted = Attempted { hasten, tell_anew, ..attempted };
+                let renotify = is_taken && !(self.dead.fires.is_empty() && self.dead.ends.is_empty());
+                let attempted = Attempted { hasten, renotify, ..attempted };
                 count(to.kind, &attempted, &attempt);
                 let context = Arc::clone(&self.context);
                 self.under_way.push(Box::pin(async move {
@@ -247,7 +248,7 @@ impl DeliveryQueue {
             return Ok(());
         }
         let attempt = self.context.resend(to, &firing).await;
-        if self.health.note(&attempt, self.context.ladder.first_wait(), Instant::now()) {
+        if self.health.note(&attempt, self.context.retry_schedule.first_wait(), Instant::now()) {
             let (context, back) = (Arc::clone(&self.context), Found::Back(self.hook));
             self.under_way.push(Box::pin(async move {
                 if context.write_down(back).await { QueueEvent::Hastened } else { QueueEvent::Unwritten }

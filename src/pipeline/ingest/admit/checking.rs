@@ -3,16 +3,16 @@
 
 use super::group::Group;
 use super::lookup::{Admission, Lookup};
-use super::memory::{Around, Remembered};
+use super::recent_records::{NearbyRecords, RecentRecord};
 use crate::core::history_note::{
     EARLIER_IN_DOUBT, FAR_DAYS, HistoryNote, NameKind, NamedRecord, SERVICE, Seat, TimeDoubt, doubt, slipped_year,
 };
 use crate::core::note::Note;
-use crate::core::own_history::{LEVEL_RECORDS, Looked, Shown, UNCERTAINTY_FACTOR, against_histories};
+use crate::core::own_history::{CheckedGyro, LEVEL_RECORDS, RecordFigures, UNCERTAINTY_FACTOR, against_histories};
 use crate::core::suspect_window::SuspectWindow;
 use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
 use crate::pipeline::prelude::*;
-use crate::store::{NamesOf, StoredAside};
+use crate::store::{NamesOf, SetAsideRecord};
 use crate::wire::history_note;
 
 /// A clock may be ahead of the service's by so much without a word, days.
@@ -36,24 +36,24 @@ pub(super) struct Checked {
 struct Known<'a> {
     sent: &'a CalibratedGyro,
     number: Option<u32>,
-    around: Around,
+    around: NearbyRecords,
     budget: f64,
 }
 
 impl Known<'_> {
-    fn shown(&self) -> Shown {
+    fn shown(&self) -> RecordFigures {
         shown(self.sent)
     }
 
     /// What its figures are held against.
-    fn history(&self) -> &[Remembered] {
+    fn history(&self) -> &[RecentRecord] {
         if self.around.before.is_empty() { &self.around.after } else { &self.around.before }
     }
 
     /// Whether its figures are so near to those of its last record and to its level that nothing can be found.
     fn is_unremarkable(&self) -> bool {
         let now = self.shown();
-        let is_near = |then: &Shown| {
+        let is_near = |then: &RecordFigures| {
             let near = (0..2).all(|i| (now.d[i] - then.d[i]).abs() <= UNREMARKABLE_BUDGETS * self.budget);
             let scale = now.scale.zip(then.scale).is_none_or(|(a, b)| (a / b - 1.0).abs() < UNREMARKABLE_SCALE);
             let stated = now.uncertainty().zip(then.uncertainty());
@@ -64,10 +64,10 @@ impl Known<'_> {
     }
 }
 
-pub(super) fn shown(gyro: &CalibratedGyro) -> Shown {
+pub(super) fn shown(gyro: &CalibratedGyro) -> RecordFigures {
     let rigid = &gyro.separation.rigid;
     let sd = rigid.sd().map(|[d_i, d_s, _]| [d_i, d_s]);
-    Shown { d: [rigid.d_i, rigid.d_s, rigid.d_o], sd, scale: Some(gyro.separation.scale_factor) }
+    RecordFigures { d: [rigid.d_i, rigid.d_s, rigid.d_o], sd, scale: Some(gyro.separation.scale_factor) }
 }
 
 /// A calibration that is held against what is known.
@@ -92,7 +92,7 @@ impl<'c> Check<'c> {
             let number = admission.lookup(group).number(NamesOf::Gyros, gyro.serial.as_str());
             let around = match number {
                 Some(number) => admission.memory.around(admission.store, number, at, group).await?,
-                None => Around::default(),
+                None => NearbyRecords::default(),
             };
             let budget = admission.config.judging.budget_of(sent.imu.as_str(), gyro.serial.as_str());
             gyros.push(Known { sent: gyro, number, around, budget });
@@ -121,7 +121,7 @@ impl<'c> Check<'c> {
             let records = self.doubt_earlier(admission, group).await?;
             if !records.is_empty() {
                 self.notes.push(HistoryNote::OthersSetAside { records });
-                self.gyros.iter_mut().for_each(|gyro| gyro.around = Around::default());
+                self.gyros.iter_mut().for_each(|gyro| gyro.around = NearbyRecords::default());
             }
         }
         if at.days_since(admission.now) > AHEAD_DAYS {
@@ -208,12 +208,12 @@ impl<'c> Check<'c> {
         }
         let mut exchanged = Vec::new();
         if !gyros.iter().all(Known::is_unremarkable) {
-            let before: Vec<Vec<Shown>> =
+            let before: Vec<Vec<RecordFigures>> =
                 gyros.iter().map(|gyro| gyro.history().iter().map(|row| row.shown).collect()).collect();
-            let looked: Vec<Looked<'_>> = gyros
+            let looked: Vec<CheckedGyro<'_>> = gyros
                 .iter()
                 .zip(&before)
-                .map(|(gyro, before)| Looked {
+                .map(|(gyro, before)| CheckedGyro {
                     serial: gyro.sent.serial.as_str(),
                     now: gyro.shown(),
                     before,
@@ -298,7 +298,7 @@ async fn set_stored_aside(
     }
     admission.withdraw(&record, group).await?;
     let (author, reason) = (SERVICE.to_owned(), EARLIER_IN_DOUBT.to_owned());
-    group.changes.set_aside.stored.push(StoredAside { record: id, author, reason });
+    group.changes.set_aside.stored.push(SetAsideRecord { record: id, author, reason });
     group.changes.rejudged.notes.push((id, history_note::with(record.notes.as_deref(), note)));
     Ok(true)
 }

@@ -11,8 +11,8 @@ use crate::core::history_note::HistoryNote;
 use crate::core::note::Note;
 use crate::core::suspect_window::{Mark, SuspectWindow, in_force};
 use crate::pipeline::prelude::*;
-use crate::pipeline::{Calibration, Confirmation, Corrected, Correction, Doubt, Refused, WindowMark};
-use crate::store::{ConfirmationRow, HistoryRow, NamesOf, RecordRow, RestatedRow, StoredAside, WindowMarkRow};
+use crate::pipeline::{Calibration, Confirmation, Corrected, Correction, Refused, SetAsideOrder, WindowMark};
+use crate::store::{ConfirmationRow, HistoryRow, NamesOf, RecordRow, RestatedRow, SetAsideRecord, WindowMarkRow};
 use crate::wire::{history_note, time};
 
 impl Admission<'_> {
@@ -174,7 +174,7 @@ impl Admission<'_> {
         Ok(Accepted::stored(id))
     }
 
-    pub(super) async fn suspicion(&mut self, sent: &Doubt, group: &mut Group) -> Result<Accepted, Refused> {
+    pub(super) async fn suspicion(&mut self, sent: &SetAsideOrder, group: &mut Group) -> Result<Accepted, Refused> {
         let id = sent.id;
         let record = store::record::get(self.store, id).await?.ok_or(Refused::UnknownRecord { id })?;
         let said = self.lookup(group).said_before(id).await?;
@@ -199,7 +199,7 @@ impl Admission<'_> {
         group.changes.rejudged.notes.push((id, history_note::with(before.as_deref(), &note)));
         let audited = json!({ "author": author, "reason": reason });
         self.audit(("suspect", format!("records/{id}")), &audited, group);
-        group.changes.set_aside.stored.push(StoredAside { record: id, author, reason });
+        group.changes.set_aside.stored.push(SetAsideRecord { record: id, author, reason });
         Ok(Accepted::stored(id))
     }
 

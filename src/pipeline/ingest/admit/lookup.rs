@@ -1,8 +1,8 @@
 //! What stands where an item is about to go: what is stored, and what its group already holds.
 
-use super::ahead::Ahead;
 use super::group::Group;
-use super::memory::Memory;
+use super::prefetched::Prefetched;
+use super::recent_records::RecentRecords;
 use crate::core::correction::CorrectionItem;
 use crate::core::mounting::Slot;
 use crate::core::name::distance;
@@ -19,8 +19,8 @@ const SLIPS: usize = 2;
 pub(crate) struct Admission<'a> {
     pub store: &'a Store,
     pub ids: &'a mut IdSource,
-    pub memory: &'a mut Memory,
-    pub ahead: &'a Ahead,
+    pub memory: &'a mut RecentRecords,
+    pub ahead: &'a Prefetched,
     pub config: &'a Config,
     pub now: UtcMicros,
     /// Whose item is at hand.
@@ -29,8 +29,8 @@ pub(crate) struct Admission<'a> {
 
 pub(super) struct Lookup<'a> {
     pub store: &'a Store,
-    pub memory: &'a Memory,
-    pub ahead: &'a Ahead,
+    pub memory: &'a RecentRecords,
+    pub ahead: &'a Prefetched,
     pub group: &'a Group,
 }
 

@@ -1,11 +1,11 @@
 //! Is it new, the same again, or in conflict? And the numbers and identifiers of what is new.
 
-mod ahead;
 mod checking;
 mod correction;
 mod group;
 mod lookup;
-mod memory;
+mod prefetched;
+mod recent_records;
 
 use serde_json::{Value, json};
 
@@ -25,13 +25,13 @@ use crate::store::{
 };
 use crate::wire::document::DocumentKind;
 use crate::wire::{history_note, time};
-pub(crate) use ahead::Ahead;
 use checking::{Check, Checked};
 pub(crate) use group::Group;
 pub(crate) use lookup::Admission;
 use lookup::Lookup;
-pub(crate) use memory::Memory;
-use memory::Remembered;
+pub(crate) use prefetched::Prefetched;
+use recent_records::RecentRecord;
+pub(crate) use recent_records::RecentRecords;
 
 impl Admission<'_> {
     /// Takes one item into the group. Verdicts are added when the whole group is judged.
@@ -42,7 +42,7 @@ impl Admission<'_> {
             Submission::Event(event) => self.event(event, group).await,
             Submission::Correction(correction) => self.correction(correction, group).await,
             Submission::Confirmation(confirmation) => self.confirmation(confirmation, group).await,
-            Submission::Doubt(doubt) => self.suspicion(doubt, group).await,
+            Submission::SetAside(doubt) => self.suspicion(doubt, group).await,
             Submission::Window(window) => self.window(window, group).await,
             Submission::Attributes(order) => self.attributes(order, group).await,
         }
@@ -104,7 +104,7 @@ impl Admission<'_> {
             } else {
                 group.changes.history.push(HistoryRow { gyro: number, figures });
                 group.rows.insert((number, at), id);
-                self.memory.add(number, Remembered { shown: checking::shown(gyro), ..Remembered::from(&figures) });
+                self.memory.add(number, RecentRecord { shown: checking::shown(gyro), ..RecentRecord::from(&figures) });
             }
             sheet.0.push((number, gyro.requirements.iter().flatten().map(StoredVerdict::from).collect()));
         }

@@ -10,8 +10,8 @@ use crate::config::Judging;
 use crate::core::alert_decision::Policy;
 use crate::core::figures::States;
 use crate::core::judge::history::Need;
-use crate::core::judge::{Coefficient, Limit, Limits, Mark, Older, Outlook};
-use crate::pipeline::alerts::Naming;
+use crate::core::judge::{BudgetProjection, Coefficient, Limit, Limits, Mark, Older};
+use crate::pipeline::alerts::NameLookup;
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, Source, read_ahead, sample_of};
 use crate::pipeline::ingest::judge::withdrawal::Replay;
 use crate::pipeline::prelude::*;
@@ -71,7 +71,8 @@ impl Judge {
         self.enter_confirmed(&judged.verdicts, changes, &mut sheets).await?;
         changes.rejudged.sheets = sheets.into_iter().collect();
         enter(&judged.verdicts, changes);
-        changes.heads.outlooks = judged.verdicts.iter().map(|(of, verdicts)| (*of, Outlook::of(verdicts))).collect();
+        changes.heads.projections =
+            judged.verdicts.iter().map(|(of, verdicts)| (*of, BudgetProjection::of(verdicts))).collect();
         self.replay().undo(changes, &mut judged).await?;
         withdrawal::mark(changes);
         Ok(judged)
@@ -156,9 +157,9 @@ impl Judge {
     }
 
     /// How a gyro that is remembered lies to its budget in its IMU, and where it goes.
-    pub fn outlook(&self, gyro: u32, imu: u32, changes: &Changes) -> Option<Outlook> {
+    pub fn projection(&self, gyro: u32, imu: u32, changes: &Changes) -> Option<BudgetProjection> {
         let window = self.window(gyro)?;
-        Some(Outlook::of(&window.judge_newest(&self.limits(Some((gyro, imu, changes))), Older::NONE)))
+        Some(BudgetProjection::of(&window.judge_newest(&self.limits(Some((gyro, imu, changes))), Older::NONE)))
     }
 
     pub fn knows(&self, gyro: u32) -> bool {
@@ -215,7 +216,7 @@ impl Judge {
 
     /// After how many days without a calibration a gyro is overdue; none after an event since its last one, at
     /// `last`, that says that none is to come.
-    pub fn interval_days(&self, gyro: u32, last: UtcMicros, imu: u32, naming: &Naming<'_>) -> Option<Limit> {
+    pub fn interval_days(&self, gyro: u32, last: UtcMicros, imu: u32, naming: &NameLookup<'_>) -> Option<Limit> {
         if self.lines.get(&gyro).is_some_and(|line| ends_calibrations(line.marks(), last)) {
             return None;
         }
@@ -235,7 +236,7 @@ impl Judge {
         let Some((gyro, imu, changes)) = of.filter(|_| !self.judging.overrides.is_empty()) else {
             return self.judging.limits("", "");
         };
-        let naming = Naming { tables: &self.store.names().read(), new: Some(changes) };
+        let naming = NameLookup { tables: &self.store.names().read(), new: Some(changes) };
         self.judging.limits(&naming.imu(imu), &naming.gyro(gyro))
     }
 }

@@ -8,7 +8,7 @@ use crate::core::judge::history::{Need, baseline_of, seat_baseline_of};
 use crate::core::judge::{BASELINE_RECORDS, Mark, Sample, Seat, baseline_since, judge};
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, Source, load_marks, mark_of, sample_of};
 use crate::pipeline::prelude::*;
-use crate::store::{HistoryRow, RejudgedSheet, RestatedRow, StoredVerdict};
+use crate::store::{HistoryRow, RejudgedVerdicts, RestatedRow, StoredVerdict};
 
 /// A gyro's history as it now is, before what has been altered in it is judged again.
 #[derive(Debug)]
@@ -16,14 +16,14 @@ struct Reopened {
     line: GyroWindow,
     /// Stored rows, oldest first: those at and after the first change at least.
     stored: Vec<Figures>,
-    altered: Vec<Altered>,
+    altered: Vec<HistoryChange>,
     /// Whether something was taken out or stated anew.
     shrunk: bool,
 }
 
 /// Something that alters verdicts.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Altered {
+enum HistoryChange {
     /// A record came in.
     Inserted { at: UtcMicros },
     /// A record was taken out; it may have been one of its baseline's.
@@ -34,12 +34,12 @@ enum Altered {
     Restated { at: UtcMicros },
 }
 
-fn inserted(indices: &[usize], changes: &Changes) -> impl Iterator<Item = Altered> {
-    indices.iter().map(|&i| Altered::Inserted { at: changes.history[i].figures.at })
+fn inserted(indices: &[usize], changes: &Changes) -> impl Iterator<Item = HistoryChange> {
+    indices.iter().map(|&i| HistoryChange::Inserted { at: changes.history[i].figures.at })
 }
 
 /// Takes the records that count no more out of what is stored of a gyro, and tells what that alters.
-fn withdrawn_from(gyro: u32, stored: &mut Vec<Figures>, marks: &[Mark], changes: &Changes) -> Vec<Altered> {
+fn withdrawn_from(gyro: u32, stored: &mut Vec<Figures>, marks: &[Mark], changes: &Changes) -> Vec<HistoryChange> {
     let of_gyro = changes.withdrawn.history.iter().filter(|row| row.gyro == gyro);
     let gone: HashSet<Id> = of_gyro.map(|row| row.figures.record).collect();
     if gone.is_empty() {
@@ -55,15 +55,15 @@ fn withdrawn_from(gyro: u32, stored: &mut Vec<Figures>, marks: &[Mark], changes:
         let in_baseline = (0..k).rev().take_while(same).count() < few;
         let stays = (0..k).rev().take_while(|other| seat(*other) == seat(k)).count();
         let at_a_move = stays < few || seat(k + 1).is_some_and(|next| Some(next) != seat(k));
-        Altered::Removed { at: figures.at, baseline: in_baseline || at_a_move }
+        HistoryChange::Removed { at: figures.at, baseline: in_baseline || at_a_move }
     });
-    let altered: Vec<Altered> = altered.collect();
+    let altered: Vec<HistoryChange> = altered.collect();
     stored.retain(|figures| !gone.contains(&figures.record));
     altered
 }
 
 /// Puts what is stated anew in the place of what is stored of a gyro, and tells what that alters.
-fn restated_in(gyro: u32, stored: &mut [Figures], changes: &Changes) -> Option<Altered> {
+fn restated_in(gyro: u32, stored: &mut [Figures], changes: &Changes) -> Option<HistoryChange> {
     let mut first = None;
     for RestatedRow { row, .. } in changes.rejudged.restated.iter().filter(|restated| restated.row.gyro == gyro) {
         if let Some(old) = stored.iter_mut().find(|old| old.record == row.figures.record) {
@@ -71,28 +71,28 @@ fn restated_in(gyro: u32, stored: &mut [Figures], changes: &Changes) -> Option<A
             first = Some(first.map_or(old.at, |first: UtcMicros| first.min(old.at)));
         }
     }
-    first.map(|at| Altered::Restated { at })
+    first.map(|at| HistoryChange::Restated { at })
 }
 
 /// Indices of the records whose verdicts change by what is `altered`: what came in, those whose rules look back to
 /// it, and, where a baseline's records change, all that are compared with it. `samples` are those that count now.
-fn affected(samples: &[Sample], marks: &[Mark], altered: &[Altered], need: Need) -> Vec<usize> {
+fn affected(samples: &[Sample], marks: &[Mark], altered: &[HistoryChange], need: Need) -> Vec<usize> {
     let mut stretches = Vec::new();
     for &change in altered {
-        let (Altered::Inserted { at }
-        | Altered::Removed { at, .. }
-        | Altered::Marked { at, .. }
-        | Altered::Restated { at }) = change;
+        let (HistoryChange::Inserted { at }
+        | HistoryChange::Removed { at, .. }
+        | HistoryChange::Marked { at, .. }
+        | HistoryChange::Restated { at }) = change;
         let start = samples.partition_point(|sample| sample.at < at);
         let (itself, in_baseline) = match change {
-            Altered::Inserted { at } if samples.get(start).is_none_or(|sample| sample.at != at) => {
+            HistoryChange::Inserted { at } if samples.get(start).is_none_or(|sample| sample.at != at) => {
                 // It repeats the one before, and is judged as that is.
                 stretches.push(start.saturating_sub(1)..start);
                 continue;
             }
-            Altered::Inserted { at } => (1, is_in_baseline(samples, marks, start, at)),
-            Altered::Removed { baseline, .. } | Altered::Marked { baseline, .. } => (0, baseline),
-            Altered::Restated { .. } => {
+            HistoryChange::Inserted { at } => (1, is_in_baseline(samples, marks, start, at)),
+            HistoryChange::Removed { baseline, .. } | HistoryChange::Marked { baseline, .. } => (0, baseline),
+            HistoryChange::Restated { .. } => {
                 // The first may repeat the one before, and is judged as that is.
                 stretches.push(start.saturating_sub(1)..samples.len());
                 continue;
@@ -132,7 +132,7 @@ impl Judge {
         remembered: Option<(GyroWindow, UtcMicros)>,
         changes: &mut Changes,
         found: &mut Judged,
-        sheets: &mut HashMap<Id, RejudgedSheet>,
+        sheets: &mut HashMap<Id, RejudgedVerdicts>,
     ) -> Result<(), StoreError> {
         let need = Need::of(&self.limits(None));
         let Reopened { mut line, stored, altered, shrunk } = match remembered {
@@ -163,7 +163,7 @@ impl Judge {
                     let mut figures = stored[i];
                     judge(&history, k, &self.limits(Some((gyro, figures.imu, changes))), &mut judged);
                     let restated = changes.rejudged.requirements_of(gyro, figures.record);
-                    self.correct_sheet((gyro, figures.record), &judged, restated, sheets).await?;
+                    self.correct_verdicts((gyro, figures.record), &judged, restated, sheets).await?;
                     figures.states = states(&judged);
                     if figures.states != stored[i].states || restated.is_some() {
                         changes.rejudged.history.push(HistoryRow { gyro, figures });
@@ -230,7 +230,7 @@ impl Judge {
         let shrunk = !altered.is_empty();
         altered.extend(inserted(indices, changes));
         altered.extend(
-            new_marks.iter().map(|mark| Altered::Marked { at: mark.at, baseline: mark.event.resets_baseline() }),
+            new_marks.iter().map(|mark| HistoryChange::Marked { at: mark.at, baseline: mark.event.resets_baseline() }),
         );
         let mut samples: Vec<Sample> = stored.iter().map(|figures| sample_of(figures, self.judging.method)).collect();
         samples.extend(self.samples_of(indices, changes));
@@ -246,30 +246,30 @@ impl Judge {
         &self,
         verdicts: &Verdicts,
         changes: &Changes,
-        sheets: &mut HashMap<Id, RejudgedSheet>,
+        sheets: &mut HashMap<Id, RejudgedVerdicts>,
     ) -> Result<(), StoreError> {
         let is_confirmed = |id: Id| changes.confirmed.iter().any(|confirmed| confirmed.record == id);
         for HistoryRow { gyro, figures } in changes.history.iter().filter(|row| is_confirmed(row.figures.record)) {
             if let Some(judged) = verdicts.get(&(figures.record, *gyro)) {
                 let requirements = changes.rejudged.requirements_of(*gyro, figures.record);
-                self.correct_sheet((*gyro, figures.record), judged, requirements, sheets).await?;
+                self.correct_verdicts((*gyro, figures.record), judged, requirements, sheets).await?;
             }
         }
         Ok(())
     }
 
-    /// Puts the new verdicts of one gyro into a stored record's sheet; those that need no history stay where there are
+    /// Puts the new verdicts of one gyro into a stored record; those that need no history stay where there are
     /// no new ones.
-    async fn correct_sheet(
+    async fn correct_verdicts(
         &self,
         (gyro, record): (u32, Id),
         judged: &[Verdict],
         requirements: Option<&[StoredVerdict]>,
-        sheets: &mut HashMap<Id, RejudgedSheet>,
+        sheets: &mut HashMap<Id, RejudgedVerdicts>,
     ) -> Result<(), StoreError> {
         let sheet = match sheets.remove(&record) {
             Some(sheet) => Some(sheet),
-            None => store::record::sheet_to_rejudge(&self.store, record).await?,
+            None => store::record::verdicts_to_rejudge(&self.store, record).await?,
         };
         let Some(mut sheet) = sheet else {
             return Err(StoreError::damaged(format_args!("record {record} of gyro number {gyro} is missing")));
@@ -311,13 +311,13 @@ mod tests {
     fn a_late_record_alters_those_that_look_back_to_it() {
         let all = sparse(30);
         assert_eq!(BASELINE_RECORDS, 3);
-        let late = |at| affected(&all, &[], &[Altered::Inserted { at: day(at) }], NEED);
+        let late = |at| affected(&all, &[], &[HistoryChange::Inserted { at: day(at) }], NEED);
         assert_eq!(late(500), (5..17).collect::<Vec<_>>(), "eleven cells on");
         assert_eq!(late(2900), [29]);
         assert_eq!(late(200), (2..30).collect::<Vec<_>>(), "it is one of the baseline's");
         assert_eq!(late(550), [5], "it repeats the one before");
         let daily = samples(&(0..700).collect::<Vec<_>>());
-        let late = affected(&daily, &[], &[Altered::Inserted { at: day(20) }], NEED);
+        let late = affected(&daily, &[], &[HistoryChange::Inserted { at: day(20) }], NEED);
         assert_eq!(late, (20..571).collect::<Vec<_>>(), "550 days on");
     }
 
@@ -325,7 +325,7 @@ mod tests {
     fn a_record_of_another_seat_alters_all_that_follow_in_theirs() {
         let mut all = sparse(30);
         all[7].seat.imu = 3;
-        let late = |at| affected(&all, &[], &[Altered::Inserted { at: day(at) }], NEED);
+        let late = |at| affected(&all, &[], &[HistoryChange::Inserted { at: day(at) }], NEED);
         assert_eq!(late(700), (7..30).collect::<Vec<_>>(), "it parts two stays");
         assert_eq!(late(900), (9..30).collect::<Vec<_>>(), "one of the first since the gyro is back");
         assert_eq!(late(1100), (11..23).collect::<Vec<_>>());
@@ -335,7 +335,7 @@ mod tests {
     fn a_record_that_is_taken_out_alters_those_that_looked_back_to_it() {
         let mut left = sparse(30);
         left.remove(5);
-        let gone = |at, baseline| affected(&left, &[], &[Altered::Removed { at: day(at), baseline }], NEED);
+        let gone = |at, baseline| affected(&left, &[], &[HistoryChange::Removed { at: day(at), baseline }], NEED);
         assert_eq!(gone(500, false), (5..16).collect::<Vec<_>>());
         assert_eq!(gone(9000, false), [] as [usize; 0]);
         assert_eq!(gone(250, true), (3..29).collect::<Vec<_>>());
@@ -343,7 +343,7 @@ mod tests {
 
     #[test]
     fn what_is_stated_anew_alters_all_from_there_on() {
-        let again = affected(&sparse(9), &[], &[Altered::Restated { at: day(400) }], NEED);
+        let again = affected(&sparse(9), &[], &[HistoryChange::Restated { at: day(400) }], NEED);
         assert_eq!(again, (3..9).collect::<Vec<_>>());
     }
 
@@ -352,10 +352,10 @@ mod tests {
         let all = sparse(40);
         let mark = |at, event| Mark::of(day(at), event);
         let marks = [mark(150, Event::Baseline), mark(2450, Event::Repair)];
-        let set = affected(&all, &marks, &[Altered::Marked { at: day(150), baseline: true }], NEED);
+        let set = affected(&all, &marks, &[HistoryChange::Marked { at: day(150), baseline: true }], NEED);
         assert_eq!(set, (2..25).collect::<Vec<_>>());
         let note = [mark(150, Event::Note)];
-        let noted = affected(&all, &note, &[Altered::Marked { at: day(150), baseline: false }], NEED);
+        let noted = affected(&all, &note, &[HistoryChange::Marked { at: day(150), baseline: false }], NEED);
         assert_eq!(noted, (2..13).collect::<Vec<_>>());
     }
 }

@@ -78,7 +78,7 @@ impl Replay<'_> {
         earlier: Option<Alert>,
         changes: &Changes,
     ) -> Result<Firing, StoreError> {
-        let mut sheets = store::record::verdict_sheets(self.store, records.iter().map(|(_, id)| *id)).await?;
+        let mut sheets = store::record::record_verdicts(self.store, records.iter().map(|(_, id)| *id)).await?;
         let asked: HashSet<Id> = records.iter().map(|(_, id)| *id).collect();
         let rejudged = changes.rejudged.sheets.iter().map(|(record, again)| (*record, &again.sheet));
         let changed = rejudged.chain(changes.records.iter().map(|record| (record.id, &record.verdicts)));
@@ -122,8 +122,8 @@ fn at_worst(from: UtcMicros) -> Alert {
         silenced_until: None,
         muted_until: None,
         inhibited: false,
-        hushed: None,
-        told: None,
+        suppressed: None,
+        last_notification: None,
     }
 }
 

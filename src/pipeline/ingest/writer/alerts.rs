@@ -4,7 +4,7 @@ use super::heads::{self, touched};
 use super::shared_shifts::{SharedLook, SharedShifts};
 use super::state::WriterState;
 use crate::core::alert_decision::{Action, Alert, Late};
-use crate::pipeline::alerts::{AlertCache, AlertContext, Causes, Naming, News, follow_clock, follow_group};
+use crate::pipeline::alerts::{AlertCache, AlertContext, AlertUpdate, Causes, NameLookup, follow_clock, follow_group};
 use crate::pipeline::hooks::OutboxContext;
 use crate::pipeline::ingest::judge::Judged;
 use crate::pipeline::prelude::*;
@@ -53,7 +53,7 @@ impl WriterState {
         };
         self.alerts.learn_mates(&shifts);
         {
-            let naming = Naming { tables: &self.store.names().read(), new: Some(changes) };
+            let naming = NameLookup { tables: &self.store.names().read(), new: Some(changes) };
             let (writer, late) = (&mut self.writer, causes.late());
             let mut context = AlertContext { now, writer, naming, cause: None, late, in_order: None };
             shifts.iter().for_each(|one| self.alerts.follow_shared(one, &mut context));
@@ -69,19 +69,19 @@ impl WriterState {
         late: Late,
         work: impl FnOnce(&mut AlertCache, &mut AlertContext<'_>) -> T,
     ) -> T {
-        let naming = Naming { tables: &self.store.names().read(), new: None };
+        let naming = NameLookup { tables: &self.store.names().read(), new: None };
         let writer = &mut self.writer;
         work(&mut self.alerts, &mut AlertContext { now, writer, naming, cause: None, late, in_order: None })
     }
 
     /// Enters what has become of alerts into a transaction, with a delivery for each hook that is to be told.
     pub(super) async fn note(&mut self, changes: &mut Changes, now: UtcMicros) -> Result<(), StoreError> {
-        let news = self.alerts.write(changes);
-        if news.is_empty() {
+        let updates = self.alerts.write(changes);
+        if updates.is_empty() {
             return Ok(());
         }
-        self.hooks.recall(&self.store, &news).await?;
-        self.hooks.tell(&news, &mut OutboxContext { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
+        self.hooks.recall(&self.store, &updates).await?;
+        self.hooks.notify(&updates, &mut OutboxContext { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
     }
 
     /// Enters into a transaction how the gyros will stand that it touches: the last thing before it is committed. The
@@ -117,13 +117,13 @@ impl WriterState {
 
     /// Every alert as it stands, for a hook that begins to listen: it hears what others were spared because it was found
     /// late.
-    pub(super) async fn standings(&self, now: UtcMicros) -> Result<Vec<News>, StoreError> {
+    pub(super) async fn standings(&self, now: UtcMicros) -> Result<Vec<AlertUpdate>, StoreError> {
         let rows = store::alerts::all(&self.store).await?;
-        let naming = Naming { tables: &self.store.names().read(), new: None };
+        let naming = NameLookup { tables: &self.store.names().read(), new: None };
         // One that cannot be read is told to nobody; the next look at it names the damage.
         let standing = |row: &AlertRow| {
-            let (alert, body) = (Alert { hushed: None, ..row.alert }, Some(naming.alert(row, now).ok()?));
-            Some(News { id: row.id, alert, action: Action::Silent, step: None, body, cause: None })
+            let (alert, body) = (Alert { suppressed: None, ..row.alert }, Some(naming.alert(row, now).ok()?));
+            Some(AlertUpdate { id: row.id, alert, action: Action::Silent, step: None, body, cause: None })
         };
         Ok(rows.iter().filter_map(standing).collect())
     }
@@ -140,7 +140,7 @@ impl WriterState {
     pub(super) async fn follow_overdue(&mut self, gyros: &[u32], late: Late, now: UtcMicros) -> Result<(), StoreError> {
         let out_of_use = heads::out_of_use(self, gyros).await?;
         let newest = store::histories::last(&self.store, gyros).await?;
-        let naming = Naming { tables: &self.store.names().read(), new: None };
+        let naming = NameLookup { tables: &self.store.names().read(), new: None };
         let writer = &mut self.writer;
         let mut context = AlertContext { now, writer, naming, cause: None, late, in_order: None };
         for (gyro, newest) in newest {
@@ -156,7 +156,7 @@ impl WriterState {
     }
 
     /// An import has come to its end: what waits for its digest is told, with what the clock finds of it.
-    pub(super) async fn tell_digest(&mut self) -> Result<(), WriteError> {
+    pub(super) async fn notify_digest(&mut self) -> Result<(), WriteError> {
         let (now, mut changes) = (self.clock.now(), Changes::default());
         let told = match self.may_be_overdue(now).await {
             Ok(overdue) => self.digest(&mut changes, &overdue, now).await,
@@ -179,13 +179,14 @@ impl WriterState {
         let fires = |gyro: u32| self.alerts.firing(gyro).any(|row| row.rule == Rule::Overdue);
         let newly: Vec<u32> = overdue.iter().copied().filter(|gyro| !fires(*gyro)).collect();
         self.follow_overdue(&newly, Late::Digest, now).await?;
-        self.change_alerts(now, Late::Clock, |alerts, context| alerts.tell_digest(&waiting, context));
-        let news = self.alerts.write(changes);
-        if news.is_empty() {
+        self.change_alerts(now, Late::Clock, |alerts, context| alerts.notify_digest(&waiting, context));
+        let updates = self.alerts.write(changes);
+        if updates.is_empty() {
             return Ok(());
         }
-        self.hooks.recall(&self.store, &news).await?;
-        self.hooks.tell_digest(&news, &mut OutboxContext { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
+        self.hooks.recall(&self.store, &updates).await?;
+        self.hooks
+            .notify_digest(&updates, &mut OutboxContext { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
     }
 
     /// What was `noted`, once it is on disk.
@@ -229,13 +230,13 @@ impl WriterState {
     }
 
     /// Does what somebody has said of an alert.
-    pub(super) async fn obey(&mut self, order: &AlertOrder, by: &Actor) -> Result<AlertBody, OrderError> {
+    pub(super) async fn apply_order(&mut self, order: &AlertOrder, by: &Actor) -> Result<AlertBody, OrderError> {
         let now = self.clock.now();
         let gyro = store::alerts::get(&self.store, order.alert).await?.and_then(|row| row.of.gyro());
         self.alerts.recall(&self.store, gyro, now).await?;
         let said = self.change_alerts(now, Late::Quiet, |alerts, context| {
             let before = alerts.alert(order.alert).map(|row| context.naming.alert(row, now)).transpose()?;
-            let row = alerts.obey(order, context)?;
+            let row = alerts.apply_order(order, context)?;
             Ok::<_, OrderError>((before, context.naming.alert(&row, now)?))
         });
         let ((before, body), mut changes) = (said?, Changes::default());

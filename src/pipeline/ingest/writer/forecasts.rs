@@ -8,13 +8,13 @@ use crate::core::judge::Finding;
 use crate::core::kind::RecordEntry;
 use crate::pipeline::Adoption;
 use crate::pipeline::alerts::{AlertCache, AlertContext, Origin};
-use crate::pipeline::diagnoses::{Made, newest_verdict};
+use crate::pipeline::diagnoses::{FinishedDiagnosis, newest_verdict};
 use crate::pipeline::ingest::judge::Undone;
 use crate::pipeline::prelude::*;
 use crate::store::{AlertOf, AlertRow};
 
 /// Keeps a diagnosis, and lets the alert of its IMU follow the forecast that is kept with it.
-pub(super) async fn keep(state: &mut WriterState, made: &Made) -> Result<(), WriteError> {
+pub(super) async fn keep(state: &mut WriterState, made: &FinishedDiagnosis) -> Result<(), WriteError> {
     let Some(mut changes) = made.changes(&state.after.models) else { return Ok(()) };
     let followed = follow_forecast(state, made, &mut changes).await;
     if let Some(verdict) = state.commit_or_forget(followed, &mut changes).await? {
@@ -28,10 +28,10 @@ pub(super) async fn keep(state: &mut WriterState, made: &Made) -> Result<(), Wri
 /// The verdict on the campaign, where it is the newest of its IMU.
 async fn follow_forecast(
     state: &mut WriterState,
-    made: &Made,
+    made: &FinishedDiagnosis,
     changes: &mut Changes,
 ) -> Result<Option<Verdict>, StoreError> {
-    let Some((campaign, imu, point)) = made.foretold() else { return Ok(None) };
+    let Some((campaign, imu, point)) = made.forecast() else { return Ok(None) };
     let now = state.clock.now();
     let in_force = state.after.models.of(Some(imu));
     let found = newest_verdict(&state.store, (imu, &in_force), &[], Some((campaign, point))).await?;

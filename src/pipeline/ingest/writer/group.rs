@@ -7,7 +7,7 @@ use tokio::sync::watch;
 use super::forecasts;
 use super::state::{Item, Prepared, Tally, WriterState, items_of};
 use crate::pipeline::alerts::Causes;
-use crate::pipeline::ingest::admit::{Admission, Ahead, Group};
+use crate::pipeline::ingest::admit::{Admission, Group, Prefetched};
 use crate::pipeline::ingest::judge::Verdicts;
 use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::StoreJob;
@@ -21,7 +21,7 @@ pub(super) async fn prepare(state: &mut WriterState, items: &[Item<'_>]) -> Resu
     let mut replies = Vec::with_capacity(items.len());
     let (now, service) = (state.clock.now(), Actor::by_caller());
     read_histories(state, items).await?;
-    let ahead = Ahead::read(&state.store, &state.memory, items.iter().map(|item| item.sent)).await?;
+    let ahead = Prefetched::read(&state.store, &state.memory, items.iter().map(|item| item.sent)).await?;
     let mut admission = Admission {
         store: &state.store,
         ids: state.writer.ids(),
@@ -131,7 +131,7 @@ fn count<'a>(items: impl Iterator<Item = Item<'a>>, replies: &[Reply]) {
             Submission::Event(_) => "event",
             Submission::Correction(_) => "correction",
             Submission::Confirmation(_) => "confirmation",
-            Submission::Doubt(_) => "doubt",
+            Submission::SetAside(_) => "doubt",
             Submission::Window(_) => "window",
             Submission::Attributes(_) => "attributes",
         };

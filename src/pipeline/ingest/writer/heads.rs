@@ -1,12 +1,12 @@
 //! How gyros stand, written with what changes it: a row of the table `head` for each gyro that a transaction touches.
 
 use super::state::WriterState;
-use crate::core::judge::{Event, Outlook};
-use crate::pipeline::alerts::Naming;
+use crate::core::judge::{BudgetProjection, Event};
+use crate::pipeline::alerts::NameLookup;
 use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
 use crate::pipeline::prelude::*;
-use crate::pipeline::queries::heads::{checksum, row_of, stations_of, stored_outlooks, stored_rows};
-use crate::pipeline::queries::standing::{Alerted, Facts};
+use crate::pipeline::queries::gyro_status::{Alerted, Facts};
+use crate::pipeline::queries::heads::{checksum, row_of, stations_of, stored_projections, stored_rows};
 use crate::store::{Cells, HeadChanges, HeadRow, HeadsMade, HistoryRow, RecordVerdicts, Writer};
 
 /// Rows of one transaction where all are made.
@@ -21,11 +21,11 @@ pub(super) async fn rows(state: &WriterState, gyros: &[u32], changes: &Changes) 
     sheets.extend(changes.rejudged.sheets.iter().map(|(record, again)| (*record, &again.sheet)));
     let records = newest.values().map(|figures| figures.record).filter(|record| !sheets.contains_key(record));
     let records: BTreeSet<Id> = records.collect();
-    let stored = store::record::verdict_sheets(&state.store, records.into_iter()).await?;
+    let stored = store::record::record_verdicts(&state.store, records.into_iter()).await?;
     sheets.extend(stored.iter().map(|(record, sheet)| (*record, sheet)));
     let out_of_use = out_of_use(state, gyros).await?;
-    let outlooks = outlooks(state, &newest, changes).await?;
-    let naming = Naming { tables: &state.store.names().read(), new: Some(changes) };
+    let projections = projections(state, &newest, changes).await?;
+    let naming = NameLookup { tables: &state.store.names().read(), new: Some(changes) };
     let row = |gyro: &u32| {
         let newest = newest.get(gyro).copied();
         let facts = Facts {
@@ -35,7 +35,7 @@ pub(super) async fn rows(state: &WriterState, gyros: &[u32], changes: &Changes) 
             verdicts: newest.and_then(|figures| sheets.get(&figures.record)).map_or(&[], |sheet| sheet.of(*gyro)),
             alerted: &Alerted::of(state.alerts.firing(*gyro))?,
             out_of_use: out_of_use.get(gyro).copied(),
-            outlook: outlooks.get(gyro).copied().unwrap_or_default(),
+            projection: projections.get(gyro).copied().unwrap_or_default(),
         };
         Ok(row_of(&facts, &state.config.judging, &naming))
     };
@@ -44,32 +44,32 @@ pub(super) async fn rows(state: &WriterState, gyros: &[u32], changes: &Changes) 
 
 /// How gyros with these newest calibrations lie to their budgets and where they go: by the verdicts of this
 /// transaction; of what it does not judge, by what is remembered, or else by what is stored.
-async fn outlooks(
+async fn projections(
     state: &WriterState,
     newest: &HashMap<u32, Figures>,
     changes: &Changes,
-) -> Result<HashMap<u32, Outlook>, StoreError> {
-    let (mut outlooks, mut unknown) = (HashMap::with_capacity(newest.len()), Vec::new());
+) -> Result<HashMap<u32, BudgetProjection>, StoreError> {
+    let (mut projections, mut unknown) = (HashMap::with_capacity(newest.len()), Vec::new());
     for (gyro, figures) in newest {
-        let judged = changes.heads.outlooks.get(&(figures.record, *gyro)).copied();
-        match judged.or_else(|| state.judge.outlook(*gyro, figures.imu, changes)) {
-            Some(outlook) => _ = outlooks.insert(*gyro, outlook),
+        let judged = changes.heads.projections.get(&(figures.record, *gyro)).copied();
+        match judged.or_else(|| state.judge.projection(*gyro, figures.imu, changes)) {
+            Some(projection) => _ = projections.insert(*gyro, projection),
             None => unknown.push((*gyro, Some(*figures))),
         }
     }
     if unknown.is_empty() {
-        return Ok(outlooks);
+        return Ok(projections);
     }
     let gyros: Vec<u32> = unknown.iter().map(|(gyro, _)| *gyro).collect();
     for row in store::head::of_gyros(&state.store, &gyros).await? {
         let same = row.newest.map(|newest| newest.record) == newest.get(&row.gyro).map(|figures| figures.record);
         if same {
-            outlooks.insert(row.gyro, row.outlook);
+            projections.insert(row.gyro, row.projection);
         }
     }
-    unknown.retain(|(gyro, _)| !outlooks.contains_key(gyro));
-    outlooks.extend(stored_outlooks(&state.store, &state.config.judging, &unknown).await?);
-    Ok(outlooks)
+    unknown.retain(|(gyro, _)| !projections.contains_key(gyro));
+    projections.extend(stored_projections(&state.store, &state.config.judging, &unknown).await?);
+    Ok(projections)
 }
 
 /// The newest calibration of each of these gyros once `changes` are stored. Nearly always it is one of them.

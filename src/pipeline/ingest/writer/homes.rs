@@ -36,7 +36,7 @@ impl Homes<'_> {
                 }
                 // What others are storing meanwhile may lie in the window.
                 Submission::Window(_) => cells.extend(Cells::all().iter()),
-                Submission::Doubt(sent) => self.of_record(sent.id, &mut cells).await?,
+                Submission::SetAside(sent) => self.of_record(sent.id, &mut cells).await?,
                 Submission::Confirmation(sent) => self.of_record(sent.id, &mut cells).await?,
             }
         }

@@ -20,7 +20,7 @@ use tokio::sync::mpsc;
 use tokio::task::JoinSet;
 use tokio::time::{Interval, MissedTickBehavior, interval_at};
 
-use super::admit::Memory;
+use super::admit::RecentRecords;
 use crate::pipeline::access::{Secret, order_access};
 use crate::pipeline::alerts::AlertCache;
 use crate::pipeline::diagnoses::{order_diagnoses, order_hypothesis};
@@ -29,14 +29,14 @@ use crate::pipeline::ingest::judge::Judge;
 use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::{Job, ReplyTo, StoreJob};
 use crate::pipeline::{AccessOrder, DiagnosisOrder, HypothesisOrder, Order, Reply};
-use crate::store::{Cells, Duty, Writer};
+use crate::store::{Cells, LeasedTask, Writer};
 use crate::telemetry;
 use group::{answer, prepare, settle};
 use state::{Item, WriterState, items_of};
 use turn::in_turn;
 
 pub(crate) use heads::make_missing;
-pub(crate) use state::{After, Duties, Task};
+pub(crate) use state::{Task, WriteNotifier, WriterRole};
 
 /// How long a transaction may keep others from its cells, as far as that can be foretold.
 const TURN: Duration = Duration::from_millis(500);
@@ -52,7 +52,7 @@ type Findings = Vec<(Found, ReplyTo<(), WriteError>)>;
 
 /// What is done once all that was queued with it is stored.
 #[derive(Default)]
-struct Later {
+struct AfterCommit {
     orders: Orders,
     findings: Findings,
     digests: Vec<ReplyTo<(), WriteError>>,
@@ -60,7 +60,14 @@ struct Later {
 }
 
 impl Task {
-    pub fn new(store: Store, writer: Writer, config: Arc<Config>, clock: Clock, after: After, duties: Duties) -> Self {
+    pub fn new(
+        store: Store,
+        writer: Writer,
+        config: Arc<Config>,
+        clock: Clock,
+        after: WriteNotifier,
+        role: WriterRole,
+    ) -> Self {
         let mut judging = config.judging.clone();
         if writer.is_one_of_many() {
             judging.remembered_records /= config.database.writers;
@@ -72,7 +79,7 @@ impl Task {
             writer,
             clock,
             config,
-            memory: Memory::default(),
+            memory: RecentRecords::default(),
             judge,
             alerts,
             benched: HashMap::new(),
@@ -82,7 +89,7 @@ impl Task {
             behind: false,
             nothing_shared: None,
         };
-        Self { state, duties, under_way: None, looks: JoinSet::new(), items_at_once: 1024 }
+        Self { state, role, under_way: None, looks: JoinSet::new(), items_at_once: 1024 }
     }
 
     /// Works until every sender is gone and the queue is empty; gives back what it has written with.
@@ -90,8 +97,8 @@ impl Task {
         let max_group = self.state.config.database.max_group;
         let mut jobs = Vec::with_capacity(max_group);
         let mut ticks = self.ticks();
-        let is_for_orders = self.duties == Duties::Orders;
-        let mut moves = if is_for_orders { self.state.store.moves() } else { None };
+        let is_for_orders = self.role == WriterRole::Orders;
+        let mut change_feed = if is_for_orders { self.state.store.change_feed() } else { None };
         loop {
             let room = max_group.saturating_sub(jobs.len()).max(1);
             tokio::select! {
@@ -103,7 +110,7 @@ impl Task {
                 },
                 () = overlapped::written(&mut self.under_way), if self.under_way.is_some() => self.finish().await,
                 _ = ticks.tick(), if is_for_orders && self.looks.is_empty() => {
-                    if self.state.store.is_on_duty(Duty::Clock) {
+                    if self.state.store.holds_lease(LeasedTask::Clock) {
                         let now = self.state.clock.now();
                         self.looks.spawn(self.state.shared_look(now).nothing());
                     }
@@ -113,18 +120,18 @@ impl Task {
                     let nothing = looked.unwrap_or_else(|error| std::panic::resume_unwind(error.into_panic()));
                     clock::tick(&mut self.state, nothing).await;
                 }
-                Some(missed) = turn::next_of(&mut moves) => self.state.hear_of(&missed).await,
+                Some(remote_changes) = turn::next_of(&mut change_feed) => self.state.apply_remote_changes(&remote_changes).await,
             }
             if self.is_to_wait(&jobs) {
                 continue;
             }
-            self.work_off(&mut jobs).await;
+            self.drain(&mut jobs).await;
         }
         self.looks.shutdown().await;
         self.state.writer
     }
 
-    async fn work_off(&mut self, jobs: &mut Vec<Job>) {
+    async fn drain(&mut self, jobs: &mut Vec<Job>) {
         // Orders are for what is stored, and are carried out when nothing is under way.
         let mixed = jobs.iter().any(|job| !matches!(job, Job::Store(_)));
         if mixed {
@@ -132,9 +139,9 @@ impl Task {
         }
         let (mut group, mut items) = (Vec::new(), 0);
         let most = if self.state.writer.committer().is_some() { overlapped::MAX_ITEMS } else { self.items_at_once };
-        let mut later = Later::default();
+        let mut later = AfterCommit::default();
         for job in jobs.drain(..) {
-            let Some(job) = self.obey(job, &mut later).await else { continue };
+            let Some(job) = self.handle(job, &mut later).await else { continue };
             if items + job.items.len() > most && items > 0 {
                 self.process(std::mem::take(&mut group)).await;
                 if mixed {
@@ -157,13 +164,13 @@ impl Task {
             later.shared.into_iter().for_each(|reply| drop(reply.send(Ok(()))));
         }
         for reply in later.digests {
-            let _gone = reply.send(in_turn!(self.state, Cells::all(), self.state.tell_digest()));
+            let _gone = reply.send(in_turn!(self.state, Cells::all(), self.state.notify_digest()));
         }
         self.carry_out(later.orders, later.findings).await;
     }
 
     /// Carries out an order, or puts it off; what is to be stored is handed back, to be stored in a group.
-    async fn obey(&mut self, job: Job, later: &mut Later) -> Option<StoreJob> {
+    async fn handle(&mut self, job: Job, later: &mut AfterCommit) -> Option<StoreJob> {
         match job {
             Job::Store(job) => return Some(job),
             Job::Hook { order, by, reply } => later.orders.push((order, by, reply)),
@@ -197,7 +204,7 @@ impl Task {
             }
             Job::Alert { order, by, reply } => {
                 let cells = self.state.homes().of_alert(order.alert).await;
-                let _gone = reply.send(in_turn!(self.state, cells, self.state.obey(&order, &by)));
+                let _gone = reply.send(in_turn!(self.state, cells, self.state.apply_order(&order, &by)));
             }
             Job::Silence { order, by, reply } => {
                 let _gone = reply.send(in_turn!(self.state, Cells::all(), self.state.order_silence(&order, &by)));
@@ -266,8 +273,8 @@ impl Task {
     async fn write_down(&mut self, found: &[&Found]) -> Result<(), WriteError> {
         let now = self.state.clock.now();
         let old_secret_until = self.state.config.hooks.old_secret_until(now);
-        let tells_anew = |found: &&Found| matches!(found, Found::Attempted(attempted) if attempted.tell_anew);
-        let alerts = if found.iter().any(tells_anew) { self.state.standings(now).await? } else { Vec::new() };
+        let renotifies = |found: &&Found| matches!(found, Found::Attempted(attempted) if attempted.renotify);
+        let alerts = if found.iter().any(renotifies) { self.state.standings(now).await? } else { Vec::new() };
         let (store, writer, heard) = (&self.state.store, &mut self.state.writer, HashMap::new());
         let mut handler = HookHandler { store, writer, now, old_secret_until, alerts, heard };
         handler.write_down(found.iter().copied()).await

@@ -6,7 +6,7 @@
 //! held.) A small group is not worth it: while it waited, more would come that can share its transaction.
 
 use super::group::{answer, prepare, settle};
-use super::state::{Item, Prepared, Task, UnderWay, items_of};
+use super::state::{Item, Prepared, Task, WritingGroup, items_of};
 use crate::core::history_note::FAR_DAYS;
 use crate::pipeline::ingest::submission::Submission;
 use crate::pipeline::prelude::*;
@@ -25,7 +25,7 @@ const ENOUGH: usize = 384;
 pub(super) const MAX_ITEMS: usize = 640;
 
 /// Waits until what is under way has been written, or could not be. Nothing is waited for where nothing is.
-pub(super) async fn written(under_way: &mut Option<UnderWay>) {
+pub(super) async fn written(under_way: &mut Option<WritingGroup>) {
     if let Some(under_way) = under_way {
         under_way.wait().await;
     }
@@ -54,7 +54,7 @@ impl Task {
         let prepared = prepare(&mut self.state, &items).await;
         written(&mut self.under_way).await;
         let before = self.under_way.take();
-        let holds = before.as_ref().is_none_or(UnderWay::is_stored);
+        let holds = before.as_ref().is_none_or(WritingGroup::is_stored);
         if let (Ok(prepared), true, Some(committer)) = (prepared, holds, self.state.writer.committer()) {
             self.under_way = Some(self.begin_beside(jobs, prepared, committer));
             self.conclude(before).await;
@@ -65,7 +65,7 @@ impl Task {
         Some(jobs)
     }
 
-    fn begin_beside(&mut self, jobs: Vec<StoreJob>, mut prepared: Prepared, committer: Committer) -> UnderWay {
+    fn begin_beside(&mut self, jobs: Vec<StoreJob>, mut prepared: Prepared, committer: Committer) -> WritingGroup {
         let changes = std::mem::take(&mut prepared.changes);
         let mut newest = HashMap::new();
         for record in &changes.records {
@@ -73,7 +73,7 @@ impl Task {
             *newest = record.calibrated_at.max(*newest);
         }
         let writing = committer.commit(changes);
-        UnderWay { jobs, prepared, newest, writing, written: None }
+        WritingGroup { jobs, prepared, newest, writing, written: None }
     }
 
     fn can_go_beside(&self, items: &[Item<'_>]) -> bool {
@@ -118,8 +118,8 @@ impl Task {
 
     /// Answers a group that has been written. One that could not be is tried once more, by itself: nothing else is
     /// under way then.
-    async fn conclude(&mut self, group: Option<UnderWay>) {
-        let Some(UnderWay { jobs, mut prepared, written, .. }) = group else { return };
+    async fn conclude(&mut self, group: Option<WritingGroup>) {
+        let Some(WritingGroup { jobs, mut prepared, written, .. }) = group else { return };
         match written {
             Some(Written { changes, outcome: Ok(()), took }) => {
                 metrics::histogram!(telemetry::COMMIT).record(took);

@@ -6,10 +6,10 @@
 
 use crate::core::alert_decision::{Alert, Status};
 use crate::core::judge::{
-    Coefficient, Finding, Group, ImuQuestion, LATELY, LimitKind, Measured, Need, NewestCalibration, Older, Outlook,
-    Severity, ShiftQuestion, State, group_shift, imu_shift, in_common, shift_began,
+    BudgetProjection, Coefficient, Finding, Group, GroupShiftCriteria, ImuShiftCriteria, LATELY, LimitKind, Measured,
+    Need, NewestCalibration, Older, Severity, State, group_shift, imu_shift, in_common, shift_began,
 };
-use crate::pipeline::alerts::{AlertCache, Naming, Origin, SharedVerdict};
+use crate::pipeline::alerts::{AlertCache, NameLookup, Origin, SharedVerdict};
 use crate::pipeline::ingest::judge::Judged;
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, sample_of};
 use crate::pipeline::prelude::*;
@@ -38,12 +38,12 @@ fn exceeds(row: &&ExcessRow) -> bool {
 }
 
 /// Beside what an IMU is judged: what its gyros exceed, and what they have moved by with others.
-struct Beside<'a> {
+struct TokenDatabase<'a> {
     exceeding: HashMap<(u32, Coefficient), Vec<&'a ExcessRow>>,
     shifts: Vec<Shift>,
 }
 
-impl<'a> Beside<'a> {
+impl<'a> TokenDatabase<'a> {
     fn of(of_groups: &[SharedVerdict], exceed: &'a [ExcessRow]) -> Self {
         let mut exceeding: HashMap<_, Vec<&ExcessRow>> = HashMap::new();
         exceed.iter().for_each(|row| exceeding.entry((row.gyro, row.coefficient)).or_default().push(row));
@@ -200,9 +200,10 @@ impl SharedShifts<'_> {
     ) -> Vec<NewestCalibration> {
         let mut newest: HashMap<u32, NewestCalibration> = stored.into_iter().map(|row| (row.gyro, row)).collect();
         let tables = self.store.names().read();
-        let naming = Naming { tables: &tables, new: Some(changes) };
+        let naming = NameLookup { tables: &tables, new: Some(changes) };
         for HistoryRow { gyro, figures } in &found.newest {
-            let loads = changes.heads.outlooks.get(&(figures.record, *gyro)).map_or([None; 3], |outlook| outlook.load);
+            let loads =
+                changes.heads.projections.get(&(figures.record, *gyro)).map_or([None; 3], |projection| projection.load);
             let budgets = self.budgets(&naming.imu(figures.imu), &naming.gyro(*gyro));
             let deviation = [0, 1].map(|column| times(loads[column], budgets[column]));
             let batch = batches.get(gyro).cloned();
@@ -275,7 +276,7 @@ impl SharedShifts<'_> {
             let limit = [&limits.d_i, &limits.d_s][column].of(group.rule());
             let Some((limit, budget)) = limit.zip(budgets[column]) else { continue };
             let fires_since = self.alerts.shared().since(of, coefficient);
-            let asked = ShiftQuestion { limit, budget, confidence: limits.confidence, fires_since };
+            let asked = GroupShiftCriteria { limit, budget, confidence: limits.confidence, fires_since };
             let verdict = group_shift(newest, group, column, &asked);
             let its = || newest.iter().filter(|one| group.holds(one));
             let (at, gyros) = (its().map(|one| one.at).max().unwrap_or(self.now), its().map(|one| one.gyro).collect());
@@ -294,7 +295,7 @@ impl SharedShifts<'_> {
         of_groups: &[SharedVerdict],
         exceed: &[ExcessRow],
     ) -> Vec<SharedVerdict> {
-        let beside = Beside::of(of_groups, exceed);
+        let beside = TokenDatabase::of(of_groups, exceed);
         let mut gyros: BTreeMap<u32, Vec<&NewestCalibration>> = imus.iter().map(|imu| (*imu, Vec::new())).collect();
         newest.iter().for_each(|one| gyros.get_mut(&one.imu).into_iter().for_each(|gyros| gyros.push(one)));
         let mut found = Vec::new();
@@ -317,7 +318,7 @@ impl SharedShifts<'_> {
         (imu, column): (u32, usize),
         gyros: &[&NewestCalibration],
         told: Option<UtcMicros>,
-        beside: &Beside<'_>,
+        beside: &TokenDatabase<'_>,
     ) -> Option<SharedVerdict> {
         let coefficient = COEFFICIENTS[column];
         let limits = self.config.judging.limits(&self.name_of(imu), "");
@@ -334,7 +335,7 @@ impl SharedShifts<'_> {
             let is_its = |(of, gyros, _): &&Shift| *of == coefficient && gyros.contains(&one.gyro);
             beside.shifts.iter().filter(is_its).map(|(.., shift)| *shift).collect()
         };
-        let asked = ImuQuestion {
+        let asked = ImuShiftCriteria {
             limit,
             confidence: limits.confidence,
             shared: &shared,
@@ -355,7 +356,7 @@ impl SharedShifts<'_> {
         of_groups: &[SharedVerdict],
         exceed: &[ExcessRow],
     ) -> Result<Vec<SharedVerdict>, StoreError> {
-        let beside = Beside::of(of_groups, exceed);
+        let beside = TokenDatabase::of(of_groups, exceed);
         // Of each gyro that exceeds its budget since when it does, by IMU.
         let mut began: BTreeMap<(u32, usize), BTreeSet<UtcMicros>> = BTreeMap::new();
         for one in newest {
@@ -422,7 +423,7 @@ impl SharedShifts<'_> {
             };
             let (need, method) = (Need::of(&limits), self.config.judging.method);
             let line = GyroWindow::load(self.store, one.gyro, at, need, method).await?;
-            let load = Outlook::of(&line.judge_newest(&limits, Older::NONE)).load;
+            let load = BudgetProjection::of(&line.judge_newest(&limits, Older::NONE)).load;
             let budgets = limits.budgets();
             let deviation = [0, 1].map(|column| times(load[column], budgets[column]));
             calibrated.push(NewestCalibration { station: figures.station, at, deviation, ..(*one).clone() });
@@ -488,7 +489,7 @@ impl SharedLook {
         let mut alerts = AlertCache::new(config.alerts.policy(), config.judging.confidence);
         let (found, rows) = shared_and_explicable(&store, &config, &mut alerts, now).await?;
         let tables = store.names().read();
-        let naming = Naming { tables: &tables, new: None };
+        let naming = NameLookup { tables: &tables, new: None };
         let shared = alerts.shared();
         let is_anything = shared.not_judged(&found).next().is_some()
             || found.iter().any(|one| shared.is_moved_by(one, &naming))

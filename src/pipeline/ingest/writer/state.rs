@@ -9,7 +9,7 @@ use crate::core::judge::{State, Status};
 use crate::pipeline::alerts::AlertCache;
 use crate::pipeline::diagnoses::models::ModelCache;
 use crate::pipeline::hooks::HookCache;
-use crate::pipeline::ingest::admit::Memory;
+use crate::pipeline::ingest::admit::RecentRecords;
 use crate::pipeline::ingest::judge::{Judge, Verdicts};
 use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::StoreJob;
@@ -20,9 +20,9 @@ use crate::telemetry;
 /// Takes what has queued up and has it stored.
 pub(crate) struct Task {
     pub(super) state: WriterState,
-    pub(super) duties: Duties,
+    pub(super) role: WriterRole,
     /// A group that is being written while the next is made ready.
-    pub(super) under_way: Option<UnderWay>,
+    pub(super) under_way: Option<WritingGroup>,
     /// The look of the clock that is under way.
     pub(super) looks: JoinSet<Result<Option<NothingShared>, StoreError>>,
     /// Items from which on no more are added to a transaction among other writers.
@@ -35,7 +35,7 @@ pub(super) struct WriterState {
     pub(super) writer: Writer,
     pub(super) clock: Clock,
     pub(super) config: Arc<Config>,
-    pub(super) memory: Memory,
+    pub(super) memory: RecentRecords,
     pub(super) judge: Judge,
     pub(super) alerts: AlertCache,
     /// Whether a bench has measured a gyro, so that its methods are to agree.
@@ -43,7 +43,7 @@ pub(super) struct WriterState {
     /// Stations with gyros that they are known to have calibrated.
     pub(super) seen_at: HashSet<[u32; 2]>,
     pub(super) hooks: HookCache,
-    pub(super) after: After,
+    pub(super) after: WriteNotifier,
     /// What others have written could not be read: everything is read again.
     pub(super) behind: bool,
     /// None where that is to be looked at.
@@ -52,7 +52,7 @@ pub(super) struct WriterState {
 
 /// Where a writer stands among those of its process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Duties {
+pub(crate) enum WriterRole {
     /// It stores, and nothing else.
     Partition,
     /// It carries out orders and follows the clock; alone, it stores as well.
@@ -77,7 +77,7 @@ pub(super) fn items_of(job: &StoreJob) -> impl Iterator<Item = Item<'_>> {
 
 /// Who is told of what has been written.
 #[derive(Clone)]
-pub(crate) struct After {
+pub(crate) struct WriteNotifier {
     /// Moves when a hook has changed or has something new to be told.
     pub wake: watch::Sender<u64>,
     pub models: ModelCache,
@@ -95,7 +95,7 @@ pub(super) struct Prepared {
 }
 
 /// A group that is being written.
-pub(super) struct UnderWay {
+pub(super) struct WritingGroup {
     pub(super) jobs: Vec<StoreJob>,
     /// Without its changes, which are with the thread that writes them.
     pub(super) prepared: Prepared,
@@ -105,7 +105,7 @@ pub(super) struct UnderWay {
     pub(super) written: Option<Written>,
 }
 
-impl UnderWay {
+impl WritingGroup {
     pub async fn wait(&mut self) {
         if self.written.is_none() {
             let written = (&mut self.writing).await;

@@ -5,10 +5,10 @@ use std::time::Duration;
 
 use super::homes::Homes;
 use super::state::{Item, WriterState};
-use crate::pipeline::error::Unwritten;
+use crate::pipeline::error::WriteFailure;
 use crate::pipeline::prelude::*;
 use crate::pipeline::{Reader, Submission};
-use crate::store::{Cells, Missed, Moves, News};
+use crate::store::{Cells, ChangeFeed, ChangeTopic, RemoteChanges};
 
 const MOST_TRIES: u32 = 4;
 const FIRST_PAUSE: Duration = Duration::from_millis(30);
@@ -45,17 +45,17 @@ pub(super) async fn another_try(error: &StoreError, tries: &mut u32) -> bool {
     worth_it
 }
 
-pub(super) async fn to_be_tried_again<T>(done: &Result<T, impl Unwritten>, tries: &mut u32) -> bool {
-    match done.as_ref().err().and_then(Unwritten::store_error) {
+pub(super) async fn to_be_tried_again<T>(done: &Result<T, impl WriteFailure>, tries: &mut u32) -> bool {
+    match done.as_ref().err().and_then(WriteFailure::store_error) {
         Some(error) => another_try(error, tries).await,
         None => false,
     }
 }
 
 /// What is written next; never where no other server can be.
-pub(super) async fn next_of(moves: &mut Option<Moves>) -> Option<Missed> {
-    match moves {
-        Some(moves) => moves.next().await,
+pub(super) async fn next_of(change_feed: &mut Option<ChangeFeed>) -> Option<RemoteChanges> {
+    match change_feed {
+        Some(change_feed) => change_feed.next().await,
         None => std::future::pending().await,
     }
 }
@@ -63,27 +63,27 @@ pub(super) async fn next_of(moves: &mut Option<Moves>) -> Option<Missed> {
 impl WriterState {
     /// Holds `cells` and catches up with what others have written in them.
     pub(super) async fn begin(&mut self, cells: &Cells) -> Result<(), StoreError> {
-        let missed = self.writer.lock_cells(cells).await?;
+        let remote_changes = self.writer.lock_cells(cells).await?;
         if std::mem::take(&mut self.behind) {
             self.start_over();
         }
-        let caught_up = self.catch_up(&missed).await;
+        let caught_up = self.catch_up(&remote_changes).await;
         self.behind = caught_up.is_err();
         caught_up
     }
 
-    async fn catch_up(&mut self, missed: &Missed) -> Result<(), StoreError> {
-        if !missed.cells.is_empty() {
-            self.forget_cells(&missed.cells.iter().copied().collect());
+    async fn catch_up(&mut self, remote_changes: &RemoteChanges) -> Result<(), StoreError> {
+        if !remote_changes.cells.is_empty() {
+            self.forget_cells(&remote_changes.cells.iter().copied().collect());
         }
-        if missed.brings(News::Settings) {
+        if remote_changes.brings(ChangeTopic::Settings) {
             self.alerts.forget_settings();
             self.hooks.forget();
         }
-        if missed.brings(News::Models) {
+        if remote_changes.brings(ChangeTopic::Models) {
             self.after.models.read_again(&self.store).await?;
         }
-        if missed.brings(News::Access) {
+        if remote_changes.brings(ChangeTopic::Access) {
             self.after.guard.read_again().await?;
         }
         Ok(())
@@ -175,15 +175,20 @@ impl WriterState {
     }
 
     /// Tells those who read and those who work in the background of what was written, by whomever.
-    pub(super) async fn hear_of(&mut self, missed: &Missed) {
-        if missed.brings(News::Outbox) || missed.brings(News::Settings) {
+    pub(super) async fn apply_remote_changes(&mut self, remote_changes: &RemoteChanges) {
+        if remote_changes.brings(ChangeTopic::Outbox) || remote_changes.brings(ChangeTopic::Settings) {
             self.after.wake.send_modify(|moved| *moved += 1);
         }
-        if missed.brings(News::Diagnoses) {
+        if remote_changes.brings(ChangeTopic::Diagnoses) {
             self.after.due.send_modify(|moved| *moved += 1);
         }
-        let models = if missed.brings(News::Models) { self.after.models.read_again(&self.store).await } else { Ok(()) };
-        let access = if missed.brings(News::Access) { self.after.guard.read_again().await } else { Ok(()) };
+        let models = if remote_changes.brings(ChangeTopic::Models) {
+            self.after.models.read_again(&self.store).await
+        } else {
+            Ok(())
+        };
+        let access =
+            if remote_changes.brings(ChangeTopic::Access) { self.after.guard.read_again().await } else { Ok(()) };
         if let Err(error) = models.and(access) {
             tracing::warn!(%error, "what another server has written cannot be read; its next change is");
         }

@@ -15,7 +15,7 @@ use crate::core::time::Span;
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::packed::history_row::{self, PACKED_LEN};
 use crate::store::rows::Rows;
-use crate::store::sqlite::write_behind::queues::Waiting;
+use crate::store::sqlite::write_behind::queues::PendingRows;
 use crate::store::{HistoryRow, Result, StoreError};
 
 const GYRO_LEN: usize = 4;
@@ -23,7 +23,7 @@ const GYRO_LEN: usize = 4;
 /// Rows that wait, by gyro; those of a gyro in order of time, one an instant.
 #[derive(Debug, Default)]
 pub(crate) struct PendingHistory {
-    waiting: Waiting<Figures>,
+    waiting: PendingRows<Figures>,
     last_entry: i64,
 }
 

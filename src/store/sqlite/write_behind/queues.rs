@@ -14,7 +14,7 @@ pub(crate) const LATER: u64 = 4 * CAPACITY as u64;
 
 /// Rows that wait, by the number of their gyro or IMU.
 #[derive(Debug)]
-pub(crate) struct Waiting<T> {
+pub(crate) struct PendingRows<T> {
     queues: HashMap<u32, Queue<T>>,
     /// How many rows had come before the first of a queue, and the queue's number.
     by_age: BTreeSet<(u64, u32)>,
@@ -33,13 +33,13 @@ struct Queue<T> {
     rows: Vec<T>,
 }
 
-impl<T> Default for Waiting<T> {
+impl<T> Default for PendingRows<T> {
     fn default() -> Self {
         Self { queues: HashMap::new(), by_age: BTreeSet::new(), with_many: BTreeSet::new(), len: 0, come: 0 }
     }
 }
 
-impl<T> Waiting<T> {
+impl<T> PendingRows<T> {
     pub fn of(&self, number: u32) -> &[T] {
         self.queues.get(&number).map_or(&[], |queue| &queue.rows)
     }
@@ -132,12 +132,12 @@ impl<T> Shared<T> {
 mod tests {
     use super::*;
 
-    fn enter(waiting: &mut Waiting<i64>, place: i64, number: u32) {
+    fn enter(waiting: &mut PendingRows<i64>, place: i64, number: u32) {
         waiting.enter(place, number, |rows| rows.push(place));
     }
 
     /// Lets rows of `number` come, each in a commit of its own, and says how many it took until `awaited` was due.
-    fn commits_until(waiting: &mut Waiting<i64>, number: u32, awaited: u32) -> i64 {
+    fn commits_until(waiting: &mut PendingRows<i64>, number: u32, awaited: u32) -> i64 {
         for place in 1..2 * LATER as i64 {
             let due = waiting.due(1);
             due.iter().for_each(|number| waiting.remove(*number));
@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn a_queue_to_which_nothing_comes_is_emptied_in_the_end() {
-        let mut waiting = Waiting::default();
+        let mut waiting = PendingRows::default();
         enter(&mut waiting, 0, 1);
         assert_eq!(waiting.first_without(&BTreeSet::new()), Some(0));
         let commits = commits_until(&mut waiting, 2, 1);
@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     fn rows_that_come_without_waiting_let_a_queue_grow_old_too() {
-        let mut waiting = Waiting::default();
+        let mut waiting = PendingRows::default();
         enter(&mut waiting, 0, 1);
         waiting.pass(LATER as usize - 1);
         assert_eq!(waiting.due(0), BTreeSet::new());
@@ -173,7 +173,7 @@ mod tests {
 
     #[test]
     fn no_more_rows_wait_than_there_is_room_for_and_the_oldest_go_first() {
-        let mut waiting = Waiting::default();
+        let mut waiting = PendingRows::default();
         for place in 0..CAPACITY as i64 {
             enter(&mut waiting, place, place as u32 / 4);
         }
@@ -186,7 +186,7 @@ mod tests {
 
     #[test]
     fn a_queue_with_many_rows_is_emptied_though_there_is_room() {
-        let mut waiting = Waiting::default();
+        let mut waiting = PendingRows::default();
         enter(&mut waiting, 0, 1);
         assert_eq!(commits_until(&mut waiting, 2, 2), MANY as i64 + 1);
         assert_eq!(waiting.due(1), BTreeSet::new());

@@ -17,7 +17,7 @@ use crate::store::batch::{Batch, OnConflict};
 use crate::store::db::each;
 use crate::store::error::{Result, StoreError};
 use crate::store::rows::Rows;
-use crate::store::sqlite::write_behind::queues::Waiting;
+use crate::store::sqlite::write_behind::queues::PendingRows;
 
 /// A record that waits.
 #[derive(Debug, Clone, Copy)]
@@ -29,7 +29,7 @@ struct Entry {
 /// What is not in the table yet.
 #[derive(Debug, Default)]
 pub(crate) struct PendingIndex {
-    waiting: Waiting<Entry>,
+    waiting: PendingRows<Entry>,
     /// The newest instant of each IMU, whether what was calibrated then counts or not.
     newest: HashMap<u32, UtcMicros>,
 }
@@ -55,7 +55,7 @@ pub(crate) struct IndexChanges<'a> {
 
 /// What a commit enters into the table.
 #[derive(Debug, Default)]
-pub(crate) struct Entering {
+pub(crate) struct IndexUpdate {
     /// IMUs whose records that wait are entered.
     imus: BTreeSet<u32>,
     /// Those whose new records are entered too.
@@ -68,7 +68,7 @@ impl PendingIndex {
         let newest = "SELECT id, (SELECT max(calibrated_at) FROM calendar WHERE imu = imu.id) FROM imu";
         let newest: Vec<(u32, Option<UtcMicros>)> = each(sqlx::query(newest).fetch(&mut *connection)).await?;
         let newest = newest.into_iter().filter_map(|(imu, at)| Some((imu, at?))).collect();
-        let mut pending = Self { waiting: Waiting::default(), newest };
+        let mut pending = Self { waiting: PendingRows::default(), newest };
         let since = "SELECT id, imu, calibrated_at, voided, EXISTS (SELECT 1 FROM calendar WHERE record = since.id
                          AND (imu, calibrated_at, voided) = (since.imu, since.calibrated_at, since.voided))
                      FROM record AS since WHERE id >= coalesce((SELECT record FROM calendar_begun), 0) ORDER BY id";
@@ -113,7 +113,7 @@ impl PendingIndex {
         self.newest.get(&imu).copied()
     }
 
-    pub fn due(&self, changes: &IndexChanges<'_>) -> Entering {
+    pub fn due(&self, changes: &IndexChanges<'_>) -> IndexUpdate {
         let mut at_once = self.imus_of(changes.withdrawn);
         at_once.extend(&changes.asked_for);
         let mut newest: HashMap<u32, UtcMicros> = HashMap::new();
@@ -127,7 +127,7 @@ impl PendingIndex {
         }
         let mut imus = self.waiting.due(changes.records.len());
         imus.extend(&at_once);
-        Entering { imus, at_once }
+        IndexUpdate { imus, at_once }
     }
 
     /// The IMUs of those records that wait.
@@ -140,7 +140,7 @@ impl PendingIndex {
     }
 
     /// After the records themselves have been written.
-    pub fn write(&self, entering: &Entering, changes: &IndexChanges<'_>, batch: &mut Batch) {
+    pub fn write(&self, entering: &IndexUpdate, changes: &IndexChanges<'_>, batch: &mut Batch) {
         let waiting =
             entering.imus.iter().flat_map(|imu| self.waiting.of(*imu).iter().map(move |entry| (*imu, *entry, 0)));
         enter(waiting, batch);
@@ -172,7 +172,7 @@ impl PendingIndex {
     }
 
     /// Follows a commit.
-    pub fn committed(&mut self, entering: &Entering, changes: &IndexChanges<'_>) {
+    pub fn committed(&mut self, entering: &IndexUpdate, changes: &IndexChanges<'_>) {
         for imu in &entering.imus {
             self.waiting.remove(*imu);
         }

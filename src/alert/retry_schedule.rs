@@ -1,4 +1,4 @@
-//! When a delivery that failed is tried again: the ladder of Standard Webhooks.
+//! When a delivery that failed is tried again: the retry schedule of Standard Webhooks.
 
 use std::time::Duration;
 
@@ -9,12 +9,12 @@ const HOUR: u64 = 60 * MINUTE;
 const STANDARD_WAITS_S: [u64; 9] =
     [5, 5 * MINUTE, 30 * MINUTE, 2 * HOUR, 5 * HOUR, 10 * HOUR, 14 * HOUR, 20 * HOUR, 24 * HOUR];
 
-/// Waits after the attempts that failed, one a rung.
+/// Waits after the attempts that failed, one by one.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Ladder(Vec<Duration>);
+pub struct RetrySchedule(Vec<Duration>);
 
 /// A wait is drawn out by up to this fraction of it, so that deliveries that failed together do not return together.
-/// Never shortened: the ladder lasts at least as long as it says.
+/// Never shortened: the schedule lasts at least as long as it says.
 pub const JITTER: f64 = 0.1;
 
 /// A longer Retry-After is cut to this.
@@ -25,23 +25,23 @@ pub const HORIZON: Duration = Duration::from_secs(30 * HOUR);
 
 /// What becomes of a delivery whose latest attempt failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Next {
+pub enum RetryDecision {
     RetryIn(Duration),
-    /// The ladder is at its end: a dead letter, which people look at and may replay.
+    /// The schedule is at its end: a dead letter, which people look at and may replay.
     Dead,
 }
 
-impl Default for Ladder {
+impl Default for RetrySchedule {
     fn default() -> Self {
         Self(STANDARD_WAITS_S.map(Duration::from_secs).into())
     }
 }
 
-impl Ladder {
+impl RetrySchedule {
     /// # Panics
     /// Where there is no wait: the configuration was checked to name one.
     pub fn new(waits: Vec<Duration>) -> Self {
-        assert!(!waits.is_empty(), "a ladder has at least one rung");
+        assert!(!waits.is_empty(), "a retry schedule has at least one wait");
         Self(waits)
     }
 
@@ -52,18 +52,24 @@ impl Ladder {
 
     /// * `attempts`: those that were made since the delivery was queued or replayed, the failed one included.
     /// * `tried_for`: time since the first of them. Attempts that came early (a target that is up again is tried at
-    ///   once) do not shorten the ladder.
+    ///   once) do not shorten the schedule.
     /// * `retry_after`: what the target asked for.
     /// * `jitter`: from 0 to 1, drawn by the caller.
-    pub fn next(&self, attempts: u32, tried_for: Duration, retry_after: Option<Duration>, jitter: f64) -> Next {
-        let climbed = attempts as usize;
-        if climbed > self.0.len() && tried_for >= self.0.iter().sum::<Duration>() {
-            return Next::Dead;
+    pub fn next(
+        &self,
+        attempts: u32,
+        tried_for: Duration,
+        retry_after: Option<Duration>,
+        jitter: f64,
+    ) -> RetryDecision {
+        let retries = attempts as usize;
+        if retries > self.0.len() && tried_for >= self.0.iter().sum::<Duration>() {
+            return RetryDecision::Dead;
         }
-        let rung = climbed.clamp(1, self.0.len()) - 1;
+        let rung = retries.clamp(1, self.0.len()) - 1;
         let wait = self.0[rung].mul_f64(1.0 + JITTER * jitter.clamp(0.0, 1.0));
         let asked = retry_after.unwrap_or_default().min(LONGEST_WAIT);
-        Next::RetryIn(wait.max(asked))
+        RetryDecision::RetryIn(wait.max(asked))
     }
 }
 
@@ -75,7 +81,7 @@ mod tests {
 
     fn climb(jitter: f64) -> (u32, Duration) {
         let (mut attempts, mut tried_for) = (1, Duration::ZERO);
-        while let Next::RetryIn(wait) = Ladder::default().next(attempts, tried_for, None, jitter) {
+        while let RetryDecision::RetryIn(wait) = RetrySchedule::default().next(attempts, tried_for, None, jitter) {
             tried_for += wait;
             attempts += 1;
         }
@@ -92,25 +98,31 @@ mod tests {
 
     #[test]
     fn a_target_that_asks_for_time_gets_it_up_to_a_day() {
-        let retry = |after| Ladder::default().next(1, Duration::ZERO, Some(Duration::from_secs(after)), NEVER_MIND);
-        assert_eq!(retry(1), Next::RetryIn(Duration::from_secs(5)));
-        assert_eq!(retry(90), Next::RetryIn(Duration::from_secs(90)));
-        assert_eq!(retry(u64::MAX), Next::RetryIn(LONGEST_WAIT));
+        let retry =
+            |after| RetrySchedule::default().next(1, Duration::ZERO, Some(Duration::from_secs(after)), NEVER_MIND);
+        assert_eq!(retry(1), RetryDecision::RetryIn(Duration::from_secs(5)));
+        assert_eq!(retry(90), RetryDecision::RetryIn(Duration::from_secs(90)));
+        assert_eq!(retry(u64::MAX), RetryDecision::RetryIn(LONGEST_WAIT));
     }
 
     #[test]
     fn attempts_that_came_early_do_not_kill_a_delivery_before_three_days() {
         assert_eq!(
-            Ladder::default().next(40, Duration::from_secs(60), None, NEVER_MIND),
-            Next::RetryIn(Duration::from_secs(24 * HOUR))
+            RetrySchedule::default().next(40, Duration::from_secs(60), None, NEVER_MIND),
+            RetryDecision::RetryIn(Duration::from_secs(24 * HOUR))
         );
-        assert_eq!(Ladder::default().next(40, Duration::from_secs(76 * HOUR), None, NEVER_MIND), Next::Dead);
+        assert_eq!(
+            RetrySchedule::default().next(40, Duration::from_secs(76 * HOUR), None, NEVER_MIND),
+            RetryDecision::Dead
+        );
     }
 
     #[test]
     fn nothing_waits_beyond_the_horizon() {
         for attempts in 0..12 {
-            let Next::RetryIn(wait) = Ladder::default().next(attempts, Duration::ZERO, Some(Duration::MAX), 1.0) else {
+            let RetryDecision::RetryIn(wait) =
+                RetrySchedule::default().next(attempts, Duration::ZERO, Some(Duration::MAX), 1.0)
+            else {
                 continue;
             };
             assert!(wait < HORIZON, "{wait:?}");

@@ -20,7 +20,7 @@ const LEAST_LEFT: f64 = 0.05;
 const WORSE: f64 = 4.0;
 
 /// A campaign as it stands, or as a mistake undone leaves it, fitted.
-pub(super) struct Tried {
+pub(super) struct TrialFit {
     /// Noise of a dwell of each gyro as its standard errors or repeats say, and what the fit leaves, arcsec/s; none
     /// where E is not known.
     gyros: Vec<Option<(f64, f64)>>,
@@ -28,7 +28,7 @@ pub(super) struct Tried {
     plausible: bool,
 }
 
-impl Tried {
+impl TrialFit {
     /// Fits the campaign as if its noise were white, with the terms it asks for.
     pub fn of(campaign: &Campaign) -> Self {
         let calibration = calibrate_in_white_noise(campaign, campaign.terms());
@@ -71,34 +71,34 @@ fn noise(campaign: &Campaign, calibration: &Calibration, j: usize) -> Option<(f6
 }
 
 /// What the commanded vectors are worth, asked for where something is wrong with them.
-pub(super) struct Worth<'a> {
+pub(super) struct TrialFits<'a> {
     campaign: &'a Campaign,
-    as_sent: Option<Tried>,
+    as_sent: Option<TrialFit>,
     /// The best fit with a mistake undone.
-    undone: Option<Tried>,
+    undone: Option<TrialFit>,
 }
 
-impl<'a> Worth<'a> {
+impl<'a> TrialFits<'a> {
     /// Fits nothing until it is asked.
     pub fn new(campaign: &'a Campaign) -> Self {
         Self { campaign, as_sent: None, undone: None }
     }
 
-    fn as_sent(&mut self) -> &Tried {
-        self.as_sent.get_or_insert_with(|| Tried::of(self.campaign))
+    fn as_sent(&mut self) -> &TrialFit {
+        self.as_sent.get_or_insert_with(|| TrialFit::of(self.campaign))
     }
 
     /// The causes whose fit is about as good as the best, each once; with an impossible E only where there is no
     /// other. All must leave `times` fewer squares than what was sent, where that is more than one.
-    pub fn best(&mut self, mut tried: Vec<(MistakeKind, Tried)>, times: f64) -> Vec<MistakeKind> {
+    pub fn best(&mut self, mut tried: Vec<(MistakeKind, TrialFit)>, times: f64) -> Vec<MistakeKind> {
         if times > 1.0 {
             let most = self.as_sent().squares / times;
             tried.retain(|(_, t)| t.squares <= most);
         }
         let any = tried.iter().any(|(_, t)| t.plausible);
-        let eligible = |t: &Tried| t.plausible || !any;
+        let eligible = |t: &TrialFit| t.plausible || !any;
         let least = tried.iter().filter(|(_, t)| eligible(t)).map(|(_, t)| t.squares).fold(f64::INFINITY, f64::min);
-        let good = |t: &Tried| eligible(t) && t.squares <= WORSE * least + f64::MIN_POSITIVE;
+        let good = |t: &TrialFit| eligible(t) && t.squares <= WORSE * least + f64::MIN_POSITIVE;
         let mut causes: Vec<MistakeKind> = Vec::new();
         for (cause, tried) in tried {
             if good(&tried) && !causes.contains(&cause) {
@@ -124,7 +124,7 @@ impl<'a> Worth<'a> {
 
     /// Whether a dwell says more of the Earth's rate than of its own noise.
     pub fn earth_is_above_noise(&mut self) -> bool {
-        self.undone.as_ref().is_some_and(Tried::earth_is_above_noise) || self.as_sent().earth_is_above_noise()
+        self.undone.as_ref().is_some_and(TrialFit::earth_is_above_noise) || self.as_sent().earth_is_above_noise()
     }
 
     /// Whether a rate along the vertical of this many arcsec/s in every dwell moves D_I by more than it may: with E

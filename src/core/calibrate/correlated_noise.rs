@@ -1,7 +1,7 @@
 //! Noise that dwells have in common: what a bias does between them, beside what scatters within each.
 //!
 //! Per gyro `V = diag(d^2) + phi s^2 K`, d the standard deviation of each dwell, s their median, and K one of two
-//! kernels of the dwells' times ([`Memory`]). K is constant in pulse/s: a wandering bias does not ask how long a dwell
+//! kernels of the dwells' times ([`CorrelatedNoise`]). K is constant in pulse/s: a bias wanders however long a dwell
 //! was. phi is common to the gyros, each wanders for itself. Every pair (K, phi) has its restricted likelihood
 //!
 //! ```text
@@ -19,7 +19,7 @@ use std::ops::AddAssign;
 
 use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 
-use super::law::{AS_STATED, Course, Law};
+use super::law::{AS_STATED, DwellConditions, Law};
 use super::noise::{PRIOR_DOF, overstated};
 use crate::core::named::named;
 use crate::core::numerics::log_sum::LogSum;
@@ -43,7 +43,7 @@ const NOTHING: f64 = -9.0;
 named! {
 /// What dwells have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Memory {
+pub enum CorrelatedNoise {
     /// Mean over [`TIMES`] of exp(-|dt|/tau): about as flat over the decades as flicker is.
     Flicker = "flicker",
     /// min(t, t')/mean t.
@@ -51,7 +51,7 @@ pub enum Memory {
 }
 }
 
-impl Memory {
+impl CorrelatedNoise {
     /// By how much more power a pair of this kernel has.
     pub fn size(self) -> f64 {
         if self == Self::Walk { OF_WALK } else { 1.0 }
@@ -175,7 +175,7 @@ pub(super) struct FittedGyro<'a> {
 pub enum NoiseDeparture {
     Law(Law),
     /// A kernel with its power phi.
-    Memory(Memory, f64),
+    CorrelatedNoise(CorrelatedNoise, f64),
 }
 
 /// What the noise is: kinds with their probabilities; white noise as stated has the rest.
@@ -206,7 +206,7 @@ impl FittedGyro<'_> {
     }
 
     /// Variances where the noise goes by a law, over those of the weights.
-    fn under(&self, law: Law, course: &Course) -> DVector<f64> {
+    fn under(&self, law: Law, course: &DwellConditions) -> DVector<f64> {
         let factors = DVector::from_vec(law.factors(course));
         self.even.component_mul(&factors.component_mul(&factors))
     }
@@ -224,7 +224,7 @@ impl FittedGyro<'_> {
 /// Weighs what the noise may be by what the residuals of all gyros say. Each gyro's covariance of the coordinates on
 /// its basis (q x q), given for white noise as stated, becomes the mean over all kinds.
 pub(super) fn weigh(
-    course: &Course,
+    course: &DwellConditions,
     gyros: &[FittedGyro],
     plain: &mut [Option<DMatrix<f64>>],
     stated: bool,
@@ -244,16 +244,16 @@ pub(super) fn weigh(
     let is_open = |law: &Law| stated || !matches!(law, Law::Duration(_));
     let laws: Vec<Law> = Law::all(course).into_iter().filter(is_open).collect();
     let of_laws = ((1.0 - AS_STATED) / laws.len() as f64).ln();
-    let of_pairs = ((1.0 - WITHOUT_MEMORY) / (Memory::ALL.len() * POWERS.len()) as f64).ln();
-    let pairs = Memory::ALL.into_iter().flat_map(|memory| POWERS.map(|power| (memory, power * memory.size())));
+    let of_pairs = ((1.0 - WITHOUT_MEMORY) / (CorrelatedNoise::ALL.len() * POWERS.len()) as f64).ln();
+    let pairs = CorrelatedNoise::ALL.into_iter().flat_map(|memory| POWERS.map(|power| (memory, power * memory.size())));
     let kinds = laws.into_iter().map(|law| (NoiseDeparture::Law(law), of_laws));
-    let kinds = kinds.chain(pairs.map(|(memory, power)| (NoiseDeparture::Memory(memory, power), of_pairs)));
+    let kinds = kinds.chain(pairs.map(|(memory, power)| (NoiseDeparture::CorrelatedNoise(memory, power), of_pairs)));
     let under = |kind: NoiseDeparture, j: usize| match kind {
         NoiseDeparture::Law(law) => {
             let variances = gyros[j].under(law, course);
             gyros[j].independent(&variances.zip_map(gyros[j].weights, |v, w| v.sqrt() / w), is_told)
         }
-        NoiseDeparture::Memory(memory, power) => {
+        NoiseDeparture::CorrelatedNoise(memory, power) => {
             let whitened = memory.whitened(course.times, &d[j], power * usual[j].powi(2), gyros[j].columns());
             gyros[j].restricted(whitened, is_told)
         }
@@ -275,17 +275,17 @@ pub(super) fn weigh(
         let Some(covariance) = plain else { continue };
         let nu = gyro.dof as f64 + k;
         let x = DMatrix::from_fn(gyro.basis.nrows(), gyro.basis.ncols(), |k, c| gyro.basis[(k, c)] * gyro.weights[k]);
-        let shared = Memory::ALL.map(|memory| {
+        let shared = CorrelatedNoise::ALL.map(|memory| {
             let is_likely =
-                likely.iter().any(|(kind, ..)| matches!(kind, NoiseDeparture::Memory(of, _) if *of == memory));
+                likely.iter().any(|(kind, ..)| matches!(kind, NoiseDeparture::CorrelatedNoise(of, _) if *of == memory));
             is_likely.then(|| x.tr_mul(&memory.times(course.times, x.clone())))
         });
         *covariance *= weight(as_stated);
         for (kind, log, rss) in &likely {
             let own = match *kind {
                 NoiseDeparture::Law(law) => scaled(gyro.basis, &gyro.under(law, course)),
-                NoiseDeparture::Memory(memory, power) => {
-                    let shared = shared[usize::from(memory == Memory::Walk)].iter();
+                NoiseDeparture::CorrelatedNoise(memory, power) => {
+                    let shared = shared[usize::from(memory == CorrelatedNoise::Walk)].iter();
                     let within = scaled(gyro.basis, gyro.variances);
                     shared.fold(within, |sum, shared| sum + shared * (power * usual[j].powi(2)))
                 }
@@ -324,12 +324,12 @@ mod tests {
         let (times, d, x) = dwells();
         let since = |k: usize| times[k] - times[0];
         let mean = (0..20).map(since).sum::<f64>() / 20.0;
-        for memory in Memory::ALL {
+        for memory in CorrelatedNoise::ALL {
             let kernel = DMatrix::from_fn(20, 20, |a, b| match memory {
-                Memory::Flicker => {
+                CorrelatedNoise::Flicker => {
                     TIMES.map(|tau| (-(times[a] - times[b]).abs() / 240.0 / tau).exp()).iter().sum::<f64>() / 4.0
                 }
-                Memory::Walk => since(a).min(since(b)) / mean,
+                CorrelatedNoise::Walk => since(a).min(since(b)) / mean,
             });
             assert!((memory.kernel(&times) - &kernel).amax() < 1e-12, "{memory:?}");
             let covariance = DMatrix::from_diagonal(&d.component_mul(&d)) + 2.5 * &kernel;
@@ -347,7 +347,7 @@ mod tests {
         let basis = x.qr().q();
         let (weights, variances) = (d.map(|d| 1.0 / d), DVector::from_element(20, 1.0));
         let rates = vec![nalgebra::Vector3::zeros(); 20];
-        let course = Course { times: &times, durations: &[180.0; 20], rates: &rates };
+        let course = DwellConditions { times: &times, durations: &[180.0; 20], rates: &rates };
         for (residuals, dof) in [(d.clone(), LEAST_DOF), (DVector::zeros(20), 17)] {
             let fitted = FittedGyro {
                 basis: &basis,
@@ -365,7 +365,7 @@ mod tests {
 
     /// What [`weigh`] is defined to give, by matrices: kinds with their weights, and the covariance of each gyro.
     fn by_matrices(
-        course: &Course,
+        course: &DwellConditions,
         gyros: &[FittedGyro],
         plain: &[DMatrix<f64>],
         stated: bool,
@@ -378,7 +378,7 @@ mod tests {
                 let factors = DVector::from_vec(law.factors(course)).map(|f| f * f);
                 over(&gyro.even.component_mul(&factors), gyro.weights)
             }
-            Some(NoiseDeparture::Memory(memory, power)) => {
+            Some(NoiseDeparture::CorrelatedNoise(memory, power)) => {
                 let white = over(gyro.variances, gyro.weights);
                 let usual = median_of(white.diagonal().iter().map(|v| v.sqrt())).unwrap_or(1.0);
                 white + power * usual * usual * memory.kernel(course.times)
@@ -398,9 +398,10 @@ mod tests {
         let laws = laws.into_iter().filter(|kind| stated || !matches!(kind, NoiseDeparture::Law(Law::Duration(_))));
         let laws: Vec<(NoiseDeparture, f64)> = laws.map(|kind| (kind, 0.2)).collect();
         let of_law = 0.2 / laws.len() as f64;
-        let flicker = [0.15, 0.5, 1.5, 5.0, 20.0].map(|power| (NoiseDeparture::Memory(Memory::Flicker, power), 0.0005));
-        let walks =
-            [0.15, 0.5, 1.5, 5.0, 20.0].map(|power| (NoiseDeparture::Memory(Memory::Walk, power * 3.0), 0.0005));
+        let flicker = [0.15, 0.5, 1.5, 5.0, 20.0]
+            .map(|power| (NoiseDeparture::CorrelatedNoise(CorrelatedNoise::Flicker, power), 0.0005));
+        let walks = [0.15, 0.5, 1.5, 5.0, 20.0]
+            .map(|power| (NoiseDeparture::CorrelatedNoise(CorrelatedNoise::Walk, power * 3.0), 0.0005));
         let kinds = laws.into_iter().map(|(kind, _)| (kind, of_law)).chain(flicker).chain(walks);
         let white: f64 = gyros.iter().map(|gyro| restricted(&covariance(None, gyro), gyro).0).sum();
         let weight = |kind: NoiseDeparture, prior: f64| {
@@ -431,7 +432,7 @@ mod tests {
         let (times, d, x) = dwells();
         let durations: Vec<f64> = (0..20).map(|k| if k % 3 == 0 { 60.0 } else { 240.0 }).collect();
         let rates: Vec<_> = (0..20).map(|k| nalgebra::Vector3::new(0.0, 30.0 * f64::from(k % 5), 10.0)).collect();
-        let course = Course { times: &times, durations: &durations, rates: &rates };
+        let course = DwellConditions { times: &times, durations: &durations, rates: &rates };
         let variances = DVector::from_fn(20, |k, _| 1.0 + 0.2 * (3.1 * k as f64).cos());
         let even = DVector::from_fn(20, |k, _| 1.0 + 0.1 * (2.3 * k as f64).sin());
         for (stated, walk) in [(true, 0.0), (true, 0.6), (false, 0.3), (false, 0.0)] {

@@ -3,7 +3,7 @@
 
 use crate::config::Judging;
 use crate::core::gyro_attributes::GyroAttributes;
-use crate::core::judge::{Coefficient, Event, LimitKind, Limits, Outlook, Severity, State, Status, overdue};
+use crate::core::judge::{BudgetProjection, Coefficient, Event, LimitKind, Limits, Severity, State, Status, overdue};
 use crate::pipeline::alerts::{finding_of, status_of};
 use crate::pipeline::ingest::judge::gyro_window::sample_of;
 use crate::pipeline::prelude::*;
@@ -12,7 +12,7 @@ use crate::store::{AlertRow, HeadRow, NewestRow, RecordVerdicts, StoredVerdict};
 
 /// How one gyro stands.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Standing {
+pub struct GyroStatus {
     pub number: u32,
     pub serial: Arc<str>,
     /// Its newest calibration; none for a gyro that only a bench has seen.
@@ -36,7 +36,7 @@ pub struct Standing {
     /// Since when it is beyond its limits; where it is not, since when it drifts.
     pub since: Option<UtcMicros>,
     /// How it lies to its budget and where it goes, by its row of the table `head`.
-    pub outlook: Outlook,
+    pub projection: BudgetProjection,
     pub attributes: GyroAttributes,
 }
 
@@ -115,7 +115,7 @@ pub(crate) struct Facts<'a> {
     /// When it was retired or put into storage last, and which.
     pub out_of_use: Option<(UtcMicros, Event)>,
     /// By the verdicts on its newest calibration when they were decided.
-    pub outlook: Outlook,
+    pub projection: BudgetProjection,
 }
 
 impl Facts<'_> {
@@ -125,7 +125,7 @@ impl Facts<'_> {
         since.map(|(_, event)| event)
     }
 
-    pub fn standing(&self, limits: &Limits, now: UtcMicros) -> Standing {
+    pub fn standing(&self, limits: &Limits, now: UtcMicros) -> GyroStatus {
         let Self { verdicts, newest, .. } = *self;
         let told = self.alerted.told.as_slice();
         let out_of_use = self.out_of_use();
@@ -140,7 +140,7 @@ impl Facts<'_> {
         let loads = verdicts.iter().filter_map(load).chain(disagreements.iter().filter_map(|found| found.load));
         let violations: Vec<Violation> = violations(verdicts, told).chain(disagreements.iter().copied()).collect();
         let worst_of = violations.iter().map(|violation| violation.status).chain(overdue_days.map(|_| Status::Overdue));
-        Standing {
+        GyroStatus {
             number: self.number,
             serial: self.serial.clone(),
             state: of_newest.max(of_methods),
@@ -153,7 +153,7 @@ impl Facts<'_> {
             out_of_use,
             newest,
             since: self.alerted.since(),
-            outlook: self.outlook,
+            projection: self.projection,
             attributes: GyroAttributes::default(),
         }
     }
@@ -164,7 +164,7 @@ impl Facts<'_> {
         let limits = judging.limits(imu, &self.serial);
         // Nothing is overdue at the instant of its calibration.
         let standing = self.standing(&limits, self.newest.map_or(UtcMicros(0), |figures| figures.at));
-        let Standing { number: gyro, serial, newest, state, status, load, out_of_use, .. } = standing;
+        let GyroStatus { number: gyro, serial, newest, state, status, load, out_of_use, .. } = standing;
         let in_use = newest.filter(|_| out_of_use.is_none());
         let overdue_at = in_use.zip(limits.interval_days).map(|(figures, days)| figures.at.plus_days(days.value));
         let ahead = [Coefficient::DI, Coefficient::DS].map(|coefficient| {
@@ -190,7 +190,7 @@ impl Facts<'_> {
             out_of_use,
             firing: self.alerted.firing,
             severity: self.alerted.severity,
-            outlook: self.outlook,
+            projection: self.projection,
             since: self.alerted.since(),
             changed_at: self.alerted.changed_at,
         }
@@ -241,19 +241,19 @@ pub(crate) struct StoredFacts {
     sheets: HashMap<Id, RecordVerdicts>,
     alerted: HashMap<u32, Alerted>,
     out_of_use: HashMap<u32, (UtcMicros, Event)>,
-    outlooks: HashMap<u32, Outlook>,
+    projections: HashMap<u32, BudgetProjection>,
 }
 
 impl StoredFacts {
-    /// Of gyros with these newest calibrations, in three queries for all; their outlooks are known elsewhere.
+    /// Of gyros with these newest calibrations, in three queries for all; their projections are known elsewhere.
     pub async fn of(
         store: &Store,
         newest: &[(u32, Option<Figures>)],
-        outlooks: HashMap<u32, Outlook>,
+        projections: HashMap<u32, BudgetProjection>,
     ) -> Result<Self, StoreError> {
         let gyros: Vec<u32> = newest.iter().map(|(gyro, _)| *gyro).collect();
         let records: HashSet<Id> = newest.iter().filter_map(|(_, figures)| Some(figures.as_ref()?.record)).collect();
-        let sheets = store::record::verdict_sheets(store, records.into_iter()).await?;
+        let sheets = store::record::record_verdicts(store, records.into_iter()).await?;
         let mut rows: HashMap<u32, Vec<AlertRow>> = HashMap::new();
         for row in store::alerts::firing(store, &gyros).await? {
             rows.entry(row.of.gyro().unwrap_or_default()).or_default().push(row);
@@ -261,7 +261,7 @@ impl StoredFacts {
         let alerted = rows.iter().map(|(gyro, rows)| Ok((*gyro, Alerted::of(rows.iter())?)));
         let alerted = alerted.collect::<Result<_, StoreError>>()?;
         let out_of_use = store::event::out_of_use_of(store, &gyros).await?;
-        Ok(Self { sheets, alerted, out_of_use, outlooks })
+        Ok(Self { sheets, alerted, out_of_use, projections })
     }
 
     /// Of one gyro.
@@ -275,7 +275,7 @@ impl StoredFacts {
             verdicts: newest.and_then(|figures| self.sheets.get(&figures.record)).map_or(&[], |sheet| sheet.of(number)),
             alerted: self.alerted.get(&number).unwrap_or(&NONE),
             out_of_use: self.out_of_use.get(&number).copied(),
-            outlook: self.outlooks.get(&number).copied().unwrap_or_default(),
+            projection: self.projections.get(&number).copied().unwrap_or_default(),
         }
     }
 }
@@ -284,9 +284,9 @@ impl StoredFacts {
 mod tests {
     use super::*;
 
-    impl Standing {
-        /// A gyro in tolerance of which nothing but its outlook is known.
-        pub fn made_for_tests(number: u32, outlook: Outlook) -> Self {
+    impl GyroStatus {
+        /// A gyro in tolerance of which nothing but its projection is known.
+        pub fn made_for_tests(number: u32, projection: BudgetProjection) -> Self {
             Self {
                 number,
                 serial: format!("GYRO-{number}").into(),
@@ -299,7 +299,7 @@ mod tests {
                 overdue_days: None,
                 out_of_use: None,
                 since: None,
-                outlook,
+                projection,
                 attributes: Default::default(),
             }
         }

@@ -1,8 +1,8 @@
 //! What a calibration that is not stored would be judged to be, beside the last that is.
 
-use super::standing::violations;
+use super::gyro_status::violations;
 use super::status;
-use crate::core::judge::{Measured, Need, Older, Outlook, Status};
+use crate::core::judge::{BudgetProjection, Measured, Need, Older, Status};
 use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, sample_of};
 use crate::pipeline::prelude::*;
@@ -14,7 +14,7 @@ const UNKNOWN: u32 = u32::MAX;
 
 /// One gyro of a calibration that is not stored.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Foreseen {
+pub struct GyroPreview {
     /// Whether the serial is known.
     pub is_known: bool,
     /// Its last calibration before, D_I, D_S and D_O by the judged method.
@@ -24,7 +24,7 @@ pub struct Foreseen {
     /// (value - last value) / budget; none without a last value, and where the rule `baseline` (of D_O `closure`) is
     /// off.
     pub change: [Option<Measured>; 3],
-    pub outlook: Outlook,
+    pub projection: BudgetProjection,
     /// Of D_I, D_S and D_O.
     pub drift: [Status; 3],
     /// The worst of these.
@@ -35,9 +35,9 @@ pub struct Foreseen {
 
 /// What a calibration would come to.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Forecast {
+pub struct CalibrationPreview {
     /// In the order of the calibration's gyros.
-    pub gyros: Vec<Foreseen>,
+    pub gyros: Vec<GyroPreview>,
     pub imu_is_known: bool,
     /// Whether the station is known; where none is, that says nothing.
     pub station_is_known: bool,
@@ -45,7 +45,7 @@ pub struct Forecast {
 
 impl Queries {
     /// What would be said of a calibration if it were stored now, by what is stored before it.
-    pub async fn foresee(&self, calibration: &Calibration) -> Result<Forecast, StorageError> {
+    pub async fn preview_calibration(&self, calibration: &Calibration) -> Result<CalibrationPreview, StorageError> {
         let (imu, station, has_stations) = {
             let tables = self.store.names().read();
             let station = tables.stations.number(calibration.station.as_str());
@@ -69,7 +69,7 @@ impl Queries {
             let sample = sample_of(&figures, judging.method);
             window.append(sample);
             let verdicts: Vec<Verdict> = window.judge_newest(&limits, Older::NONE);
-            let outlook = Outlook::of(&verdicts);
+            let projection = BudgetProjection::of(&verdicts);
             let stored: Vec<StoredVerdict> = verdicts.iter().map(StoredVerdict::from).collect();
             let required: Vec<StoredVerdict> = gyro.requirements.iter().flatten().map(StoredVerdict::from).collect();
             let last = last.map(|figures| (figures.at, sample_of(&figures, judging.method).d));
@@ -80,18 +80,18 @@ impl Queries {
                 let sd = new.sd.zip(old.sd).map(|(a, b)| a.hypot(b) / budget);
                 Some(Measured { value: (new.value - old.value) / budget, sd })
             };
-            gyros.push(Foreseen {
+            gyros.push(GyroPreview {
                 is_known: number.is_some(),
                 change: [0, 1, 2].map(change),
                 last,
                 d: sample.d,
-                outlook,
+                projection,
                 drift: status::of_drift(&stored),
                 status: status::of_gyro(&stored),
                 unmet: violations(&required, &[]).collect(),
             });
         }
         let station_is_known = station.is_some() || !has_stations;
-        Ok(Forecast { gyros, imu_is_known: imu.is_some(), station_is_known })
+        Ok(CalibrationPreview { gyros, imu_is_known: imu.is_some(), station_is_known })
     }
 }

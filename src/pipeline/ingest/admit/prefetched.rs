@@ -1,7 +1,7 @@
 //! What a group will be asked about, read ahead in a handful of questions: one by one, each takes its own way to the
 //! database and back.
 
-use super::memory::Memory;
+use super::recent_records::RecentRecords;
 use crate::core::suspect_window::Mark;
 use crate::pipeline::ingest::submission::{Calibration, Submission};
 use crate::pipeline::prelude::*;
@@ -9,7 +9,7 @@ use crate::store::RecordAt;
 
 /// What is stored where a group's items are about to go. What is not in here was not asked for.
 #[derive(Debug, Default)]
-pub(crate) struct Ahead {
+pub(crate) struct Prefetched {
     keys: HashMap<String, Option<(Id, Vec<u8>)>>,
     /// The records of an IMU at an instant.
     records: HashMap<(u32, UtcMicros), Vec<RecordAt>>,
@@ -19,10 +19,10 @@ pub(crate) struct Ahead {
     marks: HashMap<u32, Vec<Mark>>,
 }
 
-impl Ahead {
+impl Prefetched {
     pub async fn read<'a>(
         store: &Store,
-        memory: &Memory,
+        memory: &RecentRecords,
         items: impl Iterator<Item = &'a Submission>,
     ) -> Result<Self, StoreError> {
         let sent: Vec<&Calibration> = items.filter_map(Submission::calibration).collect();

@@ -13,14 +13,14 @@ use crate::wire::record::{GyroBody, RecordBody};
 use crate::wire::time;
 
 /// What the demo tells the service, in the order of its time.
-pub(super) enum Happening {
+pub(super) enum DemoInput {
     Record(Box<RecordBody>),
     Bench(BenchBody),
     Campaign(Box<CampaignBody>),
     Repair { serial: String, at: String, reason: String },
 }
 
-impl Happening {
+impl DemoInput {
     /// When it happened, RFC 3339 in UTC: every instant of the demo lies on a whole second, so that texts sort as
     /// times.
     pub(super) fn at(&self) -> &str {

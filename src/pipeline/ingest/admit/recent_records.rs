@@ -5,7 +5,7 @@ use std::collections::hash_map::Entry;
 
 use super::group::Group;
 use crate::core::mounting::Slot;
-use crate::core::own_history::Shown;
+use crate::core::own_history::RecordFigures;
 use crate::pipeline::prelude::*;
 
 /// Newest records of a gyro that are read, and how many more may gather before the oldest are forgotten.
@@ -17,61 +17,61 @@ const MOST_GYROS: usize = 20_000;
 
 /// The newest records of the gyros that have been seen, those included that are not stored yet.
 #[derive(Debug, Default)]
-pub(crate) struct Memory {
-    gyros: HashMap<u32, Ring>,
+pub(crate) struct RecentRecords {
+    gyros: HashMap<u32, GyroRecords>,
 }
 
 /// One gyro's newest records, oldest first.
 #[derive(Debug, Default)]
-struct Ring {
-    rows: Vec<Remembered>,
+struct GyroRecords {
+    rows: Vec<RecentRecord>,
     /// Whether there are none before them.
     whole: bool,
 }
 
-impl Ring {
+impl GyroRecords {
     /// Of stored rows, oldest first, before which there are none where they are the `whole` of them.
     fn of(stored: &[Figures], whole: bool) -> Self {
         let newest = &stored[stored.len().saturating_sub(REMEMBERED)..];
-        Self { rows: newest.iter().map(Remembered::from).collect(), whole: whole && newest.len() == stored.len() }
+        Self { rows: newest.iter().map(RecentRecord::from).collect(), whole: whole && newest.len() == stored.len() }
     }
 }
 
 /// A gyro in one of its records.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Remembered {
+pub(super) struct RecentRecord {
     pub at: UtcMicros,
     pub record: Id,
     pub imu: u32,
     pub slot: Slot,
-    pub shown: Shown,
+    pub shown: RecordFigures,
 }
 
-impl From<&Figures> for Remembered {
+impl From<&Figures> for RecentRecord {
     fn from(figures: &Figures) -> Self {
         let sd = figures.rigid_sd.map(|[d_i, d_s, _]| [d_i, d_s]);
-        let shown = Shown { d: figures.rigid, sd, scale: None };
+        let shown = RecordFigures { d: figures.rigid, sd, scale: None };
         Self { at: figures.at, record: figures.record, imu: figures.imu, slot: figures.slot, shown }
     }
 }
 
 /// A gyro's records about an instant.
 #[derive(Debug, Default)]
-pub(super) struct Around {
+pub(super) struct NearbyRecords {
     /// The last few before it, the newest last.
-    pub before: Vec<Remembered>,
+    pub before: Vec<RecentRecord>,
     /// The first few after it, the newest first; looked for only where there are none before.
-    pub after: Vec<Remembered>,
+    pub after: Vec<RecentRecord>,
 }
 
-impl Around {
+impl NearbyRecords {
     pub fn nearest(&self, at: UtcMicros) -> Option<UtcMicros> {
         let all = self.before.iter().chain(&self.after).map(|row| row.at);
         all.min_by_key(|other| other.0.abs_diff(at.0))
     }
 }
 
-impl Memory {
+impl RecentRecords {
     /// Forgets everything: what is remembered is not what was stored.
     pub fn forget(&mut self) {
         self.gyros.clear();
@@ -85,11 +85,11 @@ impl Memory {
     /// no others.
     pub fn take_in<'a>(&mut self, read: impl Iterator<Item = (u32, &'a [Figures], bool)>) {
         for (gyro, rows, whole) in read {
-            self.gyros.entry(gyro).or_insert_with(|| Ring::of(rows, whole));
+            self.gyros.entry(gyro).or_insert_with(|| GyroRecords::of(rows, whole));
         }
     }
 
-    /// As [`Memory::forget_of`], of those that `lost` names.
+    /// As [`RecentRecords::forget_of`], of those that `lost` names.
     pub fn forget_where(&mut self, lost: impl Fn(u32) -> bool) {
         self.gyros.retain(|gyro, _| !lost(*gyro));
     }
@@ -113,7 +113,7 @@ impl Memory {
     }
 
     /// Reads what is stored of a gyro, and adds what the group holds of it.
-    async fn recall(&mut self, store: &Store, gyro: u32, group: &Group) -> Result<&mut Ring, StoreError> {
+    async fn recall(&mut self, store: &Store, gyro: u32, group: &Group) -> Result<&mut GyroRecords, StoreError> {
         let unseen = match self.gyros.entry(gyro) {
             Entry::Occupied(seen) => return Ok(seen.into_mut()),
             Entry::Vacant(unseen) => unseen,
@@ -123,11 +123,11 @@ impl Memory {
             if is_new { Vec::new() } else { store::history::newest(store, gyro, Span::EVER, REMEMBERED).await? };
         let whole = stored.len() < REMEMBERED;
         let counts = |figures: &&Figures| !group.withdraws(figures.record);
-        let mut rows: Vec<Remembered> = stored.iter().filter(counts).map(Remembered::from).collect();
+        let mut rows: Vec<RecentRecord> = stored.iter().filter(counts).map(RecentRecord::from).collect();
         let of_group = group.changes.history.iter().filter(|row| row.gyro == gyro);
-        rows.extend(of_group.map(|row| Remembered::from(&row.figures)));
+        rows.extend(of_group.map(|row| RecentRecord::from(&row.figures)));
         rows.sort_by_key(|row| row.at);
-        Ok(unseen.insert(Ring { rows, whole }))
+        Ok(unseen.insert(GyroRecords { rows, whole }))
     }
 
     /// What is known of a gyro about `at`.
@@ -137,14 +137,15 @@ impl Memory {
         gyro: u32,
         at: UtcMicros,
         group: &Group,
-    ) -> Result<Around, StoreError> {
+    ) -> Result<NearbyRecords, StoreError> {
         let ring = self.recall(store, gyro, group).await?;
         let place = ring.rows.partition_point(|row| row.at < at);
-        let mut around = Around { before: ring.rows[place.saturating_sub(BEFORE)..place].to_vec(), after: Vec::new() };
+        let mut around =
+            NearbyRecords { before: ring.rows[place.saturating_sub(BEFORE)..place].to_vec(), after: Vec::new() };
         if place == 0 && !ring.whole {
             let upto = Span { to: UtcMicros(at.0 - 1), ..Span::EVER };
             let stored = store::history::newest(store, gyro, upto, BEFORE).await?;
-            around.before = stored.iter().filter(|row| !group.withdraws(row.record)).map(Remembered::from).collect();
+            around.before = stored.iter().filter(|row| !group.withdraws(row.record)).map(RecentRecord::from).collect();
         }
         if around.before.is_empty() {
             around.after = ring.rows[place..].iter().take(BEFORE).rev().copied().collect();
@@ -153,16 +154,17 @@ impl Memory {
     }
 
     /// The remembered record of a gyro with the very same figures.
-    pub(super) fn identical(&self, gyro: u32, shown: &Shown) -> Option<Remembered> {
+    pub(super) fn identical(&self, gyro: u32, shown: &RecordFigures) -> Option<RecentRecord> {
         let bits = |d: [f64; 3]| d.map(f64::to_bits);
-        let same_scale = |other: &Shown| shown.scale.zip(other.scale).is_none_or(|(a, b)| a.to_bits() == b.to_bits());
+        let same_scale =
+            |other: &RecordFigures| shown.scale.zip(other.scale).is_none_or(|(a, b)| a.to_bits() == b.to_bits());
         let mut rows = self.gyros.get(&gyro)?.rows.iter();
         rows.find(|row| bits(row.shown.d) == bits(shown.d) && same_scale(&row.shown)).copied()
     }
 
     /// Adds a record that has been admitted, of a gyro that was asked for, or is new.
-    pub(super) fn add(&mut self, gyro: u32, row: Remembered) {
-        let ring = self.gyros.entry(gyro).or_insert_with(|| Ring { rows: Vec::new(), whole: true });
+    pub(super) fn add(&mut self, gyro: u32, row: RecentRecord) {
+        let ring = self.gyros.entry(gyro).or_insert_with(|| GyroRecords { rows: Vec::new(), whole: true });
         let place = ring.rows.partition_point(|there| there.at <= row.at);
         if place == 0 && !ring.whole {
             return;

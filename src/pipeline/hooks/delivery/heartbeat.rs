@@ -8,9 +8,9 @@ const STUCK: Duration = Duration::from_secs(30);
 
 /// When the worker last looked around. Cheap to clone.
 #[derive(Debug, Clone, Default)]
-pub(in crate::pipeline) struct Pulse(Arc<Mutex<Option<Instant>>>);
+pub(in crate::pipeline) struct Heartbeat(Arc<Mutex<Option<Instant>>>);
 
-impl Pulse {
+impl Heartbeat {
     pub fn beat(&self) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
     }

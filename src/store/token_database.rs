@@ -17,21 +17,21 @@ use crate::store::{AccessChanges, Cells, Changes, IdSource, Options, Result, Sto
 
 /// A database beside the service that may be serving it: for commands that read tokens or write one row.
 #[derive(Debug)]
-pub struct Beside(Aside);
+pub struct TokenDatabase(TokenBackend);
 
 #[derive(Debug)]
-enum Aside {
+enum TokenBackend {
     File { reading: Box<SqliteConnection>, writing: Box<Summing>, ids: IdSource },
     Server { store: Store, writer: Box<Writer> },
 }
 
-impl Beside {
+impl TokenDatabase {
     /// Opens the database; where no service holds it, creates it and brings its schema up to date first.
     pub async fn open(options: &Options) -> Result<Self> {
         if options.is_server() {
             let (store, mut writer) = postgres::open::open_beside(options).await?;
             writer.lock_cells(&Cells::one(ACCESS_CELL)).await?;
-            return Ok(Self(Aside::Server { store, writer: Box::new(writer) }));
+            return Ok(Self(TokenBackend::Server { store, writer: Box::new(writer) }));
         }
         let connect = connect_options(options)?;
         let file = connect.get_filename().to_owned();
@@ -50,20 +50,20 @@ impl Beside {
             settle(&writing)?;
         }
         let writing = Summing::over(writing)?;
-        Ok(Self(Aside::File { reading: Box::new(reading), writing: Box::new(writing), ids }))
+        Ok(Self(TokenBackend::File { reading: Box::new(reading), writing: Box::new(writing), ids }))
     }
 
     pub async fn tokens(&mut self) -> Result<Vec<Token>> {
         match &mut self.0 {
-            Aside::File { reading, .. } => access::tokens_of(reading).await,
-            Aside::Server { store, .. } => access::tokens(store).await,
+            TokenBackend::File { reading, .. } => access::tokens_of(reading).await,
+            TokenBackend::Server { store, .. } => access::tokens(store).await,
         }
     }
 
     pub fn next_id(&mut self, now: UtcMicros) -> Id {
         match &mut self.0 {
-            Aside::File { ids, .. } => ids.next(now),
-            Aside::Server { writer, .. } => writer.next_id(now),
+            TokenBackend::File { ids, .. } => ids.next(now),
+            TokenBackend::Server { writer, .. } => writer.next_id(now),
         }
     }
 
@@ -74,8 +74,8 @@ impl Beside {
     pub async fn commit(&mut self, access: AccessChanges) -> Result<()> {
         let changes = Changes { access, ..Changes::default() };
         match &mut self.0 {
-            Aside::File { writing, .. } => waiting_for_disk(|| batch_of(&changes).commit(writing)),
-            Aside::Server { writer, .. } => writer.commit(&changes).await,
+            TokenBackend::File { writing, .. } => waiting_for_disk(|| batch_of(&changes).commit(writing)),
+            TokenBackend::Server { writer, .. } => writer.commit(&changes).await,
         }
     }
 }

@@ -11,9 +11,9 @@ use crate::store::error::{Result, StoreError};
 
 /// Whether a flush has failed, for whichever connection; never taken back.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Halt(Arc<OnceLock<String>>);
+pub(crate) struct FlushFailure(Arc<OnceLock<String>>);
 
-impl Halt {
+impl FlushFailure {
     /// # Errors
     /// [`StoreError::NotDurable`] from the first failed flush on.
     pub fn check(&self) -> Result<()> {
@@ -21,7 +21,7 @@ impl Halt {
     }
 
     /// Hands an outcome on, and keeps in mind a flush that failed.
-    pub fn heed<T>(&self, outcome: Result<T>) -> Result<T> {
+    pub fn record<T>(&self, outcome: Result<T>) -> Result<T> {
         if let Err(StoreError::NotDurable(why)) = &outcome
             && self.0.set(why.clone()).is_ok()
         {
@@ -37,11 +37,11 @@ mod tests {
 
     #[test]
     fn a_failed_flush_is_heard_of_by_everyone_and_other_failures_are_not() {
-        let (halt, other) = (Halt::default(), Halt::default());
-        let beside = halt.clone();
-        assert!(halt.heed::<()>(Err(StoreError::Full)).is_err());
+        let (flush_failure, other) = (FlushFailure::default(), FlushFailure::default());
+        let beside = flush_failure.clone();
+        assert!(flush_failure.record::<()>(Err(StoreError::Full)).is_err());
         beside.check().unwrap();
-        assert!(halt.heed::<()>(Err(StoreError::NotDurable("EIO".into()))).is_err());
+        assert!(flush_failure.record::<()>(Err(StoreError::NotDurable("EIO".into()))).is_err());
         assert!(matches!(beside.check(), Err(StoreError::NotDurable(why)) if why == "EIO"));
         other.check().unwrap();
     }

@@ -1,4 +1,4 @@
-//! How alike residuals are that ought to be strangers: a quadratic form of them, and its distribution under noise.
+//! Whether residuals are alike that should be independent: a quadratic form of them, and its distribution under noise.
 //!
 //! Residuals `r = P e` of white noise `e` with the projector `P = 1 - Q Q'` of the model (`Q` an orthonormal basis of
 //! its whitened design, `d` degrees of freedom) give `T = r'Wr / (r'r/d)`. With `A = PWP`, `m = tr(A)/d` and the
@@ -31,7 +31,7 @@ const MOST_EXACT: usize = 300;
 /// 18 %, and less where many share it.
 const PROBES: usize = 64;
 
-/// Which dwells ought to be strangers: symmetric, n x n, nothing on the diagonal.
+/// Which dwells should be independent: symmetric, n x n, nothing on the diagonal.
 pub(super) struct Weights {
     matrix: DMatrix<f64>,
     /// tr(W^3).
@@ -54,7 +54,7 @@ impl Weights {
 
     /// The form and its moments for residuals with `dof` degrees of freedom of a model with the orthonormal `basis`
     /// (n x p); none where too little is left to say.
-    pub fn likeness(&self, basis: &DMatrix<f64>, dof: f64) -> Option<Likeness<'_>> {
+    pub fn test(&self, basis: &DMatrix<f64>, dof: f64) -> Option<QuadraticFormTest<'_>> {
         if dof < 4.0 {
             return None;
         }
@@ -74,7 +74,13 @@ impl Weights {
         }
         let central = cube - 3.0 * m * square + 2.0 * m * m * mean;
         let third = 8.0 * central * dof * dof / ((dof + 2.0) * (dof + 4.0));
-        Some(Likeness { weights: &self.matrix, dof, mean, sd: variance.sqrt(), skewness: third / variance.powf(1.5) })
+        Some(QuadraticFormTest {
+            weights: &self.matrix,
+            dof,
+            mean,
+            sd: variance.sqrt(),
+            skewness: third / variance.powf(1.5),
+        })
     }
 }
 
@@ -86,7 +92,7 @@ fn sign(number: usize) -> f64 {
     if (bits ^ (bits >> 33)) & 1 == 0 { 1.0 } else { -1.0 }
 }
 
-pub(super) struct Likeness<'w> {
+pub(super) struct QuadraticFormTest<'w> {
     weights: &'w DMatrix<f64>,
     dof: f64,
     mean: f64,
@@ -94,7 +100,7 @@ pub(super) struct Likeness<'w> {
     skewness: f64,
 }
 
-impl Likeness<'_> {
+impl QuadraticFormTest<'_> {
     /// Of whitened residuals, n.
     pub fn score(&self, residual: &[f64]) -> Score {
         let scale = dot(residual, residual) / self.dof;
@@ -190,14 +196,14 @@ mod tests {
             let (basis, dof) = (basis(design), (design.0 - design.1) as f64);
             for (i, matrix) in weights(design.0).into_iter().enumerate() {
                 let weights = Weights::new(matrix);
-                let likeness = weights.likeness(&basis, dof).expect("enough is left");
+                let test = weights.test(&basis, dof).expect("enough is left");
                 const DRAWS: usize = 20_000;
                 let scores: Vec<Score> =
-                    (0..DRAWS).map(|_| likeness.score(noise(&mut random, &basis).as_slice())).collect();
+                    (0..DRAWS).map(|_| test.score(noise(&mut random, &basis).as_slice())).collect();
                 let moment = |n: i32| scores.iter().map(|score| score.z.powi(n)).sum::<f64>() / DRAWS as f64;
                 assert!(moment(1).abs() < 0.03, "form {i} of {dof}: mean {}", moment(1));
                 assert!((moment(2) - 1.0).abs() < 0.08, "form {i} of {dof}: variance {}", moment(2));
-                assert!((moment(3) - likeness.skewness).abs() < 0.25, "form {i} of {dof}: third moment {}", moment(3));
+                assert!((moment(3) - test.skewness).abs() < 0.25, "form {i} of {dof}: third moment {}", moment(3));
                 let mut p_values: Vec<f64> = scores.iter().map(|score| score.p_value()).collect();
                 p_values.sort_by(f64::total_cmp);
                 // Binomial scatter is 2 %, 7 % and 22 % of these; the approximation takes the rest. With few degrees
@@ -225,7 +231,7 @@ mod tests {
                 let variance = 2.0 * square * dof / (dof + 2.0);
                 let third = 8.0 * cube * dof * dof / ((dof + 2.0) * (dof + 4.0));
                 let weights = Weights::new(matrix);
-                let found = weights.likeness(&basis, dof).expect("enough is left");
+                let found = weights.test(&basis, dof).expect("enough is left");
                 assert!((found.mean - a.trace()).abs() < 1e-9);
                 assert!((found.sd.powi(2) / variance - 1.0).abs() < 1e-9);
                 let skewness = third / variance.powf(1.5);

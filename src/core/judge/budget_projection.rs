@@ -5,19 +5,19 @@ use crate::core::time::UtcMicros;
 
 /// How D_I, D_S and D_O lie to their budgets, and where D_I and D_S go.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Outlook {
+pub struct BudgetProjection {
     /// The loads, (value - baseline) / budget with its standard deviation: signed, 1 at the budget. None before the
     /// baseline is complete, and where the rule (`baseline`, of D_O `closure`) is off.
     pub load: [Option<Measured>; 3],
     /// The slopes of D_I and D_S that `trend` has established, in budgets a year.
     pub per_year: [Option<Measured>; 2],
     /// Where a trend reaches the budget: of D_I and D_S that which does so first.
-    pub reach: Option<Reach>,
+    pub reach: Option<BudgetCrossing>,
 }
 
 /// When a trend reaches the budget.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reach {
+pub struct BudgetCrossing {
     pub coefficient: Coefficient,
     /// By the line.
     pub at: UtcMicros,
@@ -27,7 +27,7 @@ pub struct Reach {
     pub provisional: bool,
 }
 
-impl Outlook {
+impl BudgetProjection {
     /// By the verdicts on a gyro's newest record.
     pub fn of(verdicts: &[Verdict]) -> Self {
         let mut outlook = Self::default();
@@ -41,8 +41,8 @@ impl Outlook {
                     *slope = Some(per_year.in_units_of(verdict.limit));
                 }
                 let coefficient = verdict.coefficient;
-                let reach = at.map(|at| Reach { coefficient, at, between: [from, until], provisional });
-                let earlier = |new: &Reach| outlook.reach.is_none_or(|known| new.at < known.at);
+                let reach = at.map(|at| BudgetCrossing { coefficient, at, between: [from, until], provisional });
+                let earlier = |new: &BudgetCrossing| outlook.reach.is_none_or(|known| new.at < known.at);
                 outlook.reach = reach.filter(earlier).or(outlook.reach);
             }
         }
@@ -94,7 +94,7 @@ mod tests {
             verdict(Coefficient::DS, Rule::Trend, trend(0.002, [Some(4), Some(7), Some(8)])),
             verdict(Coefficient::DO, Rule::Closure, closure),
         ];
-        let outlook = Outlook::of(&verdicts);
+        let outlook = BudgetProjection::of(&verdicts);
         assert!(near(outlook.load[0], -2.5, 0.07) && near(outlook.load[2], 0.5, 0.07), "{outlook:?}");
         assert!(near(outlook.per_year[0], -1.3, 0.03) && near(outlook.per_year[1], 0.2, 0.03), "{outlook:?}");
         assert!((outlook.extreme().unwrap() - 2.5).abs() < 1e-9, "without its sign, and D_O has none");
@@ -107,7 +107,7 @@ mod tests {
     fn without_a_baseline_there_is_no_load_and_without_a_slope_no_date() {
         let few = verdict(Coefficient::DI, Rule::Baseline, Finding::TooFew { have: 2, need: 4 });
         let flat = Finding::NoTrend { cells: 24, since: UtcMicros(0), step: None };
-        let outlook = Outlook::of(&[few, verdict(Coefficient::DI, Rule::Trend, flat)]);
-        assert_eq!((outlook, outlook.extreme()), (Outlook::default(), None));
+        let outlook = BudgetProjection::of(&[few, verdict(Coefficient::DI, Rule::Trend, flat)]);
+        assert_eq!((outlook, outlook.extreme()), (BudgetProjection::default(), None));
     }
 }

@@ -8,7 +8,7 @@ use crate::pipeline::prelude::*;
 /// The last answer to a question: it holds until something is written that it is about, by any server, or an instant
 /// has passed.
 #[derive(Debug)]
-pub(in crate::pipeline) struct Kept<T>(Mutex<Option<Answer<T>>>);
+pub(in crate::pipeline) struct CachedAnswer<T>(Mutex<Option<Answer<T>>>);
 
 #[derive(Debug)]
 struct Answer<T> {
@@ -19,13 +19,13 @@ struct Answer<T> {
     begun: Instant,
 }
 
-impl<T> Default for Kept<T> {
+impl<T> Default for CachedAnswer<T> {
     fn default() -> Self {
         Self(Mutex::new(None))
     }
 }
 
-impl<T> Kept<T> {
+impl<T> CachedAnswer<T> {
     /// What `find` finds at an instant; with it comes the last instant at which it would find the same where the
     /// version is the same. Who asks while it is sought waits for it.
     pub async fn at<E>(
@@ -56,7 +56,7 @@ impl<T> Kept<T> {
     }
 
     /// Whether an answer is being sought.
-    pub fn is_sought(&self) -> bool {
+    pub fn is_computing(&self) -> bool {
         self.0.try_lock().is_err()
     }
 }
@@ -75,7 +75,7 @@ mod tests {
 
     use super::*;
 
-    async fn asked(kept: &Kept<i64>, version: i64, now: i64, finds: i64) -> i64 {
+    async fn asked(kept: &CachedAnswer<i64>, version: i64, now: i64, finds: i64) -> i64 {
         let find = async {
             tokio::time::sleep(Duration::from_millis(20)).await;
             Ok::<_, StoreError>((finds, UtcMicros(now + 10)))
@@ -85,7 +85,7 @@ mod tests {
 
     #[tokio::test]
     async fn an_answer_is_kept_until_something_is_written_or_time_changes_it() {
-        let kept = Kept::default();
+        let kept = CachedAnswer::default();
         for (version, now, finds, found) in
             [(1, 100, 7, 7), (1, 110, 8, 7), (1, 111, 8, 8), (1, 100, 9, 9), (2, 105, 10, 10), (2, 105, 11, 10)]
         {
@@ -95,7 +95,7 @@ mod tests {
 
     #[tokio::test]
     async fn who_waits_shares_what_was_sought_after_they_asked_and_nothing_older() {
-        let kept = Kept::default();
+        let kept = CachedAnswer::default();
         let all = tokio::join!(asked(&kept, 1, 100, 7), asked(&kept, 2, 100, 8), asked(&kept, 3, 100, 9));
         assert_eq!(all, (7, 8, 8));
         assert_eq!(asked(&kept, 4, 100, 10).await, 10);

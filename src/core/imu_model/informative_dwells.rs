@@ -3,12 +3,12 @@
 use nalgebra::DMatrix;
 
 use super::identified::Identified;
-use super::programme::{Knowledge, NoForecast, StackedDesign};
+use super::programme::{CoefficientEstimate, NoForecast, StackedDesign};
 use crate::core::campaign::Campaign;
 
 /// A dwell that is worth measuring.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Telling {
+pub struct InformativeDwell {
     pub dwell: usize,
     /// What measuring it tells of the coefficients after those before it: 0.5 sum ln(1 + x'Cx/noise^2), nats.
     pub information: f64,
@@ -21,13 +21,13 @@ pub struct Telling {
 ///
 /// # Errors
 /// [`NoForecast`].
-pub fn most_telling(model: &Identified, campaign: &Campaign, most: usize) -> Result<Vec<Telling>, NoForecast> {
+pub fn most_telling(model: &Identified, campaign: &Campaign, most: usize) -> Result<Vec<InformativeDwell>, NoForecast> {
     let programme = StackedDesign::of(model, campaign)?;
-    let mut covariance = Knowledge::of(model, campaign, &programme, model.effects.len()).covariance;
-    let mut chosen: Vec<Telling> = Vec::new();
+    let mut covariance = CoefficientEstimate::of(model, campaign, &programme, model.effects.len()).covariance;
+    let mut chosen: Vec<InformativeDwell> = Vec::new();
     while chosen.len() < most {
         let left = (0..programme.dwells).filter(|k| chosen.iter().all(|one| one.dwell != *k));
-        let told = left.map(|k| told(&programme, &covariance, k));
+        let told = left.map(|k| information(&programme, &covariance, k));
         let Some(best) = told.max_by(|a, b| a.information.total_cmp(&b.information)) else { break };
         if best.information < LEAST {
             break;
@@ -51,7 +51,7 @@ fn rows(programme: &StackedDesign, dwell: usize) -> impl Iterator<Item = usize> 
     (0..programme.gyros.len()).map(move |j| j * n + dwell)
 }
 
-fn told(programme: &StackedDesign, covariance: &DMatrix<f64>, dwell: usize) -> Telling {
+fn information(programme: &StackedDesign, covariance: &DMatrix<f64>, dwell: usize) -> InformativeDwell {
     let ratios = rows(programme, dwell).map(|row| {
         let column = programme.columns.row(row).transpose();
         column.dot(&(covariance * &column)).max(0.0) / programme.noise[row].powi(2)
@@ -61,5 +61,5 @@ fn told(programme: &StackedDesign, covariance: &DMatrix<f64>, dwell: usize) -> T
         information += 0.5 * ratio.ln_1p();
         largest = largest.max(ratio);
     }
-    Telling { dwell, information, sd_over_noise: largest.sqrt() }
+    InformativeDwell { dwell, information, sd_over_noise: largest.sqrt() }
 }

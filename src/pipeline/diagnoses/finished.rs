@@ -4,7 +4,7 @@ use crate::core::message::Message;
 use crate::pipeline::diagnoses::digest::{Digest, MountedGyro};
 use crate::pipeline::diagnoses::models::ModelCache;
 use crate::pipeline::prelude::*;
-use crate::store::{DiagnosisRow, JobChanges, NewDiagnosis, SettledTask};
+use crate::store::{DiagnosisRow, FinishedTask, JobChanges, NewDiagnosis};
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::forecast::ForecastPointBody;
 use crate::wire::json;
@@ -15,7 +15,7 @@ pub type Diagnosed = Arc<Result<DiagnosisBody, Message>>;
 
 /// What has come of a campaign that was to be diagnosed.
 #[derive(Debug)]
-pub(in crate::pipeline) struct Made {
+pub(in crate::pipeline) struct FinishedDiagnosis {
     pub(super) campaign: Id,
     pub(super) begun_at: UtcMicros,
     pub(super) ended_at: UtcMicros,
@@ -36,7 +36,7 @@ pub(super) enum DiagnosisOutcome {
     Failed(String),
 }
 
-impl Made {
+impl FinishedDiagnosis {
     /// What the writer writes, none where another model has come into force or another hypothesis competes meanwhile.
     /// Orders that wait for the campaign are told in the same.
     pub fn changes(&self, models: &ModelCache) -> Option<Changes> {
@@ -60,13 +60,13 @@ impl Made {
             }
             DiagnosisOutcome::Failed(why) => Some(why.clone()),
         };
-        let settled = vec![SettledTask { record: *campaign, begun_at: *begun_at, ended_at: *ended_at, failed }];
+        let settled = vec![FinishedTask { record: *campaign, begun_at: *begun_at, ended_at: *ended_at, failed }];
         changes.diagnosis_jobs = JobChanges { settled, ..JobChanges::default() };
         Some(changes)
     }
 
     /// The campaign, its IMU, and what was foretold of it.
-    pub fn foretold(&self) -> Option<(Id, u32, &ForecastPointBody)> {
+    pub fn forecast(&self) -> Option<(Id, u32, &ForecastPointBody)> {
         let DiagnosisOutcome::Known { imu, diagnosed, .. } = &self.outcome else { return None };
         let body = diagnosed.as_ref().as_ref().ok()?;
         Some((self.campaign, *imu, body.forecast.as_ref()?))

@@ -431,26 +431,28 @@ impl BenchProblem<'_> {
         };
         let sigma = noise.factor.map(|f| DVector::from_fn(self.sd.len(), |i, _| self.sd[i] * f));
         let rank = factor.rank();
-        let mut coordinates = noise.covariance_scale().map(|scale| DMatrix::from_diagonal_element(rank, rank, scale));
+        let white = noise.covariance_scale().map(|scale| DMatrix::from_diagonal_element(rank, rank, scale));
+        let mut coordinates = white.clone();
         let kinds = self.weigh(&factor, &fit, &station, &mut coordinates);
-        let uncertainty = coordinates.map(|coordinates| {
+        // Of one gyro, kinds may widen what white noise makes of a coefficient, and not narrow it.
+        let of_kind = |coordinates: DMatrix<f64>| {
             let identity = DMatrix::identity(fit.estimate.len(), fit.estimate.len());
             Uncertainty {
                 fit: factor.covariance_of(&coordinates),
                 share: noise.share(&evidence, noise_report::is_other(&kinds)),
                 station: StationResponse::by_part(&station.responses, &identity),
             }
-        });
+        };
+        let uncertainties: Vec<Uncertainty> = white.into_iter().chain(coordinates).map(of_kind).collect();
         let slot = self.campaign.gyros[0].slot;
         let usual = sigma.as_ref().and_then(|sigma| median_of(sigma.iter().copied()));
         let sds = |power: f64| usual.map(|usual| (slot, power.sqrt() * usual / k.abs())).into_iter().collect();
-        if let Some(parts) = uncertainty.as_ref().filter(|_| first > 0)
+        if let Some(parts) = uncertainties.first().filter(|_| first > 0)
             && self.method == BenchMethod::TorqueFeedback
             && k.abs() < LEAST_SCALE_TO_NOISE * parts.fit.view((0, 0), (first, first)).trace().max(0.0).sqrt()
         {
             return Err(NotFitted::NoScale);
         }
-        let covariance = uncertainty.as_ref().map(Uncertainty::covariance);
         // dK along each fitted direction: the direction's share in E's own.
         let by_scale: Vec<f64> = scale.fitted.iter().map(|axis| axis.dot(&e) / k).collect();
         // The axes follow E: a turn of I towards S takes D_S into D_I, and D_I out of D_S.
@@ -473,8 +475,9 @@ impl BenchProblem<'_> {
                     gradient[i] = by_turn(name, &scale.fitted[i]) - value * share / k;
                 }
                 let variance = |c: &DMatrix<f64>| gradient.dot(&(c * &gradient));
-                let sd = covariance.as_ref().map(|c| variance(c).max(0.0).sqrt());
-                let budget = uncertainty.as_ref().and_then(|parts| parts.budgets(|c| Some([variance(c)])));
+                let widest = uncertainties.iter().max_by(|a, b| variance(&a.fit).total_cmp(&variance(&b.fit)));
+                let sd = widest.map(|parts| variance(&parts.covariance()).max(0.0).sqrt());
+                let budget = widest.and_then(|parts| parts.budgets(|c| Some([variance(c)])));
                 BenchCoefficient { name, unit, value, sd, uncertainty: budget.map(|[budget]| budget) }
             })
             .collect();

@@ -78,6 +78,7 @@ pub(super) struct Seen {
 }
 
 impl Seen {
+    /// Whether the dwell lies within the temperatures, rates and attitudes that the model has seen.
     pub fn whole(self) -> bool {
         self.temperature && self.rate && self.attitude
     }

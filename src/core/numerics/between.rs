@@ -45,6 +45,7 @@ pub struct Scatter {
 }
 
 impl Observation {
+    /// A value that shares nothing with others; `sd` in its unit.
     pub fn independent(value: f64, sd: f64) -> Self {
         Self { value, sd, shared_sd: 0.0, group: 0 }
     }
@@ -53,8 +54,9 @@ impl Observation {
 impl Scatter {
     /// Of one quantity: two values at least.
     pub fn of(values: &[Observation]) -> Option<Self> {
+        let dof = values.len().checked_sub(1).filter(|dof| *dof > 0)?;
         let at = Weighted::of(values, 0.0);
-        (values.len() > 1).then_some(Self { chi2: at.chi2, dof: values.len() - 1, weight: at.trace })
+        Some(Self { chi2: at.chi2, dof, weight: at.trace })
     }
 
     /// Both together: Q, degrees of freedom and weights add.
@@ -67,6 +69,7 @@ impl Scatter {
         chi2_tail(self.chi2, self.dof)
     }
 
+    /// Whether p < 0.05.
     pub fn is_beyond(&self) -> bool {
         self.p_value().is_some_and(|p| p < BEYOND_NOISE)
     }

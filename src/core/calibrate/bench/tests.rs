@@ -385,11 +385,9 @@ fn errors_that_scatter_are_shrunk_to_their_law_unless_residuals_follow_them() {
 /// Products of forces across a skewed fixture are, over balanced faces, combinations of 1 and the squares.
 #[test]
 fn a_product_that_hides_in_the_squares_is_said_unless_residuals_show_it() {
-    let skewed = Matrix3::from_rows(&[
-        Vector3::new(0.577350, -0.408248, 0.707107).normalize().transpose(),
-        Vector3::new(0.577350, -0.408248, -0.707107).normalize().transpose(),
-        Vector3::new(0.577350, 0.816497, 0.0).normalize().transpose(),
-    ]);
+    let (input, spin) = (Vector3::new(0.577350, -0.408248, 0.707107).normalize(), Vector3::new(0.0, 0.866025, 0.5));
+    let spin = (spin - input * input.dot(&spin)).normalize();
+    let skewed = Matrix3::from_rows(&[input.transpose(), spin.transpose(), input.cross(&spin).transpose()]);
     let faces = [Vector3::x(), -Vector3::x(), Vector3::y(), -Vector3::y(), Vector3::z(), -Vector3::z()];
     let faces: Vec<Position> = (0..24)
         .map(|k| {

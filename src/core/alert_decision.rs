@@ -218,7 +218,9 @@ pub fn hear_again(
 /// As [`hear_again`], of an alert that fires, where the verdict on the newest record stands as it was.
 pub fn settle(alert: &Alert, rule: Rule, left: Option<&Alert>, arrival: &Arrival, policy: &Policy) -> Decision {
     let alert = settled(alert, left, arrival.now);
-    let suppressed = suppress(&alert, (rule, alert.within == 0), arrival, policy);
+    // The newest record has found nothing that it did not before.
+    let exceeds = alert.within == 0 && alert.suppressed.is_none();
+    let suppressed = suppress(&alert, (rule, exceeds), arrival, policy);
     announce(Alert { suppressed, ..alert }, arrival.now)
 }
 

@@ -228,7 +228,7 @@ impl HookHandler<'_> {
         outbox.dropped.push((row.id, self.now));
         outbox.forgotten.push(row.id);
         // Of what fires it is told again, whatever it has heard.
-        let heard = self.heard_firing(store::hook::delivered_firing(self.store, row.id).await?);
+        let heard = self.heard_firing(store::hook::delivered_firing(self.store, row.id).await?.into_keys());
         self.introduce(row, &heard, outbox)
     }
 

@@ -2,15 +2,15 @@
 //! copies.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Write};
+use std::io;
 use std::os::unix::fs::{OpenOptionsExt, PermissionsExt};
 use std::path::Path;
 
 use crate::store::error::{Result, StoreError};
 
 const OWNER_ALONE: u32 = 0o600;
-/// Of the smallest write: the first page of many a table and index.
-const LEAST_PAGES: u32 = 64;
+/// Of the smallest write, bytes: the first page of many a table and index, in the log and in the database.
+const LEAST_ROOM: u64 = 1 << 19;
 
 fn options() -> OpenOptions {
     let mut options = File::options();
@@ -40,17 +40,12 @@ pub(crate) fn make(database: &Path) {
     }
 }
 
-/// Makes sure that there is room for a write of about so many pages: they are written to a file, which is then removed.
-pub(crate) fn make_sure_of_room(path: &Path, pages: u32) -> Result<()> {
-    let written = open(path).and_then(|mut file| {
-        let pages = pages.saturating_mul(2).saturating_add(LEAST_PAGES);
-        (0..pages).try_for_each(|_| file.write_all(&[0x5a; 4096]))
-    });
-    let _made_or_not = fs::remove_file(path);
-    written.map_err(|error| match error.kind() {
-        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => StoreError::Full,
-        _ => StoreError::ReadOnly(error.to_string()),
-    })
+/// Makes sure that the disk of a database has room for a write, as far as the file system says.
+pub(crate) fn make_sure_of_room(database: &Path) -> Result<()> {
+    match rustix::fs::statvfs(database) {
+        Ok(disk) if disk.f_bavail.saturating_mul(disk.f_frsize) < LEAST_ROOM => Err(StoreError::Full),
+        _ => Ok(()),
+    }
 }
 
 /// Whether it is no file, but the name that sqlx gives to a database in memory.

@@ -10,7 +10,7 @@ use tokio::runtime::{Handle, RuntimeFlavor};
 use super::checkpoint::{self, Checkpoints};
 use super::checksum::Summing;
 use super::flush_failure::FlushFailure;
-use super::lock::{Lock, beside};
+use super::lock::Lock;
 use super::private;
 use crate::store::changes::batch_of;
 use crate::store::name_tables::Names;
@@ -26,8 +26,8 @@ pub(crate) struct FileWriter {
     write_behind: WriteBehind,
     checkpoints: Checkpoints,
     flush_failure: FlushFailure,
-    /// Pages, about, of a write that failed: whether writing works again, only as large a one can tell.
-    in_doubt: Option<u32>,
+    /// The last write failed: whether writing works again, only writing can tell.
+    in_doubt: bool,
     _lock: Lock,
 }
 
@@ -40,16 +40,14 @@ impl FileWriter {
         flush_failure: FlushFailure,
         lock: Lock,
     ) -> Self {
-        Self { connection, names, write_behind, checkpoints, flush_failure, in_doubt: None, _lock: lock }
+        Self { connection, names, write_behind, checkpoints, flush_failure, in_doubt: false, _lock: lock }
     }
 
     /// See [`crate::store::Writer::commit`].
     pub fn commit(&mut self, changes: &Changes) -> Result<()> {
         self.flush_failure.check()?;
         let finished = self.checkpoints.finish(&self.connection);
-        if finished.is_err() {
-            self.in_doubt = self.in_doubt.or(Some(0));
-        }
+        self.in_doubt |= finished.is_err();
         self.flush_failure.record(finished)?;
         let mut batch = batch_of(changes);
         let fold = {
@@ -69,10 +67,9 @@ impl FileWriter {
         let pages = batch.pages();
         let committed = batch.commit(&self.connection);
         match &committed {
-            Ok(()) => self.in_doubt = self.in_doubt.filter(|failed| pages < *failed),
             // It says nothing of the disk.
             Err(StoreError::Refused(_)) => {}
-            Err(_) => self.in_doubt = self.in_doubt.max(Some(pages)),
+            result => self.in_doubt = result.is_err(),
         }
         self.flush_failure.record(committed)?;
         // First, so that whoever finds a row knows its names.
@@ -87,21 +84,20 @@ impl FileWriter {
     pub fn probe(&mut self) -> Result<()> {
         self.flush_failure.check()?;
         self.flush_failure.record(self.checkpoints.begin(&self.connection))?;
-        let sql = match self.in_doubt {
-            Some(pages) => {
-                // What the failed write has left of the log would take one page of another.
-                let database = self.connection.path().filter(|path| !path.is_empty()).map(Path::new);
-                database.map_or(Ok(()), |path| private::make_sure_of_room(&beside(path, "-room"), pages))?;
-                // The number is of no use to anyone else; setting it writes the first page.
-                "BEGIN IMMEDIATE; PRAGMA user_version = 0; COMMIT"
-            }
-            None => "BEGIN IMMEDIATE; ROLLBACK",
+        let sql = if self.in_doubt {
+            // What the failed write has left of the log would take one page of another.
+            let database = self.connection.path().filter(|path| !path.is_empty()).map(Path::new);
+            database.map_or(Ok(()), private::make_sure_of_room)?;
+            // The number is of no use to anyone else; setting it writes the first page.
+            "BEGIN IMMEDIATE; PRAGMA user_version = 0; COMMIT"
+        } else {
+            "BEGIN IMMEDIATE; ROLLBACK"
         };
         if let Err(error) = self.connection.execute_batch(sql) {
             let _nothing_left = self.connection.execute_batch("ROLLBACK");
             return self.flush_failure.record(Err(error.into()));
         }
-        self.in_doubt = None;
+        self.in_doubt = false;
         Ok(())
     }
 

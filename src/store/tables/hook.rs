@@ -1,6 +1,6 @@
 //! Hooks: whom to tell.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 use super::*;
 use crate::store::Secrets;
@@ -138,20 +138,21 @@ pub struct DeadLetters {
 }
 
 pub async fn dead_letters(store: &Store, hook: Id) -> Result<DeadLetters> {
-    let sql = "SELECT coalesce(d.alert, p.alert), coalesce(p.action, d.action, s.action)
+    let sql = "SELECT coalesce(d.alert, p.alert), coalesce(p.action, d.action, s.action), d.id
                FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step LEFT JOIN delivery_part AS p ON p.delivery = d.id
                WHERE d.hook = $1 AND d.state = 'dead' AND coalesce(d.alert, p.alert) IS NOT NULL
                    AND coalesce(p.action, d.action, s.action) IN ('fire', 'resolve')";
-    let dead: Vec<(Id, String)> = read!(store, all, sql, hook)?;
+    let dead: Vec<(Id, String, Id)> = read!(store, all, sql, hook)?;
     if dead.is_empty() {
         return Ok(DeadLetters::default());
     }
-    let taken: HashSet<Id> = delivered_firing(store, hook).await?.into_iter().collect();
+    let taken = delivered_firing(store, hook).await?;
     let (mut fires, mut ends): (HashSet<Id>, HashSet<Id>) = (HashSet::new(), HashSet::new());
-    for (alert, action) in dead {
-        match (action.as_str(), taken.contains(&alert)) {
-            ("fire", false) => _ = fires.insert(alert),
-            ("resolve", true) => _ = ends.insert(alert),
+    for (alert, action, delivery) in dead {
+        match (action.as_str(), taken.get(&alert)) {
+            ("fire", None) => _ = fires.insert(alert),
+            // It may have begun again since, and the hook have taken that.
+            ("resolve", Some(last)) if delivery > *last => _ = ends.insert(alert),
             _ => {}
         }
     }
@@ -166,9 +167,9 @@ pub async fn waiting_alerts(store: &Store, hook: Id) -> Result<HashSet<Id>> {
     Ok(alerts.into_iter().collect())
 }
 
-/// The alerts of which the last message that a hook took was not that they are resolved.
-pub async fn delivered_firing(store: &Store, hook: Id) -> Result<Vec<Id>> {
-    let sql = "SELECT told.alert, told.action
+/// The alerts of which the last message that a hook took was not that they are resolved, with that message.
+pub async fn delivered_firing(store: &Store, hook: Id) -> Result<BTreeMap<Id, Id>> {
+    let sql = "SELECT told.alert, told.action, told.id
                FROM (SELECT d.alert AS alert, coalesce(d.action, s.action) AS action, d.id AS id
                      FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step
                      WHERE d.hook = $1 AND d.state = 'delivered' AND d.alert IS NOT NULL
@@ -176,8 +177,9 @@ pub async fn delivered_firing(store: &Store, hook: Id) -> Result<Vec<Id>> {
                      SELECT p.alert, p.action, p.delivery FROM delivery_part AS p JOIN delivery AS d ON d.id = p.delivery
                      WHERE p.hook = $1 AND d.state = 'delivered') AS told
                ORDER BY told.id";
-    let told: Vec<(Id, Option<String>)> = read!(store, all, sql, hook)?;
-    let last: std::collections::BTreeMap<Id, Option<String>> = told.into_iter().collect();
-    let fires = last.into_iter().filter(|(_, action)| action.as_deref() != Some("resolve"));
-    Ok(fires.map(|(alert, _)| alert).collect())
+    let told: Vec<(Id, Option<String>, Id)> = read!(store, all, sql, hook)?;
+    let last: BTreeMap<Id, (Option<String>, Id)> =
+        told.into_iter().map(|(alert, action, id)| (alert, (action, id))).collect();
+    let fires = last.into_iter().filter(|(_, (action, _))| action.as_deref() != Some("resolve"));
+    Ok(fires.map(|(alert, (_, id))| (alert, id)).collect())
 }

@@ -24,6 +24,8 @@ const LARGE_PART: usize = 100;
 
 /// What a gyro takes in memory beside its records, in records: its baselines, weekly means and marks.
 const BESIDE_RECORDS: usize = 16;
+/// Records of a gyro, about, that are read anew for one that came late, at most.
+const READ_OF_LATE: usize = 4096;
 
 /// Judges; remembers the newest stretch of the gyros that it has seen.
 #[derive(Debug)]
@@ -78,7 +80,8 @@ impl Judge {
         Ok(judged)
     }
 
-    /// Notes what fires of the gyros of which records have come late, where an alert fires or is to.
+    /// Notes what fires of the gyros of which records have come late, where an alert fires or is to. Alerts stand as they
+    /// are where too many records would tell.
     pub async fn follow_late(
         &self,
         changes: &Changes,
@@ -90,7 +93,7 @@ impl Judge {
             let of_newest = newest.iter().filter(|row| row.gyro == *gyro);
             let mut verdicts = of_newest.filter_map(|row| verdicts.get(&(row.figures.record, *gyro))).flatten();
             if fires(*gyro) || verdicts.any(|verdict| verdict.severity().is_some()) {
-                *firing = Some(self.replay().replay(*gyro, changes).await?);
+                *firing = self.replay().replay(*gyro, changes, READ_OF_LATE).await?;
             }
         }
         Ok(())

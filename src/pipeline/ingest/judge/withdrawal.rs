@@ -21,7 +21,7 @@ impl Replay<'_> {
     /// new verdicts have been entered.
     pub async fn undo(&self, changes: &Changes, judged: &mut Judged) -> Result<(), StoreError> {
         for gyro in changes.withdrawn.gyros() {
-            let fires = self.replay(gyro, changes).await?;
+            let fires = self.fires(gyro, changes).await?;
             let rows = changes.withdrawn.history.iter().filter(|row| row.gyro == gyro);
             let gone = rows.clone().map(|row| row.figures.at).collect();
             let rows = rows.map(|row| row.figures.record);
@@ -35,7 +35,7 @@ impl Replay<'_> {
             }
         }
         for gyro in changes.rejudged.gyros_restated() {
-            let fires = Some(self.replay(gyro, changes).await?);
+            let fires = Some(self.fires(gyro, changes).await?);
             let said = changes.models.last().map(|model| (model.author.clone(), model.reason.clone()));
             let (author, reason) = said.unwrap_or_default();
             judged.undone.entry(gyro).or_insert(Undone { fires, gone: Vec::new(), author, reason });
@@ -48,9 +48,13 @@ impl Replay<'_> {
         Ok(())
     }
 
+    async fn fires(&self, gyro: u32, changes: &Changes) -> Result<Firing, StoreError> {
+        Ok(self.replay(gyro, changes, usize::MAX).await?.unwrap_or_default())
+    }
+
     /// What fires of a gyro by all its records that count. No more of them are read than tell: before a verdict that
-    /// ends an alert, whatever it was, it does not matter what that was.
-    pub async fn replay(&self, gyro: u32, changes: &Changes) -> Result<Firing, StoreError> {
+    /// ends an alert, whatever it was, it does not matter what that was. None where more than `most` would tell.
+    pub async fn replay(&self, gyro: u32, changes: &Changes, most: usize) -> Result<Option<Firing>, StoreError> {
         let gone: HashSet<Id> = changes.withdrawn.records.iter().copied().collect();
         let mut ahead = READ_AHEAD;
         loop {
@@ -64,7 +68,10 @@ impl Replay<'_> {
             let earlier = from.map(at_worst);
             let fires = self.follow(gyro, &records, earlier, changes).await?;
             if !fires.values().any(|alert| earlier.is_some_and(|earlier| alert.since == earlier.since)) {
-                return Ok(fires);
+                return Ok(Some(fires));
+            }
+            if ahead > most {
+                return Ok(None);
             }
             ahead *= 4;
         }

@@ -22,7 +22,7 @@ const COEFFICIENTS: [Coefficient; 2] = [Coefficient::DI, Coefficient::DS];
 const DATED_GYROS: usize = 200;
 const DATED_RECORDS: usize = 64;
 
-/// IMUs of one look of which an earlier calibration is judged, those that began last.
+/// IMUs of one look of which an earlier calibration is judged, at most.
 const BEGUN_BEFORE: usize = 32;
 
 /// Of the alert of a gyro, what tells whether others exceed the limit too; none where none can by its rule.
@@ -38,12 +38,12 @@ fn exceeds(row: &&ExcessRow) -> bool {
 }
 
 /// Beside what an IMU is judged: what its gyros exceed, and what they have moved by with others.
-struct TokenDatabase<'a> {
+struct Evidence<'a> {
     exceeding: HashMap<(u32, Coefficient), Vec<&'a ExcessRow>>,
     shifts: Vec<Shift>,
 }
 
-impl<'a> TokenDatabase<'a> {
+impl<'a> Evidence<'a> {
     fn of(of_groups: &[SharedVerdict], exceed: &'a [ExcessRow]) -> Self {
         let mut exceeding: HashMap<_, Vec<&ExcessRow>> = HashMap::new();
         exceed.iter().for_each(|row| exceeding.entry((row.gyro, row.coefficient)).or_default().push(row));
@@ -295,7 +295,7 @@ impl SharedShifts<'_> {
         of_groups: &[SharedVerdict],
         exceed: &[ExcessRow],
     ) -> Vec<SharedVerdict> {
-        let beside = TokenDatabase::of(of_groups, exceed);
+        let evidence = Evidence::of(of_groups, exceed);
         let mut gyros: BTreeMap<u32, Vec<&NewestCalibration>> = imus.iter().map(|imu| (*imu, Vec::new())).collect();
         newest.iter().for_each(|one| gyros.get_mut(&one.imu).into_iter().for_each(|gyros| gyros.push(one)));
         let mut found = Vec::new();
@@ -303,7 +303,7 @@ impl SharedShifts<'_> {
             for (column, coefficient) in COEFFICIENTS.into_iter().enumerate() {
                 let shared = self.alerts.shared();
                 let told = shared.since(AlertOf::Imu(imu), coefficient);
-                let judged = self.of_imu((imu, column), &gyros, told, &beside);
+                let judged = self.of_imu((imu, column), &gyros, told, &evidence);
                 // Nearly every IMU says nothing, and never has.
                 let says = |one: &SharedVerdict| one.verdict.severity().is_some() || shared.knows(one.of, coefficient);
                 found.extend(judged.filter(says));
@@ -318,14 +318,14 @@ impl SharedShifts<'_> {
         (imu, column): (u32, usize),
         gyros: &[&NewestCalibration],
         told: Option<UtcMicros>,
-        beside: &TokenDatabase<'_>,
+        evidence: &Evidence<'_>,
     ) -> Option<SharedVerdict> {
         let coefficient = COEFFICIENTS[column];
         let limits = self.config.judging.limits(&self.name_of(imu), "");
         let limit = [&limits.d_i, &limits.d_s][column].of(Rule::ImuShift)?;
         let last = gyros.iter().max_by_key(|one| one.at);
         let (at, station) = last.map_or((self.now, None), |one| (one.at, Some(one.station)));
-        let its = || gyros.iter().filter_map(|one| beside.exceeding.get(&(one.gyro, coefficient))).flatten();
+        let its = || gyros.iter().filter_map(|one| evidence.exceeding.get(&(one.gyro, coefficient))).flatten();
         let since = told.unwrap_or(at);
         let alert = self.shift_of((imu, column)).map(|row| row.id);
         // What is explained may be dated otherwise since: by a late record.
@@ -333,7 +333,7 @@ impl SharedShifts<'_> {
             |one: &&ExcessRow| one.since == since || one.inhibited_by.is_some() && one.inhibited_by == alert;
         let shared = |one: &NewestCalibration| {
             let is_its = |(of, gyros, _): &&Shift| *of == coefficient && gyros.contains(&one.gyro);
-            beside.shifts.iter().filter(is_its).map(|(.., shift)| *shift).collect()
+            evidence.shifts.iter().filter(is_its).map(|(.., shift)| *shift).collect()
         };
         let asked = ImuShiftCriteria {
             limit,
@@ -356,12 +356,12 @@ impl SharedShifts<'_> {
         of_groups: &[SharedVerdict],
         exceed: &[ExcessRow],
     ) -> Result<Vec<SharedVerdict>, StoreError> {
-        let beside = TokenDatabase::of(of_groups, exceed);
+        let evidence = Evidence::of(of_groups, exceed);
         // Of each gyro that exceeds its budget since when it does, by IMU.
         let mut began: BTreeMap<(u32, usize), BTreeSet<UtcMicros>> = BTreeMap::new();
         for one in newest {
             for (column, coefficient) in COEFFICIENTS.into_iter().enumerate() {
-                let rows = beside.exceeding.get(&(one.gyro, coefficient)).into_iter().flatten().copied();
+                let rows = evidence.exceeding.get(&(one.gyro, coefficient)).into_iter().flatten().copied();
                 let since = rows.filter(exceeds).map(|row| row.since).min();
                 since.map(|since| began.entry((one.imu, column)).or_default().insert(since));
             }
@@ -381,19 +381,29 @@ impl SharedShifts<'_> {
             let its = &gyros[&of.0];
             let told = self.shift_of(*of).filter(|row| row.alert.status == Status::Firing);
             let explains = |row: &AlertRow| {
-                let rows = its.iter().filter_map(|one| beside.exceeding.get(&(one.gyro, row.coefficient))).flatten();
+                let rows = its.iter().filter_map(|one| evidence.exceeding.get(&(one.gyro, row.coefficient))).flatten();
                 rows.into_iter().any(|excess| excess.inhibited_by == Some(row.id))
             };
             let is_back = |one: SharedVerdict| one.verdict.value.is_none() || one.verdict.state == State::Within;
-            let stays = || self.of_imu(*of, its, Some(*since), &beside).is_some_and(|one| !is_back(one));
-            told.is_none_or(explains) && its.iter().any(|one| one.at > *since) && stays()
+            let stays = || self.of_imu(*of, its, Some(*since), &evidence).is_some_and(|one| !is_back(one));
+            // What a station or batch does now says nothing of what it did then.
+            let (coefficient, gyros) = (COEFFICIENTS[of.1], || its.iter().map(|one| one.gyro));
+            let is_shared =
+                evidence.shifts.iter().any(|(c, all, _)| *c == coefficient && gyros().any(|g| all.contains(&g)));
+            !is_shared && told.is_none_or(explains) && its.iter().any(|one| one.at > *since) && stays()
         });
         began.sort_unstable_by_key(|(since, _)| std::cmp::Reverse(*since));
-        began.truncate(BEGUN_BEFORE);
+        if began.len() > BEGUN_BEFORE {
+            // Others at each look: none is to wait behind those that are always judged the same.
+            let looks = usize::try_from(self.now.0 / 60_000_000).unwrap_or(0);
+            let length = began.len();
+            began.rotate_left(looks.wrapping_mul(BEGUN_BEFORE) % length);
+            began.truncate(BEGUN_BEFORE);
+        }
         let mut found = Vec::new();
         for (since, of) in began {
             let then = self.calibrated_at(since, of.0, &gyros[&of.0]).await?;
-            let judged = self.of_imu(of, &then.iter().collect::<Vec<_>>(), Some(since), &beside);
+            let judged = self.of_imu(of, &then.iter().collect::<Vec<_>>(), Some(since), &evidence);
             let judged = judged.filter(|one| one.verdict.severity().is_some());
             found.extend(judged.map(|one| SharedVerdict { since: Some(since), ..one }));
         }

@@ -156,6 +156,7 @@ struct BenchProblem<'a> {
     triad: Triad,
     sd: Vec<f64>,
     /// Scatter of the stated errors, where `sd` are shrunk to their law.
+    is_shrunken: bool,
     errors_scatter: Option<f64>,
     squares: bool,
 }
@@ -174,11 +175,11 @@ pub fn calibrate_bench(campaign: &Campaign) -> Result<BenchCalibration, NotFitte
     let triad = campaign.geometry.triad(gyro.slot).ok_or(NotFitted::NoAxes(gyro.slot.name()))?;
     let squares = campaign.terms().contains(Term::GSquared);
     let sd = weights_sd(campaign, 0);
-    let mut problem = BenchProblem { campaign, method, triad, sd, errors_scatter: None, squares };
+    let mut problem = BenchProblem { campaign, method, triad, sd, is_shrunken: false, errors_scatter: None, squares };
     let scale = problem.scale(gyro.known_e)?;
     let as_stated = problem.fit(&scale)?;
     let Some((sd, scatter)) = problem.shrunken(&scale, &as_stated) else { return Ok(as_stated) };
-    (problem.sd, problem.errors_scatter) = (sd, Some(scatter));
+    (problem.sd, problem.is_shrunken, problem.errors_scatter) = (sd, true, scatter);
     problem.fit(&scale)
 }
 
@@ -245,8 +246,9 @@ impl BenchProblem<'_> {
         correlated_noise::weigh(&course, &[fitted], std::slice::from_mut(coordinates), has_sem)
     }
 
-    /// Standard errors shrunk to the law that they scatter about, and their scatter; none where residuals follow them.
-    fn shrunken(&self, scale: &BenchScale, as_stated: &BenchCalibration) -> Option<(Vec<f64>, f64)> {
+    /// Standard errors shrunk to the law that they scatter about, and their scatter where that is clear; none where
+    /// residuals follow them.
+    fn shrunken(&self, scale: &BenchScale, as_stated: &BenchCalibration) -> Option<(Vec<f64>, Option<f64>)> {
         let errors = ScatteringErrors::of(self.campaign).filter(|_| as_stated.residuals.norm() > 0.0)?;
         let factor = Factor::new(self.design(scale, &as_stated.axes).0, &self.sd);
         let even = DVector::from_element(self.sd.len(), 1.0);
@@ -259,8 +261,8 @@ impl BenchProblem<'_> {
             dof: as_stated.dof,
         };
         let of = |sd: &[Vec<f64>]| Some(fitted.independent(&DVector::from_column_slice(&sd[0]), true)?.0);
-        let b = errors.likeliest(of)?;
-        Some((errors.shrunken(b).swap_remove(0), errors.scatter))
+        let (b, is_clear) = errors.likeliest(of)?;
+        Some((errors.shrunken(b).swap_remove(0), is_clear.then_some(errors.scatter)))
     }
 
     /// Which squares are fitted beside this scale.
@@ -425,10 +427,7 @@ impl BenchProblem<'_> {
             None => Evidence::of(fit.chi2, fit.dof, pure_error),
         };
         let noise = noise(&[evidence], has_sem)[0];
-        let noise = match self.errors_scatter {
-            Some(_) => noise,
-            None => noise.with_scatter(sem_scatter(&self.campaign.dwells, 0)),
-        };
+        let noise = if self.is_shrunken { noise } else { noise.with_scatter(sem_scatter(&self.campaign.dwells, 0)) };
         let sigma = noise.factor.map(|f| DVector::from_fn(self.sd.len(), |i, _| self.sd[i] * f));
         let rank = factor.rank();
         let white = noise.covariance_scale().map(|scale| DMatrix::from_diagonal_element(rank, rank, scale));

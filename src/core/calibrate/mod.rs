@@ -179,7 +179,7 @@ fn calibrate_in(
     let mut coordinates: Vec<_> =
         fits.iter().zip(&noises).map(|(fit, noise)| fit.coordinates(noise, &shared)).collect();
     let found = (kinds == Kinds::All).then(|| weigh(dwells, has_sem, &fits, &mut coordinates, &shared));
-    notes.extend(shrunken.map(|shrunken| CampaignNote::ErrorsScatter { scatter: shrunken.scatter }));
+    notes.extend(shrunken.and_then(|shrunken| shrunken.scatter).map(|scatter| CampaignNote::ErrorsScatter { scatter }));
     let is_other_noise = found.as_ref().is_some_and(noise_report::is_other);
     let mut gyros: Vec<GyroCalibration> = fits
         .into_iter()

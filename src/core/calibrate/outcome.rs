@@ -173,11 +173,10 @@ fn held_scale(
 /// What an error of the size of E that is held does on a bench: it is taken for one of this share.
 const HELD_TO_SHARE: f64 = 1e-3;
 
-/// What errors of the direction and of the size of E that is held would do to D_I or D_S of a bench test. The table's
-/// rate is an answer in its own unit.
+/// What errors of the direction of E that is held, or fitted along the nominal axis, and of its size would do to D_I or
+/// D_S of a bench test. The table's rate is an answer in its own unit.
 fn held_on_bench(campaign: &Campaign, bench: &BenchCalibration) -> Vec<CampaignNote> {
     let gyro = &campaign.gyros[0];
-    let Some(e) = gyro.known_e else { return Vec::new() };
     let most = |moves: &dyn Fn(&str) -> Option<f64>| {
         let told = |name: &str| {
             let by = moves(name)?.abs();
@@ -193,7 +192,7 @@ fn held_on_bench(campaign: &Campaign, bench: &BenchCalibration) -> Vec<CampaignN
         Some(CampaignNote::HeldScale { slot: gyro.slot, arcsec: HELD_TO_ARCSEC, moves: most(&by)? })
     };
     let size = || {
-        let gyros = vec![CampaignGyro { known_e: Some(e * (1.0 + HELD_TO_SHARE)), ..gyro.clone() }];
+        let gyros = vec![CampaignGyro { known_e: Some(gyro.known_e? * (1.0 + HELD_TO_SHARE)), ..gyro.clone() }];
         let longer = calibrate_bench(&Campaign { gyros, ..campaign.clone() }).ok()?;
         let by = |name: &str| Some(longer.coefficient(name)?.value - bench.coefficient(name)?.value);
         Some(CampaignNote::HeldSize { slot: gyro.slot, share: HELD_TO_SHARE, moves: most(&by)? })

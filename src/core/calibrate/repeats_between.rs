@@ -77,6 +77,9 @@ impl Repeated {
 const COEFFICIENTS: [(&str, &str); 5] =
     [("D_I", "deg/(h*g0)"), ("D_S", "deg/(h*g0)"), ("D_O", "deg/(h*g0)"), ("|E|", "pulse/arcsec"), ("D_F", "deg/h")];
 
+/// Share of a variance, at the least, that a value has for itself.
+const OF_ROUNDING: f64 = 1e-8;
+
 /// Coefficients that may differ alike between campaigns: those of gyros in one unit.
 const ALIKE: [std::ops::Range<usize>; 3] = [0..3, 3..4, 4..5];
 
@@ -120,8 +123,10 @@ fn values(
     let Some((gyro, Ok(separation))) = fitted else { return none };
     // Of the standard deviation the campaigns of a station share what the station does.
     let value = |value: f64, sd: Option<f64>, shared_sd: f64| {
-        let own = sd? * sd? - shared_sd * shared_sd;
-        (own > 0.0).then(|| Observation { value, sd: own.sqrt(), shared_sd, group })
+        let sd = sd.filter(|sd| *sd > 0.0)?;
+        // Of what a station shares nearly all the rest is rounding.
+        let own = (sd * sd - shared_sd * shared_sd).max(OF_ROUNDING * sd * sd);
+        Some(Observation { value, sd: own.sqrt(), shared_sd, group })
     };
     let rigid = &separation.rigid;
     let sds = rigid.sd().map_or([None; 3], |sds| sds.map(Some));

@@ -25,6 +25,8 @@ const DOUBTED: f64 = 0.2;
 /// ln of likelihood by which residuals have to speak against what is stated, for every gyro but one. Those of one alone
 /// are few, and errors shrunk in vain cost it precision only.
 const LEAST_GAIN: f64 = 0.5;
+/// ln of likelihood from which they clearly do.
+const CLEAR_GAIN: f64 = 1.0;
 
 /// b that are tried where errors scatter.
 const TRIED: [f64; 3] = [0.0, 0.25, 0.5];
@@ -33,8 +35,8 @@ const TRIED: [f64; 3] = [0.0, 0.25, 0.5];
 pub(super) struct ShrunkenErrors {
     /// By gyro and dwell, pulse/s.
     pub sd: Vec<Vec<f64>>,
-    /// Scatter of what is stated: standard deviation of its logarithm about the law.
-    pub scatter: f64,
+    /// Scatter of what is stated, where that is clear: standard deviation of its logarithm about the law.
+    pub scatter: Option<f64>,
 }
 
 /// Standard errors, by gyro and dwell, and the law that they may scatter about, pulse/s.
@@ -72,12 +74,15 @@ impl ScatteringErrors {
         self.gyros.iter().map(|(sem, law)| sem.iter().zip(law).map(of_dwell).collect()).collect()
     }
 
-    /// The b below 1 whose errors are clearly likeliest; `likelihood` is the logarithm of that of the residuals.
-    pub fn likeliest(&self, likelihood: impl Fn(&[Vec<f64>]) -> Option<f64>) -> Option<f64> {
+    /// The b below 1 whose errors are likeliest by more than every gyro but one is to tell, and whether that is clear;
+    /// `likelihood` is the logarithm of that of the residuals.
+    pub fn likeliest(&self, likelihood: impl Fn(&[Vec<f64>]) -> Option<f64>) -> Option<(f64, bool)> {
         let likelihood = |b: f64| likelihood(&self.shrunken(b));
-        let least = likelihood(1.0)? + LEAST_GAIN * (self.gyros.len() - 1) as f64;
-        let tried = TRIED.into_iter().filter_map(|b| Some((b, likelihood(b)?)));
-        Some(tried.filter(|(_, log)| *log > least).max_by(|a, b| a.1.total_cmp(&b.1))?.0)
+        let stated = likelihood(1.0)?;
+        let least = LEAST_GAIN * (self.gyros.len() - 1) as f64;
+        let tried = TRIED.into_iter().filter_map(|b| Some((b, likelihood(b)? - stated)));
+        let (b, gain) = tried.filter(|(_, gain)| *gain > least).max_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some((b, gain > CLEAR_GAIN))
     }
 }
 
@@ -94,14 +99,14 @@ pub(super) fn may_scatter(stated: &[Vec<f64>]) -> bool {
 pub(super) fn shrunken(campaign: &Campaign, fits: &[GyroFit], shared: &SharedFactors) -> Option<ShrunkenErrors> {
     let is_exact = |fit: &GyroFit| fit.left().0.norm() == 0.0;
     let errors = ScatteringErrors::of(campaign).filter(|_| !fits.iter().any(is_exact))?;
-    let b = errors.likeliest(|sd| {
+    let (b, is_clear) = errors.likeliest(|sd| {
         let of_gyro = |(fit, sd): (&GyroFit, &Vec<f64>)| {
             let found = fit.fitted(shared).independent(&DVector::from_column_slice(sd), true);
             found.map(|(log, _)| log)
         };
         fits.iter().zip(sd).map(of_gyro).sum::<Option<f64>>()
     })?;
-    Some(ShrunkenErrors { sd: errors.shrunken(b), scatter: errors.scatter })
+    Some(ShrunkenErrors { sd: errors.shrunken(b), scatter: is_clear.then_some(errors.scatter) })
 }
 
 /// A law with the mean square of the errors that scatter about it.

@@ -123,7 +123,7 @@ fn may_be_bent(
     (adopted, one): (&Adopted, &ChangedEffect),
 ) -> bool {
     let (entry, n) = (adopted.effect.entry(), programme.dwells);
-    let beyond = programme.seen.iter().filter(|seen| seen.beyond_k != 0.0).count();
+    let beyond = programme.seen.iter().filter(|seen| !seen.temperature).count();
     let Some(kelvin) = programme.setting.temperature.as_ref().filter(|_| entry.of_temperature && 2 * beyond > n) else {
         return false;
     };
@@ -141,7 +141,7 @@ fn may_be_bent(
             expected += more * more * kelvin[k];
         }
     }
-    along / expected < STRAIGHT
+    expected > 0.0 && along < STRAIGHT * expected
 }
 
 /// Gyros in which the campaign shows more than the model with the effects that are fitted to it anew, and how much in

@@ -49,7 +49,7 @@ terminal_changed_head = effect | gyro | coefficient | model | now | unit | p | c
 terminal_no = no
 terminal_cannot_tell = cannot tell
 terminal_cannot_tell_why = cannot tell: the gyro shows more than the model holds; that may be what has changed
-terminal_cannot_tell_beyond = cannot tell: the campaign lies beyond the temperatures that the model has seen, where the effect may be bent
+terminal_cannot_tell_beyond = cannot tell: the campaign is beyond the temperatures that the model has seen, where the effect may be bent
 terminal_moved_by = { $coefficient } of { $slot }: { $shift } deg/(h g0) from the change
 terminal_diagnosed = { $count ->
     [one] { $count } campaign diagnosed

@@ -63,7 +63,7 @@ pub fn forecast(errors: &ForecastErrors, limits: [Option<Limit>; 2]) -> Option<V
     let beyond = worst_by(&p_beyond).filter(|(_, p)| errors.unseen.is_some() && *p < each);
     let is_beyond = beyond.is_some();
     let (worst, p) = beyond.or_else(|| worst_by(&p_of))?;
-    let n = worst.count as f64;
+    let (count, squares) = worst.beyond_seen.filter(|_| is_beyond).unwrap_or((worst.count, worst.squares));
     let quantile = |gyro: &GyroForecastErrors| squares_quantile(each, gyro.count, gyro.dof);
     let shown = gyros.iter().flat_map(|gyro| {
         let step = smallest_step(gyro, quantile(gyro));
@@ -77,7 +77,7 @@ pub fn forecast(errors: &ForecastErrors, limits: [Option<Limit>; 2]) -> Option<V
         (None, false) if step > budget => State::Indeterminate,
         (None, false) => State::Within,
     };
-    let limit = Limit { value: (quantile(worst) / n).sqrt(), from };
+    let limit = Limit { value: (squares_quantile(each, count, worst.dof) / count as f64).sqrt(), from };
     let finding = Finding::Forecast {
         slot: worst.slot,
         furthest: worst.furthest,
@@ -87,7 +87,7 @@ pub fn forecast(errors: &ForecastErrors, limits: [Option<Limit>; 2]) -> Option<V
         unseen: errors.unseen,
     };
     let undecided = Verdict::undecided(Coefficient::All, Rule::Forecast, limit, finding);
-    Some(Verdict { state, value: Some((worst.squares / n).sqrt()), ..undecided })
+    Some(Verdict { state, value: Some((squares / count as f64).sqrt()), ..undecided })
 }
 
 /// The steps of D_I and D_S, deg/(h g0), that exceed `quantile` in 95 %: a noncentral chi-square as a normal variable

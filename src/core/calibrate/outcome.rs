@@ -2,7 +2,7 @@
 
 use super::bench::{BenchCalibration, calibrate_bench};
 use super::drift::NotSeparated;
-use super::{Calibration, GyroCalibration, Kinds, calibrate_at_station, calibrate_in};
+use super::{Calibration, GyroCalibration, Kinds, ScaleSource, calibrate_at_station, calibrate_in};
 use crate::core::augmented::{AugmentedModel, Options};
 use crate::core::campaign::commanded::force_off_gravity;
 use crate::core::campaign::{
@@ -173,8 +173,8 @@ fn held_scale(
 /// What an error of the size of E that is held does on a bench: it is taken for one of this share.
 const HELD_TO_SHARE: f64 = 1e-3;
 
-/// What errors of the direction of E that is held, or fitted along the nominal axis, and of its size would do to D_I or
-/// D_S of a bench test. The table's rate is an answer in its own unit.
+/// What errors of the direction and of the size of E that is held would do to D_I or D_S of a bench test. The table's
+/// rate is an answer in its own unit.
 fn held_on_bench(campaign: &Campaign, bench: &BenchCalibration) -> Vec<CampaignNote> {
     let gyro = &campaign.gyros[0];
     let most = |moves: &dyn Fn(&str) -> Option<f64>| {
@@ -197,7 +197,8 @@ fn held_on_bench(campaign: &Campaign, bench: &BenchCalibration) -> Vec<CampaignN
         let by = |name: &str| Some(longer.coefficient(name)?.value - bench.coefficient(name)?.value);
         Some(CampaignNote::HeldSize { slot: gyro.slot, share: HELD_TO_SHARE, moves: most(&by)? })
     };
-    let direction = campaign.station_uncertainty.fixture.is_none().then(direction).flatten();
+    let is_held = bench.scale_source == ScaleSource::Held && campaign.station_uncertainty.fixture.is_none();
+    let direction = is_held.then(direction).flatten();
     let size = (campaign.test == TestKind::TorqueFeedback).then(size).flatten();
     direction.into_iter().chain(size).collect()
 }

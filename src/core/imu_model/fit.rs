@@ -415,11 +415,10 @@ fn stacked(
         }
         column += varying.len();
         design.view_mut((row - varying.len() - height, column), (height, station.ncols())).copy_from(station);
-        for _ in 0..station.ncols() {
-            design[(row, column)] = 1.0;
-            sd.push(1.0);
-            (row, column) = (row + 1, column + 1);
-        }
+        let turned = station.ncols();
+        design.view_mut((row, column), (turned, turned)).fill_with_identity();
+        sd.extend(std::iter::repeat_n(1.0, turned));
+        (row, column) = (row + turned, column + turned);
     }
     (Factor::new(design, &sd), side)
 }

@@ -1,5 +1,7 @@
 //! Outputs made from eq. (5) by hand: y = K I.w + K (D_F + D_I a_I + D_S a_S + D_II a_I^2 + D_SS a_S^2 + D_O a_O).
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use nalgebra::Rotation3;
 
 use super::*;
@@ -360,7 +362,7 @@ fn repeats_say_how_far_a_bench_tests_errors_can_be_trusted() {
 fn errors_that_scatter_are_shrunk_to_their_law_unless_residuals_follow_them() {
     let positions = [tumble(), tumble()].concat();
     let of = |size: &dyn Fn(usize) -> f64, sem: &dyn Fn(usize) -> f64| {
-        let noise = |k: usize| 1e-3 * size(k) * if k * k % 7 % 2 == 0 { 1.0 } else { -1.0 };
+        let noise = |k: usize| 1e-3 * size(k) * if (k * k % 7).is_multiple_of(2) { 1.0 } else { -1.0 };
         let outputs = positions.iter().enumerate().map(|(k, place)| output(1.4, &DRIFT, place) + noise(k));
         let outputs: Vec<f64> = outputs.collect();
         let mut campaign = bench(TestKind::TorqueFeedback, &positions, &outputs, Some(1.0), Some([1.4, 0.0, 0.0]));
@@ -385,7 +387,8 @@ fn errors_that_scatter_are_shrunk_to_their_law_unless_residuals_follow_them() {
 /// Products of forces across a skewed fixture are, over balanced faces, combinations of 1 and the squares.
 #[test]
 fn a_product_that_hides_in_the_squares_is_said_unless_residuals_show_it() {
-    let (input, spin) = (Vector3::new(0.577350, -0.408248, 0.707107).normalize(), Vector3::new(0.0, 0.866025, 0.5));
+    let (input, spin) =
+        (Vector3::new(0.577350, -0.408248, FRAC_1_SQRT_2).normalize(), Vector3::new(0.0, 0.866025, 0.5));
     let spin = (spin - input * input.dot(&spin)).normalize();
     let skewed = Matrix3::from_rows(&[input.transpose(), spin.transpose(), input.cross(&spin).transpose()]);
     let faces = [Vector3::x(), -Vector3::x(), Vector3::y(), -Vector3::y(), Vector3::z(), -Vector3::z()];
@@ -485,7 +488,7 @@ fn what_is_stated_of_the_station_moves_coefficients_as_the_sd_says() {
 fn a_drift_between_dwells_is_found_and_widens_what_it_moves() {
     let positions = [tumble(), tumble()].concat();
     let of = |drift: f64, sem: Option<f64>| {
-        let noise = |k: usize| 1e-3 * if k * k % 7 % 2 == 0 { 1.0 } else { -1.0 } + drift * k as f64;
+        let noise = |k: usize| 1e-3 * if (k * k % 7).is_multiple_of(2) { 1.0 } else { -1.0 } + drift * k as f64;
         let outputs = positions.iter().enumerate().map(|(k, place)| output(1.4, &DRIFT, place) + noise(k));
         fitted(&bench(TestKind::TorqueFeedback, &positions, &outputs.collect::<Vec<_>>(), sem, Some([1.4, 0.0, 0.0])))
     };
@@ -504,7 +507,7 @@ fn a_drift_between_dwells_is_found_and_widens_what_it_moves() {
 #[test]
 fn errors_that_are_far_too_large_are_noted() {
     let positions = [tumble(), tumble()].concat();
-    let noise = |k: usize| 1e-3 * if k * k % 7 % 2 == 0 { 1.0 } else { -1.0 };
+    let noise = |k: usize| 1e-3 * if (k * k % 7).is_multiple_of(2) { 1.0 } else { -1.0 };
     let outputs = positions.iter().enumerate().map(|(k, place)| output(1.4, &DRIFT, place) + noise(k));
     let outputs: Vec<f64> = outputs.collect();
     for (sem, said) in [(Some(1e-3), false), (Some(5e-3), true), (None, false)] {

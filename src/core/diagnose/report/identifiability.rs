@@ -25,7 +25,7 @@ pub(crate) fn not_identifiable(frame: &Frame, bank: &Bank, g_confounders: &[GCon
     let mut list: Vec<NotIdentifiable> = unseen.collect();
     let further: Vec<&GConfounder> =
         g_confounders.iter().filter(|m| list.iter().all(|n| n.effect != m.effect)).collect();
-    list.extend(further.into_iter().map(GConfounder::to_not_identifiable));
+    list.extend(further.into_iter().map(GConfounder::not_identifiable));
     list
 }
 
@@ -114,7 +114,7 @@ impl GConfounder {
         JUST_MISSED * (self.shared / self.visible.max(1e-6)).sqrt()
     }
 
-    fn to_not_identifiable(&self) -> NotIdentifiable {
+    fn not_identifiable(&self) -> NotIdentifiable {
         let angle = self.shared.min(1.0).sqrt().acos().to_degrees();
         NotIdentifiable {
             effect: self.effect,

@@ -5,7 +5,7 @@ use crate::core::campaign::Campaign;
 use crate::core::model::Term;
 use crate::core::mounting::Slot;
 use crate::core::name::Name;
-use crate::core::numerics::between::{Mean, Observation, Scatter, means};
+use crate::core::numerics::between::{Mean, Observation, Quantity, Scatter, means};
 use crate::core::numerics::tails::chi2_quantile;
 
 /// One coefficient over several campaigns.
@@ -100,13 +100,14 @@ pub fn repeated(fitted: &[(&Campaign, &Outcome)]) -> Vec<Repeated> {
     }
     let mut all: Vec<Vec<Repeated>> = vec![Vec::new(); gyros.len()];
     for places in ALIKE {
-        let determined = |values: &Values| -> Vec<usize> { places.clone().filter(|p| values[*p].len() > 1).collect() };
-        let of_gyro = |values: &Values| determined(values).into_iter().map(|place| values[place].clone()).collect();
-        let sets: Vec<Vec<Vec<Observation>>> = gyros.iter().map(of_gyro).collect();
-        for (((gyro, values), means), all) in first.gyros.iter().zip(&gyros).zip(means(&sets)).zip(&mut all) {
-            let of_place =
-                |(p, mean): (usize, Mean)| Repeated::of((gyro.slot, &gyro.serial), COEFFICIENTS[p], &values[p], mean);
-            all.extend(determined(values).into_iter().zip(means).filter_map(of_place));
+        let of_gyro = |(j, values): (usize, &Values)| {
+            let known = places.clone().filter(|place| values[*place].len() > 1);
+            known.map(|place| Quantity { sets: [j, place], values: values[place].clone() }).collect::<Vec<_>>()
+        };
+        let quantities: Vec<Quantity> = gyros.iter().enumerate().flat_map(of_gyro).collect();
+        for (Quantity { sets: [j, place], values }, mean) in quantities.iter().zip(means(&quantities)) {
+            let gyro = &first.gyros[*j];
+            all[*j].extend(Repeated::of((gyro.slot, &gyro.serial), COEFFICIENTS[*place], values, mean));
         }
     }
     all.into_iter().flatten().collect()
@@ -157,7 +158,7 @@ mod tests {
             group: *group,
         };
         let values: Vec<Observation> = values.iter().map(value).collect();
-        let mean = means(&[vec![values.clone()]])[0][0];
+        let mean = means(&[Quantity { sets: [0, 0], values: values.clone() }])[0];
         let serial = Name::parse("A").expect("a name");
         Repeated::of((Slot::G1, &serial), COEFFICIENTS[0], &values, mean).expect("two values")
     }

@@ -119,7 +119,7 @@ impl SharedShifts<'_> {
             judged.extend(self.of_batches(&lately, Some(&of_exceeding)));
         }
         // Of what is over the clock judges, which knows every gyro of an IMU.
-        let of_imus = self.of_imus(&calibrated, &imus, &judged, &exceed);
+        let of_imus = self.of_imus(&calibrated, &imus, &Evidence::of(&judged, &exceed));
         judged.extend(of_imus.into_iter().filter(|one| one.verdict.severity().is_some()));
         self.date(&mut judged, &calibrated, &changes.history).await?;
         Ok(judged)
@@ -227,8 +227,9 @@ impl SharedShifts<'_> {
         let lately = self.lately(&newest);
         let mut judged = self.of_stations(&lately, &stations);
         judged.extend(self.of_batches(&lately, None));
-        let of_imus = self.of_imus(&newest, &imus, &judged, firing);
-        let begun = self.begun_before(&newest, &judged, firing).await?;
+        let evidence = Evidence::of(&judged, firing);
+        let of_imus = self.of_imus(&newest, &imus, &evidence);
+        let begun = self.begun_before(&newest, &evidence).await?;
         judged.extend(begun.into_iter().chain(of_imus));
         self.date(&mut judged, &newest, &[]).await?;
         Ok(judged)
@@ -292,10 +293,8 @@ impl SharedShifts<'_> {
         &self,
         newest: &[NewestCalibration],
         imus: &BTreeSet<u32>,
-        of_groups: &[SharedVerdict],
-        exceed: &[ExcessRow],
+        evidence: &Evidence<'_>,
     ) -> Vec<SharedVerdict> {
-        let evidence = Evidence::of(of_groups, exceed);
         let mut gyros: BTreeMap<u32, Vec<&NewestCalibration>> = imus.iter().map(|imu| (*imu, Vec::new())).collect();
         newest.iter().for_each(|one| gyros.get_mut(&one.imu).into_iter().for_each(|gyros| gyros.push(one)));
         let mut found = Vec::new();
@@ -303,7 +302,7 @@ impl SharedShifts<'_> {
             for (column, coefficient) in COEFFICIENTS.into_iter().enumerate() {
                 let shared = self.alerts.shared();
                 let told = shared.since(AlertOf::Imu(imu), coefficient);
-                let judged = self.of_imu((imu, column), &gyros, told, &evidence);
+                let judged = self.of_imu((imu, column), &gyros, told, evidence);
                 // Nearly every IMU says nothing, and never has.
                 let says = |one: &SharedVerdict| one.verdict.severity().is_some() || shared.knows(one.of, coefficient);
                 found.extend(judged.filter(says));
@@ -353,10 +352,8 @@ impl SharedShifts<'_> {
     async fn begun_before(
         &self,
         newest: &[NewestCalibration],
-        of_groups: &[SharedVerdict],
-        exceed: &[ExcessRow],
+        evidence: &Evidence<'_>,
     ) -> Result<Vec<SharedVerdict>, StoreError> {
-        let evidence = Evidence::of(of_groups, exceed);
         // Of each gyro that exceeds its budget since when it does, by IMU.
         let mut began: BTreeMap<(u32, usize), BTreeSet<UtcMicros>> = BTreeMap::new();
         for one in newest {
@@ -385,7 +382,7 @@ impl SharedShifts<'_> {
                 rows.into_iter().any(|excess| excess.inhibited_by == Some(row.id))
             };
             let is_back = |one: SharedVerdict| one.verdict.value.is_none() || one.verdict.state == State::Within;
-            let stays = || self.of_imu(*of, its, Some(*since), &evidence).is_some_and(|one| !is_back(one));
+            let stays = || self.of_imu(*of, its, Some(*since), evidence).is_some_and(|one| !is_back(one));
             // What a station or batch does now says nothing of what it did then.
             let (coefficient, gyros) = (COEFFICIENTS[of.1], || its.iter().map(|one| one.gyro));
             let is_shared =
@@ -403,7 +400,7 @@ impl SharedShifts<'_> {
         let mut found = Vec::new();
         for (since, of) in began {
             let then = self.calibrated_at(since, of.0, &gyros[&of.0]).await?;
-            let judged = self.of_imu(of, &then.iter().collect::<Vec<_>>(), Some(since), &evidence);
+            let judged = self.of_imu(of, &then.iter().collect::<Vec<_>>(), Some(since), evidence);
             let judged = judged.filter(|one| one.verdict.severity().is_some());
             found.extend(judged.map(|one| SharedVerdict { since: Some(since), ..one }));
         }

@@ -235,14 +235,7 @@ impl BenchProblem<'_> {
         let (durations, rates): (Vec<f64>, Vec<_>) = dwells.iter().map(|d| (d.duration_s, d.rate_arcsec_s)).unzip();
         let course = DwellConditions { times: &times, durations: &durations, rates: &rates };
         let even = DVector::from_element(dwells.len(), 1.0);
-        let fitted = FittedGyro {
-            basis: factor.basis(),
-            weights: factor.weights(),
-            variances: &even,
-            even: &even,
-            residuals: &residuals,
-            dof: fit.dof.saturating_sub(taken),
-        };
+        let fitted = FittedGyro::of_even(factor, &even, (&residuals, fit.dof.saturating_sub(taken)));
         correlated_noise::weigh(&course, &[fitted], std::slice::from_mut(coordinates), has_sem)
     }
 
@@ -252,14 +245,7 @@ impl BenchProblem<'_> {
         let errors = ScatteringErrors::of(self.campaign).filter(|_| as_stated.residuals.norm() > 0.0)?;
         let factor = Factor::new(self.design(scale, &as_stated.axes).0, &self.sd);
         let even = DVector::from_element(self.sd.len(), 1.0);
-        let fitted = FittedGyro {
-            basis: factor.basis(),
-            weights: factor.weights(),
-            variances: &even,
-            even: &even,
-            residuals: &as_stated.residuals,
-            dof: as_stated.dof,
-        };
+        let fitted = FittedGyro::of_even(&factor, &even, (&as_stated.residuals, as_stated.dof));
         let of = |sd: &[Vec<f64>]| Some(fitted.independent(&DVector::from_column_slice(&sd[0]), true)?.0);
         let (b, is_clear) = errors.likeliest(of)?;
         Some((errors.shrunken(b).swap_remove(0), is_clear.then_some(errors.scatter)))

@@ -22,6 +22,7 @@ use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 use super::law::{AS_STATED, DwellConditions, Law};
 use super::noise::{PRIOR_DOF, overstated};
 use crate::core::named::named;
+use crate::core::numerics::least_squares::Factor;
 use crate::core::numerics::log_sum::LogSum;
 use crate::core::numerics::median::median_of;
 
@@ -181,7 +182,12 @@ pub enum NoiseDeparture {
 /// What the noise is: kinds with their probabilities; white noise as stated has the rest.
 pub type DepartureWeights = Vec<(NoiseDeparture, f64)>;
 
-impl FittedGyro<'_> {
+impl<'a> FittedGyro<'a> {
+    /// Of a fit whose weights are as its noise: `even` are ones; residuals with their degrees of freedom.
+    pub fn of_even(factor: &'a Factor, even: &'a DVector<f64>, (residuals, dof): (&'a DVector<f64>, usize)) -> Self {
+        Self { basis: factor.basis(), weights: factor.weights(), variances: even, even, residuals, dof }
+    }
+
     /// ln L and RSS; `whitened` are the basis, as wide as the outputs, and the residuals over `L`.
     fn restricted(&self, (whitened, log_det): (DMatrix<f64>, f64), stated: bool) -> Option<(f64, f64)> {
         let q = self.basis.ncols();

@@ -84,10 +84,14 @@ pub fn changed(model: &Identified, campaign: &Campaign) -> Option<Changed> {
     let count = groups.len();
     let held = groups.into_iter().filter_map(|(effect, slot)| held_against(model, &now, effect, slot, count));
     let mut held: Vec<_> = held.collect();
-    for (one, own, _) in held.iter_mut().filter(|(one, ..)| one.changed) {
-        let (effect, _) = now.coefficients[own[0].0].of.effect()?;
-        one.beyond_seen = may_be_bent(&programme, model, campaign, (&now.effects[effect], one));
-        (one.changed, one.undecided) = (!one.beyond_seen, one.beyond_seen);
+    if held.iter().any(|(one, ..)| one.changed) {
+        let estimate = CoefficientEstimate::of(model, campaign, &programme, model.effects.len());
+        let errors = programme.measured(campaign) - &programme.columns * &estimate.values;
+        for (one, own, _) in held.iter_mut().filter(|(one, ..)| one.changed) {
+            let (effect, _) = now.coefficients[own[0].0].of.effect()?;
+            one.beyond_seen = may_be_bent(&programme, &errors, (&now.effects[effect], one));
+            (one.changed, one.undecided) = (!one.beyond_seen, one.beyond_seen);
+        }
     }
     if held.iter().any(|(one, ..)| one.changed) {
         let (gyros, power) = lacking(&now, campaign);
@@ -114,21 +118,14 @@ type Held = (ChangedEffect, Vec<(usize, f64)>, f64);
 /// there as steep, adds half.
 const STRAIGHT: f64 = 0.75;
 
-/// Whether most dwells lie beyond the temperatures seen, and differ from the forecast by less than other coefficients of
-/// an effect of temperature would have it.
-fn may_be_bent(
-    programme: &StackedDesign,
-    model: &Identified,
-    campaign: &Campaign,
-    (adopted, one): (&Adopted, &ChangedEffect),
-) -> bool {
+/// Whether most dwells are beyond the temperatures seen, and their `errors`, measured less forecast, are less than other
+/// coefficients of an effect of temperature would have it.
+fn may_be_bent(programme: &StackedDesign, errors: &DVector<f64>, (adopted, one): (&Adopted, &ChangedEffect)) -> bool {
     let (entry, n) = (adopted.effect.entry(), programme.dwells);
     let beyond = programme.seen.iter().filter(|seen| !seen.temperature).count();
     let Some(kelvin) = programme.setting.temperature.as_ref().filter(|_| entry.of_temperature && 2 * beyond > n) else {
         return false;
     };
-    let estimate = CoefficientEstimate::of(model, campaign, programme, model.effects.len());
-    let errors = programme.measured(campaign) - &programme.columns * &estimate.values;
     let of_one_kelvin = programme.setting.at_kelvin(1.0);
     let (mut along, mut expected) = (0.0, 0.0);
     for (j, gyro) in programme.gyros.iter().enumerate().filter(|(_, g)| one.slot.is_none_or(|slot| slot == g.slot)) {

@@ -16,20 +16,26 @@ async fn post(server: &Server, number: usize) -> Answer {
     server.post("/v1/records", "application/json", record(number)).await
 }
 
+/// A server on a disk of so many MiB, and the file that fills it.
+fn start_on(mib: usize, settings: &[(&str, &str)]) -> (Server, PathBuf) {
+    let dir = tempfile::tempdir().unwrap();
+    let inside = dir.path().to_owned();
+    let under = [on_a_small_disk(&format!("size={mib}m")), vec![inside.to_str().unwrap().to_owned()]].concat();
+    let under: Vec<&str> = under.iter().map(String::as_str).collect();
+    let server = Server::start_under(&under, dir, settings);
+    let filler = PathBuf::from(format!("/proc/{}/root{}/filler", server.pid(), inside.display()));
+    (server, filler)
+}
+
 #[tokio::test]
 async fn a_full_disk_is_answered_507_while_reading_goes_on_and_there_is_room_again_without_a_restart() {
     if !small_disks_work() {
         return;
     }
     let rounds = support::asked("GYROWATCH_SOAK_ROUNDS", 2);
-    let dir = tempfile::tempdir().unwrap();
-    let inside = dir.path().to_owned();
     // Room for what is stored in every round as well, which a release build does fast.
-    let size = format!("size={}m", 16 + 8 * rounds);
-    let under = [on_a_small_disk(&size), vec![inside.to_str().unwrap().to_owned()]].concat();
-    let under: Vec<&str> = under.iter().map(String::as_str).collect();
-    let server = Arc::new(Server::start_under(&under, dir, &[("GYROWATCH_DATABASE__CHECKPOINT_PAGES", "200")]));
-    let filler = PathBuf::from(format!("/proc/{}/root{}/filler", server.pid(), inside.display()));
+    let (server, filler) = start_on(16 + 8 * rounds, &[("GYROWATCH_DATABASE__CHECKPOINT_PAGES", "200")]);
+    let server = Arc::new(server);
 
     let (next, stop) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(false)));
     let stored = Arc::new(Mutex::new(Vec::<(String, Instant)>::new()));
@@ -112,12 +118,7 @@ async fn a_service_whose_disk_is_full_is_not_ready_until_there_is_room_written_t
     if !small_disks_work() {
         return;
     }
-    let dir = tempfile::tempdir().unwrap();
-    let inside = dir.path().to_owned();
-    let under = [on_a_small_disk("size=16m"), vec![inside.to_str().unwrap().to_owned()]].concat();
-    let under: Vec<&str> = under.iter().map(String::as_str).collect();
-    let server = Server::start_under(&under, dir, &[]);
-    let filler = PathBuf::from(format!("/proc/{}/root{}/filler", server.pid(), inside.display()));
+    let (server, filler) = start_on(16, &[]);
     fill(&filler);
     let (refused, stored) = until_refused(&server).await;
     assert_eq!(refused.status, 507, "{}", refused.text());
@@ -282,11 +283,7 @@ async fn a_prometheus_with_the_rules_that_ship_tells_of_a_full_disk() {
     if !small_disks_work() || !required("prometheus") {
         return;
     }
-    let dir = tempfile::tempdir().unwrap();
-    let inside = dir.path().to_owned();
-    let under = [on_a_small_disk("size=16m"), vec![inside.to_str().unwrap().to_owned()]].concat();
-    let under: Vec<&str> = under.iter().map(String::as_str).collect();
-    let server = Server::start_under(&under, dir, &[]);
+    let (server, filler) = start_on(16, &[]);
     let prometheus = Prometheus::watching(&server);
     let patience = Instant::now() + Duration::from_secs(60);
     let waits = async || {
@@ -298,7 +295,7 @@ async fn a_prometheus_with_the_rules_that_ship_tells_of_a_full_disk() {
         waits().await;
     }
     assert_eq!(prometheus.firing().await, [""; 0]);
-    fill(&PathBuf::from(format!("/proc/{}/root{}/filler", server.pid(), inside.display())));
+    fill(&filler);
     let mut number = 1;
     while post(&server, number).await.status != 507 {
         number += 1;

@@ -585,7 +585,7 @@ async fn two_of_one_instant_that_come_together_into_a_suspect_window_are_both_ke
     assert_eq!(statuses, [201, 201, 200, 200], "{answers:?}");
 }
 
-/// Nobody could tell which is right: the sender hears of it, and so does whoever trusts the window again.
+/// Nobody could tell which is right: the sender hears of it, and so does the engineer who trusts the window again.
 #[tokio::test]
 async fn of_two_of_one_instant_in_a_suspect_window_the_second_names_the_first_and_trust_what_it_leaves_aside() {
     let lab = Lab::open().await;

@@ -399,7 +399,7 @@ async fn a_target_that_is_gone_disables_its_hook_until_somebody_enables_it() {
         assert_eq!(refused.status, 409, "{path}");
         assert!(refused.text().contains("disabled"), "{}", refused.text());
     }
-    // Whoever looks at the service sees it, wherever that is.
+    // It shows in every place where one looks at the service.
     let gauge = async |value: u32| {
         let text = server.get("/metrics").await.text();
         assert!(text.contains(&format!("\ngyrowatch_hooks_disabled {value}\n")), "{text}");

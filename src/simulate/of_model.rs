@@ -12,9 +12,8 @@ use crate::core::fault::Faults;
 use crate::core::imu_model::{Identified, ModelGyro, Of, drawn};
 use crate::core::model::Term;
 use crate::core::mounting::{Geometry, Slot};
+use crate::core::units::EARTH_RATE_DEG_H;
 
-/// Of the Earth, arcsec/s.
-const EARTH_ARCSEC_S: f64 = 15.1;
 const ARCMIN_PER_RADIAN: f64 = 180.0 * 60.0 / std::f64::consts::PI;
 
 /// The IMU as one of those that the model's covariance allows, by the scenario's seed, in that scenario; and the model
@@ -58,10 +57,10 @@ fn as_seen(base: &Scenario, model: &Identified) -> Scenario {
     }
     let rates = &mut scenario.programme.rates_arcsec_s;
     let most = rates.iter().copied().fold(0.0, f64::max);
-    // The Earth's rate comes beside the table's.
-    let share = (model.validity.rate_arcsec_s - EARTH_ARCSEC_S) / most;
+    // The Earth's rate comes beside the table's; arcsec/s is the same number in deg/h.
+    let share = (model.validity.rate_arcsec_s - EARTH_RATE_DEG_H) / most;
     rates.iter_mut().for_each(|rate| *rate *= share.min(1.0));
-    rates.retain(|rate| *rate > EARTH_ARCSEC_S);
+    rates.retain(|rate| *rate > EARTH_RATE_DEG_H);
     scenario
 }
 

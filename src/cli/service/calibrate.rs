@@ -66,9 +66,11 @@ pub(super) fn files_of_one_imu(files: &[(&str, &Campaign)]) -> anyhow::Result<()
 /// Refuses one measurement under two times: what it repeats would be taken for a second one's.
 fn refuse_copies(files: &[(&str, &Campaign)]) -> anyhow::Result<()> {
     for (i, (file, one)) in files.iter().enumerate() {
-        let outputs = |campaign: &Campaign| campaign.dwells.iter().flat_map(|d| d.output_pulse_s.clone()).collect();
-        let of_one: Vec<f64> = outputs(one);
-        if let Some((beside, _)) = files[..i].iter().find(|(_, other)| outputs(other) == of_one) {
+        let is_copy = |other: &Campaign| {
+            let outputs = other.dwells.iter().map(|dwell| &dwell.output_pulse_s);
+            outputs.eq(one.dwells.iter().map(|dwell| &dwell.output_pulse_s))
+        };
+        if let Some((beside, _)) = files[..i].iter().find(|(_, other)| is_copy(other)) {
             bail!(said(message!("terminal_copies", first = (*beside).to_owned(), second = (*file).to_owned())));
         }
     }

@@ -61,7 +61,7 @@ pub(super) struct Unread {
 }
 
 impl Unread {
-    /// Lends the body of a request to whoever answers it.
+    /// Lends the body of a request to its handler.
     pub fn of(request: Request) -> (Request, Self) {
         let waits = request.headers().contains_key(EXPECT);
         let (parts, body) = request.into_parts();

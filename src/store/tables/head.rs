@@ -210,7 +210,7 @@ impl HeadFilter {
 /// What was searched for.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SerialSearch {
-    /// Part of [`HeadRow::search`], as a pattern.
+    /// Part of [`HeadRow::sought`], as a pattern.
     Text(String),
     /// The gyros that were found, in JSON, where they are few.
     Found(String),

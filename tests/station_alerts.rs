@@ -441,10 +441,6 @@ async fn an_imu_that_is_calibrated_again_before_anybody_looks_is_one_alert_since
 
 #[tokio::test]
 async fn the_alert_of_an_imu_begins_with_a_record_that_comes_late_and_goes_on_to_explain_its_gyros() {
-    // There the alert of an IMU keeps the date that it was told with.
-    if crate::cluster::is_wanted() {
-        return;
-    }
     let lab = lab().await;
     let dropped = |at: i64| calibrated(1, at, "ST-2", |slot| [0.02, -0.03, 0.045][slot as usize]);
     lab.clock_shows(&day(43));

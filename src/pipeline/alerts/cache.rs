@@ -181,7 +181,8 @@ impl AlertCache {
         let began = left.flatten().map_or(origin.at, |left| left.since);
         let since = earlier.filter(|row| row.alert.status == Status::Firing).map_or(began, |row| row.alert.since);
         let fires = earlier.filter(|row| row.alert.status == Status::Firing);
-        let explained = of.gyro().map(|gyro| self.shared().explaining(gyro, verdict, origin, since, fires));
+        let held = (fires, context.writer.is_one_of_many());
+        let explained = of.gyro().map(|gyro| self.shared().explaining(gyro, verdict, origin, since, held));
         let Explained { by: inhibited_by, with_imu } = explained.unwrap_or_default();
         let inhibited = inhibited_by.is_some();
         let (arrival, known) = (context.arrival(origin.at, muted_until, inhibited), earlier.map(|row| &row.alert));

@@ -112,14 +112,14 @@ impl<'a> SharedAlerts<'a> {
     }
 
     /// The alert of the station, batch or IMU by which a gyro exceeds a limit since an instant, where that is no less
-    /// severe. `row`: the gyro's alert, where it fires already.
+    /// severe. `row`: the gyro's alert, where it fires already; `by_clock`: IMUs are judged by the clock alone.
     pub(super) fn explaining(
         &self,
         gyro: u32,
         verdict: &Verdict,
         origin: &Origin,
         since: UtcMicros,
-        row: Option<&AlertRow>,
+        (row, by_clock): (Option<&AlertRow>, bool),
     ) -> Explained {
         let Some(severity) = verdict.severity().filter(|_| verdict.rule.can_be_shared()) else {
             return Explained::default();
@@ -130,6 +130,8 @@ impl<'a> SharedAlerts<'a> {
         let by_imu = imu.and_then(|imu| self.firing_of(AlertOf::Imu(imu), coefficient));
         let held = by_imu.filter(|by| row.is_some_and(|row| row.inhibited_by == Some(by.id)));
         let since = held.map_or(since, |by| by.alert.since);
+        // Nor has the clock seen yet that it has become graver.
+        let severity = held.filter(|_| by_clock).map_or(severity, |by| by.alert.severity.min(severity));
         self.explaining_excess(&CoefficientExcess { gyro, station, imu, coefficient, severity, since, suspected, row })
     }
 

@@ -42,6 +42,10 @@ use crate::message;
 /// catalogue raises it by itself: there were 48 when it was 8.
 pub const METHOD: u32 = 22 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
 
+/// Dwells of three gyros, at most: what a search holds grows with the gyros and the square of the dwells, and is half a
+/// gigabyte of so many.
+const MOST_DWELLS: usize = 1200;
+
 /// Diagnoses one campaign against the terms and effects in use, in four stages, each of which takes what the one
 /// before returned. Where the first look names something or sees a gap, the search and what follows are done once more
 /// with all that the noise may be.
@@ -64,6 +68,10 @@ pub const METHOD: u32 = 22 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as
 /// [`Refusal`] where no residual can be formed at all. What merely cannot be tested (no temperature, no
 /// attitude, no repeats) is said in `notes` and `not_identifiable`.
 pub fn diagnose(campaign: &Campaign, options: &Options) -> Result<Diagnosis, Refusal> {
+    let most = (MOST_DWELLS as f64 * (3.0 / campaign.gyros.len().max(1) as f64).sqrt()) as usize;
+    if campaign.dwells.len() > most {
+        return Err(Refusal::TooManyDwells { dwells: campaign.dwells.len(), most });
+    }
     let residuals = residuals(campaign, options)?;
     let searched = searched(residuals)?;
     let first = closed(names(campaign, &searched));

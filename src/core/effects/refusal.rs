@@ -7,7 +7,15 @@ use crate::message;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum Refusal {
-    TooFewDwells { dwells: usize, parameters: usize },
+    TooFewDwells {
+        dwells: usize,
+        parameters: usize,
+    },
+    /// Of so many gyros: the search would take more memory than a service has to spare.
+    TooManyDwells {
+        dwells: usize,
+        most: usize,
+    },
     NoOutput(&'static str),
     NoAxes(&'static str),
     NoTerms,
@@ -20,6 +28,7 @@ impl Refusal {
             Self::TooFewDwells { dwells, parameters } => {
                 message!("no_degrees_of_freedom", dwells = *dwells, parameters = *parameters)
             }
+            Self::TooManyDwells { dwells, most } => message!("too_many_dwells", dwells = *dwells, most = *most),
             Self::NoOutput(slot) => message!("output_is_constant", slot = *slot),
             Self::NoAxes(slot) => message!("no_axes_for", slot = *slot),
             Self::NoTerms => message!("model_without_terms"),

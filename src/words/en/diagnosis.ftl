@@ -2,6 +2,7 @@
 
 ## Why a campaign cannot be diagnosed
 
+too_many_dwells = { $dwells } dwells are more than a diagnosis takes, { $most } of so many gyros: average repeats, or diagnose a part
 no_degrees_of_freedom = { $dwells } dwells leave nothing over the { $parameters } parameters of the model: nothing can be held against it
 output_is_constant = the output of { $slot } is the same in every dwell
 model_without_terms = the model holds no terms
@@ -15,6 +16,7 @@ every_rate_is_zero = every commanded rate is zero
 
 ## Effects and competing hypotheses
 
+effect_axial_compliance = compliance along the gyro's axes (D_II, D_SS)
 effect_cross_compliance = cross-axis compliance
 effect_cubic_g = drift with the cube of specific force
 effect_output_axis_g = drift with specific force along O
@@ -77,6 +79,7 @@ effect_drifting_table = a tilt or azimuth of the table that changes
 
 ## What a campaign must hold for an effect to show
 
+needed_for_axial_compliance = gyros skewed in the body, and dwells with specific force off the body axes
 needed_for_cross_compliance = dwells with specific force off the body axes (edges at 45 deg, tilts of 30 and 60 deg)
 needed_for_cubic_g = dwells with specific force off the body axes
 needed_for_output_axis_g = the closure of G over a history in which D_S changes; dwell residuals never show it

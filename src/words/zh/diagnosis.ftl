@@ -2,6 +2,7 @@
 
 ## 为什么不能诊断
 
+too_many_dwells = { $dwells }个测点超出诊断上限（该陀螺数时为{ $most }个）：请对重复测点取平均，或只诊断其中一部分
 no_degrees_of_freedom = { $dwells }个测点对模型的{ $parameters }个参数没有多余观测：无法检验模型
 output_is_constant = { $slot }的输出在所有测点中相同
 model_without_terms = 模型没有任何项
@@ -15,6 +16,7 @@ every_rate_is_zero = 所有指令角速度均为零
 
 ## Effects and competing hypotheses
 
+effect_axial_compliance = 沿陀螺轴的柔性（D_II、D_SS）
 effect_cross_compliance = 支承交叉柔性
 effect_cubic_g = 与比力三次方有关的漂移
 effect_output_axis_g = 沿输出轴比力引起的漂移
@@ -77,6 +79,7 @@ effect_drifting_table = 转台的倾斜或方位发生变化
 
 ## What a campaign must hold for an effect to show
 
+needed_for_axial_compliance = 斜置陀螺，且比力偏离本体轴的测点
 needed_for_cross_compliance = 比力偏离本体轴的测点（45°棱边，30°与60°倾斜）
 needed_for_cubic_g = 比力偏离本体轴的测点
 needed_for_output_axis_g = D_S发生变化的历史中G的闭合差；测点残差永远看不到它

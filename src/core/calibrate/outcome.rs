@@ -4,7 +4,7 @@ use super::bench::{BenchCalibration, calibrate_bench};
 use super::drift::NotSeparated;
 use super::{Calibration, GyroCalibration, Kinds, ScaleSource, calibrate_at_station, calibrate_in};
 use crate::core::augmented::{AugmentedModel, Options};
-use crate::core::campaign::commanded::force_off_gravity;
+use crate::core::campaign::commanded::{force_off_gravity, latitude_of_rates};
 use crate::core::campaign::{
     Campaign, CampaignGyro, CampaignNote, CoarseStep, StationPart, StationUncertainty, Stepped, Temperatures, TestKind,
 };
@@ -64,6 +64,7 @@ pub fn evaluate_with(campaign: &Campaign, model: &Options, limits: &Plausibility
     let separations = calibration.separate(&campaign.geometry, limits);
     calibration.notes.extend(latitude_sign(campaign, &separations));
     calibration.notes.extend(gravity_off(campaign, &calibration, &separations));
+    calibration.notes.extend(latitude_off(campaign, &separations));
     calibration.notes.extend(held_scale(campaign, (terms, model), &calibration, limits));
     let as_measured = as_measured(campaign, terms, model, limits);
     for (i, separation) in separations.iter().enumerate() {
@@ -103,8 +104,9 @@ const NEAR_SHIFT_ALONE: f64 = 0.25;
 
 fn latitude_sign_on_bench(campaign: &Campaign, bench: &BenchCalibration) -> Option<CampaignNote> {
     let shift = shift_of_latitude_sign(campaign)?;
-    let d_i = bench.coefficient("D_I")?.value;
-    let is_near = shift.abs() > LARGE_SHIFT_ALONE && (d_i / shift - 1.0).abs() < NEAR_SHIFT_ALONE;
+    let d_i = bench.coefficient("D_I")?;
+    let off = |value: f64| (value / shift).abs() < NEAR_SHIFT_ALONE;
+    let is_near = shift.abs() > LARGE_SHIFT_ALONE && off(d_i.value - shift) && d_i.sd.is_none_or(off);
     is_near.then_some(CampaignNote::LatitudeSign { shift })
 }
 
@@ -131,6 +133,14 @@ fn gravity_off(
     let moved = campaign.gyros.iter().zip(separations).filter_map(moved);
     let (slot, moves) = moved.max_by(|a, b| a.1.total_cmp(&b.1))?;
     Some(CampaignNote::GravityOff { share, slot, moves })
+}
+
+/// Rates that are those of another latitude than the site's, where it shows in D_I.
+fn latitude_off(campaign: &Campaign, separations: &[Result<Separation, NotSeparated>]) -> Option<CampaignNote> {
+    let (degrees, moves) = latitude_of_rates(campaign)?;
+    let sds = separations.iter().filter_map(|separation| Some(separation.as_ref().ok()?.rigid.sd()?[0]));
+    let least = sds.reduce(f64::min)?;
+    (moves > TOLD_FROM * least).then_some(CampaignNote::LatitudeOff { degrees, moves })
 }
 
 /// What an error of the direction of E that is held does, with its size where nothing is stated, arcsec; and from which

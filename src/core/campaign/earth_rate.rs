@@ -21,7 +21,7 @@ pub struct NoEarthRate {
 /// # Errors
 /// What is missing for it.
 pub fn with_earth_rate(campaign: &Campaign, part: AffectedDwells) -> Result<Campaign, NoEarthRate> {
-    let still = |k: &usize| campaign.dwells[*k].phase == Phase::Static;
+    let still = |k: &usize| part != AffectedDwells::Turning && campaign.dwells[*k].phase == Phase::Static;
     let attitudes: Vec<usize> =
         (0..campaign.dwells.len()).filter(still).filter(|k| campaign.dwells[*k].attitude.is_none()).collect();
     let Some(site) = campaign.site.filter(|_| attitudes.is_empty()) else {

@@ -65,6 +65,9 @@ pub enum CampaignNote {
     /// The specific force of static dwells is longer than the site's gravity by this share, and moves D_I or D_S of this
     /// gyro most, deg/(h g0).
     GravityOff { share: f64, slot: Slot, moves: f64 },
+    /// The rates of static dwells are those of this latitude (degrees) and not quite the site's; where they are wrong,
+    /// D_I is by so much, deg/(h g0).
+    LatitudeOff { degrees: f64, moves: f64 },
     /// E is held: so many arcsec of its direction would move D_I or D_S of this gyro, deg/(h g0).
     HeldScale { slot: Slot, arcsec: f64, moves: f64 },
     /// The same of its size: of this share.
@@ -135,6 +138,7 @@ impl CampaignNote {
             Self::OffsetInGauge { .. } => "d_f_in_gauge",
             Self::LatitudeSign { .. } => "latitude_sign",
             Self::GravityOff { .. } => "gravity_off",
+            Self::LatitudeOff { .. } => "latitude_off",
             Self::HeldScale { .. } => "held_scale",
             Self::HeldSize { .. } => "held_scale_size",
             Self::NominalAxis { .. } => "nominal_axis",

@@ -93,6 +93,9 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             let percent = significant(100.0 * share, 2);
             message!("gravity_off", percent, moves = significant(*moves, 2), slot = slot.name())
         }
+        CampaignNote::LatitudeOff { degrees, moves } => {
+            message!("latitude_off", degrees = figure(*degrees, 4), moves = significant(*moves, 2))
+        }
         CampaignNote::HeldScale { slot, arcsec, moves } => {
             message!("held_scale", slot = slot.name(), arcsec = text(arcsec), moves = significant(*moves, 2))
         }
@@ -191,6 +194,9 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
         CampaignNote::LatitudeSign { shift } => json!({"shift_deg_per_h_g0": shift}),
         CampaignNote::GravityOff { share, slot, moves } => {
             json!({"share": share, "slot": Slot::name(*slot), "moves_deg_per_h_g0": moves})
+        }
+        CampaignNote::LatitudeOff { degrees, moves } => {
+            json!({"latitude_deg": degrees, "moves_deg_per_h_g0": moves})
         }
         CampaignNote::HeldScale { slot, arcsec, moves } => {
             json!({"slot": Slot::name(*slot), "arcsec": arcsec, "moves_deg_per_h_g0": moves})

@@ -15,7 +15,7 @@ mod senses;
 mod transform;
 mod trial_fit;
 
-pub use search::{findings, force_off_gravity};
+pub use search::{findings, force_off_gravity, latitude_of_rates};
 
 use crate::core::named::named;
 use crate::core::numerics::median::median_of;

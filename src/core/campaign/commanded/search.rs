@@ -6,7 +6,7 @@ use super::transform::{Mistake, mistakes, other_headings, single_axes};
 use super::trial_fit::{TrialFit, TrialFits};
 use super::{AffectedDwells, CommandFinding, EARTH, MistakeKind, Symptom};
 use crate::core::campaign::steps::decimal_step;
-use crate::core::campaign::{Campaign, Dwell, Phase};
+use crate::core::campaign::{Campaign, Dwell, Phase, with_earth_rate};
 use crate::core::numerics::median::median_of;
 use crate::core::numerics::normal::{MEDIAN_ERROR, SD_OF_MEDIAN};
 
@@ -32,6 +32,9 @@ const FORCE_ROOM: f64 = 0.02;
 /// How many times fewer squares a mirrored body must leave where nothing but the outputs speaks.
 const CLEARLY: f64 = 100.0;
 
+/// How many times fewer squares they must leave with the Earth's rate.
+const BETTER: f64 = 4.0;
+
 /// Gravity is known to this share, not better.
 const LEAST_SHARE: f64 = 2e-6;
 
@@ -47,8 +50,10 @@ pub fn findings(campaign: &Campaign) -> Vec<CommandFinding> {
             found.extend(look(campaign, &measures));
         }
     }
-    if found.is_empty() {
-        found.extend(senses(campaign));
+    for look in [|campaign, _: &_| senses(campaign), turning_without_earth] {
+        if found.is_empty() {
+            found.extend(look(campaign, &measures));
+        }
     }
     found.extend(gravity(campaign, &measures));
     found
@@ -236,12 +241,37 @@ fn outputs(campaign: &Campaign, measures: &Measures) -> Option<CommandFinding> {
         .then(|| CommandFinding::of_all(Symptom::Output, causes, dwells, trial_fits.earth_is_above_noise()))
 }
 
+/// Turning rates without the Earth's break no rule by themselves. But in either sense they are then the same, where the
+/// vertical part of the Earth's rate makes one faster; and the outputs tell.
+fn turning_without_earth(campaign: &Campaign, measures: &Measures) -> Option<CommandFinding> {
+    let turning = |sense: f64| {
+        let rates = measures.dwells.iter().filter(|m| m.phase == Phase::Rate).map(|m| sense * m.vertical);
+        median_of(rates.filter(|rate| *rate > 0.0))
+    };
+    let faster = 0.5 * (turning(1.0)? - turning(-1.0)?);
+    let vertical = measures.vertical?;
+    if (faster - vertical).abs() < 0.5 * vertical.abs() {
+        return None;
+    }
+    let right = with_earth_rate(campaign, AffectedDwells::Turning).ok()?;
+    let mut trial_fits = TrialFits::new(campaign);
+    let left = trial_fits.left_beyond_noise()?;
+    let causes = trial_fits.best(vec![(MistakeKind::EarthRateLeftOut, TrialFit::of(&right))], BETTER);
+    let turning = campaign.dwells.iter().enumerate().filter(|(_, dwell)| dwell.phase == Phase::Rate);
+    let dwells = turning.map(|(k, _)| (k, left)).collect();
+    (!causes.is_empty()).then(|| CommandFinding::of_all(Symptom::Output, causes, dwells, true))
+}
+
 /// Median of |f| of static dwells over gravity (g0), and its standard deviation.
 fn force_ratio(measures: &Measures, gravity: f64) -> Option<(f64, f64)> {
-    let ratios = || measures.still().map(|m| m.force / gravity);
-    let ratio = median_of(ratios())?;
-    let spread = median_of(ratios().map(|r| (r - ratio).abs())).unwrap_or(0.0);
-    Some((ratio, MEDIAN_ERROR * SD_OF_MEDIAN * spread / (ratios().count() as f64).sqrt()))
+    median_and_error(|| measures.still().map(|m| m.force / gravity))
+}
+
+/// A median and its standard deviation.
+fn median_and_error<T: Iterator<Item = f64>>(values: impl Fn() -> T) -> Option<(f64, f64)> {
+    let median = median_of(values())?;
+    let spread = median_of(values().map(|value| (value - median).abs())).unwrap_or(0.0);
+    Some((median, MEDIAN_ERROR * SD_OF_MEDIAN * spread / (values().count() as f64).sqrt()))
 }
 
 /// By what share the specific force of static dwells is longer than the site's gravity, where that is neither chance
@@ -255,6 +285,21 @@ pub fn force_off_gravity(campaign: &Campaign) -> Option<(f64, bool)> {
     let still = campaign.dwells.iter().filter(|d| d.phase == Phase::Static);
     let step = decimal_step(still.flat_map(|d| <[f64; 3]>::from(d.specific_force_g0)));
     (least..FORCE_ROOM).contains(&share.abs()).then_some((share, share.abs() * gravity < step))
+}
+
+/// The latitude that static rates are made with (degrees), and by how much their vertical part is off that of the site
+/// (arcsec/s), where printed digits do not explain it: too little for a finding, but D_I is off by it.
+pub fn latitude_of_rates(campaign: &Campaign) -> Option<(f64, f64)> {
+    let (site, measures) = (campaign.site?, Measures::of(campaign));
+    let rate = median_of(measures.still().map(|m| m.rate))?;
+    let (vertical, error) = median_and_error(|| measures.still().map(|m| m.vertical))?;
+    let still = campaign.dwells.iter().filter(|d| d.phase == Phase::Static);
+    let of_rates = decimal_step(still.flat_map(|d| <[f64; 3]>::from(d.rate_arcsec_s)));
+    let of_latitude = decimal_step([site.latitude.to_degrees()].into_iter()).to_radians();
+    let off = (vertical - measures.vertical?).abs();
+    let MistakeKind::OtherLatitude { degrees } = other_latitude(vertical, rate) else { return None };
+    let least = (0.5 * (of_rates + EARTH * of_latitude)).max(3.0 * error).max(LEAST_SHARE * EARTH);
+    (off > least).then_some((degrees, off))
 }
 
 /// Whether specific force has the length that gravity has.

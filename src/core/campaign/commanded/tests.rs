@@ -167,6 +167,46 @@ fn axes_that_are_exchanged_in_one_kind_of_dwells_are_told_and_the_latitude_is_no
 }
 
 #[test]
+fn turning_rates_that_are_the_tables_alone_are_told_by_the_outputs() {
+    let with_turning = |change: &dyn Fn(&mut Dwell)| {
+        let mut campaign = with_turns();
+        campaign.dwells.iter_mut().filter(|dwell| dwell.phase == Phase::Rate).for_each(change);
+        findings(&campaign)
+    };
+    let up = |dwell: &Dwell| dwell.specific_force_g0 / 0.998;
+    let finding = only(with_turning(&|dwell| dwell.rate_arcsec_s -= 0.5 * OMEGA * up(dwell)));
+    assert_eq!((finding.symptom, finding.causes), (Symptom::Output, vec![MistakeKind::EarthRateLeftOut]));
+    assert!(finding.matters && finding.dwells.len() == 12);
+    // A table that makes up for the Earth's rate is believed: the gyros measure what it says.
+    let made_up_for = |dwell: &mut Dwell| {
+        dwell.rate_arcsec_s -= 0.5 * OMEGA * up(dwell);
+        let w = dwell.rate_arcsec_s + 3.0 * dwell.specific_force_g0;
+        dwell.output_pulse_s = w.iter().map(|w| 2.0 * w).collect();
+    };
+    assert_eq!(with_turning(&made_up_for), []);
+}
+
+#[test]
+fn rates_of_another_latitude_are_told_beyond_printed_digits() {
+    let of = |latitude: f64, round: f64| {
+        let mut campaign = faces();
+        campaign.site = campaign.site.map(|site| Site { latitude: latitude.to_radians(), ..site });
+        let rounded = |x: f64| (x / round).round() * round;
+        campaign.dwells.iter_mut().for_each(|dwell| dwell.rate_arcsec_s = dwell.rate_arcsec_s.map(rounded));
+        assert_eq!(findings(&campaign), [], "too little for that");
+        latitude_of_rates(&campaign)
+    };
+    let (degrees, off) = of(30.05, 1e-7).expect("more than its digits");
+    assert!(
+        (degrees - 30.0).abs() < 1e-3 && (off - OMEGA * 0.05_f64.to_radians() * 0.866).abs() < 1e-4,
+        "{degrees} {off}"
+    );
+    assert_eq!(of(30.0, 1e-7), None);
+    assert_eq!(of(30.004, 1e-2), None, "the digits of the rates");
+    assert_eq!(of(30.0, 1e-2), None);
+}
+
+#[test]
 fn a_mistake_that_is_not_known_is_not_called_the_latitude_that_is_stated() {
     let mut campaign = with_turns();
     let turning = campaign.dwells.iter_mut().filter(|dwell| dwell.phase == Phase::Rate).enumerate();

@@ -25,7 +25,11 @@ pub const LEVELLING: Entry = Entry {
     scope: Scope::Common,
     names: &|_| vec!["east", "north"],
     missing: &no_attitude,
-    shapes: &|_| vec![(Shape::Tilt { with_rate: false }, 1.0), (Shape::Tilt { with_rate: true }, 1.0)],
+    shapes: &|s| {
+        // The table's rate shows three numbers a gyro beside E: of fewer gyros anything that the faces do passes for a tilt.
+        let of_imu = (s.gyros.len() >= 3).then_some((Shape::Tilt { with_rate: true }, 1.0));
+        [(Shape::Tilt { with_rate: false }, 1.0)].into_iter().chain(of_imu).collect()
+    },
     columns: &|s, j, shape| {
         let with_rate = shape == Shape::Tilt { with_rate: true };
         vec![tilted(s, j, Vector3::x(), with_rate), tilted(s, j, Vector3::y(), with_rate)]

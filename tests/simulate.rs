@@ -254,6 +254,8 @@ fn every_effect_can_be_put_in_at_a_detectability_where_its_design_sees_it() {
 }
 
 #[rstest]
+#[case("axial_compliance", Positions::TwentyFour, false)]
+#[case("axial_compliance", Positions::WithTilts, true)]
 #[case("cross_compliance", Positions::TwentyFour, false)]
 #[case("cross_compliance", Positions::WithEdges, true)]
 #[case("cubic_g", Positions::TwentyFour, false)]

@@ -54,6 +54,7 @@ pub enum Mechanism {
         first: Option<usize>,
     },
     Magnetic([Vector3<f64>; 3]),
+    AxialCompliance([Vector3<f64>; 3]),
     CrossCompliance([Vector3<f64>; 3]),
     CubicG,
     OutputAxisG,
@@ -89,7 +90,7 @@ const fn row(id: &'static str, typical: f64, shown_by: ShownBy) -> Injectable {
 }
 
 /// The effects that can be injected.
-pub const CATALOGUE: [Injectable; 25] = [
+pub const CATALOGUE: [Injectable; 26] = [
     row("g_linear", 0.05, ShownBy::OwnTerm),           // deg/(h g0)
     row("g_squared", 0.05, ShownBy::OwnTerm),          // deg/(h g0^2)
     row("temperature_bias", 0.005, ShownBy::Always),   // deg/h/K
@@ -111,6 +112,7 @@ pub const CATALOGUE: [Injectable; 25] = [
     row("relevelling", 1e-4, ShownBy::Attitudes),    // rad
     row("reseating", 1e-4, ShownBy::Rotation),       // rad
     row("magnetic", 0.01, ShownBy::Attitudes),       // deg/h in the field of the site
+    row("axial_compliance", 0.05, ShownBy::OffAxis), // deg/(h g0^2)
     row("cross_compliance", 0.05, ShownBy::OffAxis), // deg/(h g0^2)
     row("cubic_g", 0.02, ShownBy::OffAxis),          // deg/(h g0^3)
     row("output_axis_g", 0.1, ShownBy::Closure),     // deg/(h g0)
@@ -214,6 +216,7 @@ impl Mechanism {
             "g_squared" => Self::GSquared,
             "temperature_g" => Self::TemperatureG,
             "magnetic" => Self::Magnetic,
+            "axial_compliance" => Self::AxialCompliance,
             "cross_compliance" => Self::CrossCompliance,
             _ => return None,
         })
@@ -391,6 +394,7 @@ impl Mechanism {
             Self::Anisoinertia => drift(w.x * w.y),
             Self::GRateCoupling => scale(a.x),
             Self::Magnetic(k) => drift(k[gyro].dot(&sensed.field)),
+            Self::AxialCompliance(k) => drift(k[gyro].dot(&Vector3::new(a.x * a.x, a.y * a.y, 0.0))),
             Self::CrossCompliance(k) => drift(k[gyro].dot(&Vector3::new(a.x * a.y, a.x * a.z, a.z * a.y))),
             Self::CubicG => drift(a.x.powi(3)),
             Self::OutputAxisG => drift(a.z),

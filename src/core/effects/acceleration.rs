@@ -2,7 +2,26 @@
 
 use super::entry::{Effect, Entry, PLAIN, Parameter, Shape};
 
-pub(super) const ENTRIES: &[&Entry] = &[&CROSS_COMPLIANCE, &CUBIC_G, &OUTPUT_AXIS_G, &MOUNT_CLOCKING];
+pub(super) const ENTRIES: &[&Entry] =
+    &[&AXIAL_COMPLIANCE, &CROSS_COMPLIANCE, &CUBIC_G, &OUTPUT_AXIS_G, &MOUNT_CLOCKING];
+
+/// Of a gyro whose axes are not the body's this leaves products of body axes.
+pub const AXIAL_COMPLIANCE: Entry = Entry {
+    effect: Effect::AxialCompliance,
+    id: "axial_compliance",
+    cause: "the suspension yields along the gyro's own axes, where model (6) has P along those of the body",
+    equation: "D_II a_I^2 + D_SS a_S^2",
+    unit: "deg/(h g0^2)",
+    typical: [1e-3, 0.1], // D_II, D_SS of eq. (5)
+    plausible: 1e3,
+    confused_with: &[Effect::CrossCompliance, Effect::CubicG],
+    names: &|_| vec!["D_II", "D_SS"],
+    columns: &|s, j, _| {
+        let gyro = &s.gyros[j];
+        [&gyro.input, &gyro.spin].map(|axis| s.column(|k| s.force[k].dot(axis).powi(2))).to_vec()
+    },
+    ..PLAIN
+};
 
 pub const CROSS_COMPLIANCE: Entry = Entry {
     effect: Effect::CrossCompliance,
@@ -12,7 +31,7 @@ pub const CROSS_COMPLIANCE: Entry = Entry {
     unit: "deg/(h g0^2)",
     typical: [1e-3, 0.1], // D_IS, D_IO, D_OS of eq. (5); IEEE 517 compliance terms
     plausible: 1e3,
-    confused_with: &[Effect::CubicG],
+    confused_with: &[Effect::AxialCompliance, Effect::CubicG],
     names: &|shape| picked(shape).map(|i| PRODUCTS[i]).collect(),
     shapes: &|_| {
         vec![(Shape::Linear, 2.0), (Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0), (Shape::Only(&[2]), 1.0)]

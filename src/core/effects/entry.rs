@@ -57,6 +57,7 @@ effects! {
     Magnetic,
     Relevelling,
     Reseating,
+    AxialCompliance,
     CrossCompliance,
     CubicG,
     OutputAxisG,

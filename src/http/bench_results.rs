@@ -12,6 +12,7 @@ use crate::pipeline::{Origin, Submission};
 use crate::wire::bench::BenchBody;
 use crate::wire::campaign::CampaignBody;
 use crate::wire::document::DocumentKind;
+use crate::wire::note::NoteBody;
 use crate::wire::sender::SenderBody;
 use crate::wire::time;
 
@@ -20,6 +21,9 @@ use crate::wire::time;
 struct BenchAnswer {
     id: String,
     serial: String,
+    /// New names that look like known ones.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    notes: Vec<NoteBody>,
 }
 
 /// Stores a bench result; the same rules as for records.
@@ -38,9 +42,10 @@ pub async fn post_bench_result(app: App, post: DocumentPost, Document(bytes): Do
     let origin = Origin::of(&item);
     let accepted = post.submit(&app, item).await?;
     let (status, _) = outcome(&accepted);
+    let notes = accepted.notes().iter().map(NoteBody::of).collect();
     let id = app.pipeline.ingest.settle(&accepted, origin.as_ref()).await?;
     let location = [(LOCATION, format!("/v1/bench-results/{id}"))];
-    Ok((status, location, Json(BenchAnswer { id: id.to_string(), serial })).into_response())
+    Ok((status, location, Json(BenchAnswer { id: id.to_string(), serial, notes })).into_response())
 }
 
 /// A stored bench result.

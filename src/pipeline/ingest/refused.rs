@@ -26,6 +26,14 @@ impl Accepted {
         Self::There { id, same_bytes: true, counts: true }
     }
 
+    /// What is to be said of it, where it is new.
+    pub fn notes(&self) -> &[Note] {
+        match self {
+            Self::Stored { notes, .. } => notes,
+            Self::There { .. } => &[],
+        }
+    }
+
     /// It is new, and there is nothing to be said of it.
     pub fn stored(id: Id) -> Self {
         Self::Stored { id, judged: [].into(), notes: [].into() }

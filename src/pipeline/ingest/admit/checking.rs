@@ -166,14 +166,8 @@ impl<'c> Check<'c> {
     async fn check_names(&mut self, known: &Lookup<'_>) -> Result<(), StoreError> {
         let Self { sent, imu, gyros, notes } = self;
         let imu = *imu;
-        let station = known.number(NamesOf::Stations, sent.station.as_str());
-        for (of, table, name, number) in [
-            (NameKind::Imu, NamesOf::Imus, &sent.imu, imu),
-            (NameKind::Station, NamesOf::Stations, &sent.station, station),
-        ] {
-            let alike = if number.is_none() { known.look_alike(table, name.as_str()) } else { None };
-            notes.extend(alike.map(|known| HistoryNote::LookAlike { of, name: name.to_string(), known }));
-        }
+        let names = [(NameKind::Imu, sent.imu.as_str()), (NameKind::Station, sent.station.as_str())];
+        notes.extend(known.look_alikes(&names));
         for Known { sent: gyro, .. } in gyros.iter().filter(|gyro| gyro.number.is_none()) {
             let serial = gyro.serial.to_string();
             let alike = known.look_alike(NamesOf::Gyros, &serial);

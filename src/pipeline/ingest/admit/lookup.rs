@@ -4,6 +4,7 @@ use super::group::Group;
 use super::prefetched::Prefetched;
 use super::recent_records::RecentRecords;
 use crate::core::correction::CorrectionItem;
+use crate::core::history_note::{HistoryNote, NameKind};
 use crate::core::mounting::Slot;
 use crate::core::name::distance;
 use crate::core::suspect_window::{Mark, SuspectWindow, in_force};
@@ -174,6 +175,20 @@ impl Lookup<'_> {
             }
         }
         Ok(None)
+    }
+
+    /// Of these names those that are new and look like known ones.
+    pub fn look_alikes(&self, names: &[(NameKind, &str)]) -> Vec<HistoryNote> {
+        let alike = |(of, name): &(NameKind, &str)| {
+            let table = match of {
+                NameKind::Imu => NamesOf::Imus,
+                NameKind::Station => NamesOf::Stations,
+                NameKind::Serial => NamesOf::Gyros,
+            };
+            let known = self.look_alike(table, name).filter(|_| self.number(table, name).is_none())?;
+            Some(HistoryNote::LookAlike { of: *of, name: (*name).to_owned(), known })
+        };
+        names.iter().filter_map(alike).collect()
     }
 
     pub fn look_alike(&self, of: NamesOf, name: &str) -> Option<String> {

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use crate::core::bench::BenchItem;
 use crate::core::figures::{PublishedFigures, States};
 use crate::core::gyro_attributes::GyroAttributes;
-use crate::core::history_note::HistoryNote;
+use crate::core::history_note::{HistoryNote, NameKind};
 use crate::core::note::Note;
 use crate::core::record::Name;
 use crate::core::separate::{Branch, Separation};
@@ -162,6 +162,8 @@ impl Admission<'_> {
                 return Ok(Accepted::There { id, same_bytes: false, counts: true });
             }
         }
+        let names = [(NameKind::Serial, result.serial.as_str()), (NameKind::Station, result.station.as_str())];
+        let notes = self.lookup(group).look_alikes(&names).into_iter().map(Note::History).collect();
         let id = self.ids.next(self.now);
         let home = store::names::cell_of_gyro(self.store, result.serial.as_str());
         let gyro = self.take_number(NamesOf::Gyros, result.serial.as_str(), home, group);
@@ -183,7 +185,7 @@ impl Admission<'_> {
             body_sha256: sent.body_sha256,
             sent_by,
         });
-        Ok(Accepted::stored(id))
+        Ok(Accepted::Stored { id, judged: [].into(), notes })
     }
 
     async fn event(&mut self, order: &EventOrder, group: &mut Group) -> Result<Accepted, Refused> {

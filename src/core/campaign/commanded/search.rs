@@ -26,6 +26,9 @@ const NO_RATE: f64 = 0.5;
 /// of a degree of latitude come to.
 const COMMON_RATE: f64 = 0.03;
 
+/// Of the latter from here on where digits do not explain it: it is in D_I, whose budget is as much in deg/(h g0).
+const COMMON_VERTICAL: f64 = 0.01;
+
 /// Largest share by which specific force may be off in most dwells without its unit being wrong.
 const FORCE_ROOM: f64 = 0.02;
 
@@ -190,7 +193,7 @@ fn common_offset(campaign: &Campaign, measures: &Measures) -> Option<CommandFind
     let vertical = median_of(measures.still().map(|m| m.vertical))?;
     let rate_is_other = (rate - EARTH).abs() > COMMON_RATE;
     let shift = vertical - expected;
-    if !rate_is_other && shift.abs() <= COMMON_RATE {
+    if !rate_is_other && shift.abs() <= by_digits(campaign, site.latitude).clamp(COMMON_VERTICAL, COMMON_RATE) {
         return None;
     }
     let shift = if rate_is_other { shift.abs().max((rate - EARTH).abs() * sin.abs()) } else { shift.abs() };
@@ -293,13 +296,18 @@ pub fn latitude_of_rates(campaign: &Campaign) -> Option<(f64, f64)> {
     let (site, measures) = (campaign.site?, Measures::of(campaign));
     let rate = median_of(measures.still().map(|m| m.rate))?;
     let (vertical, error) = median_and_error(|| measures.still().map(|m| m.vertical))?;
-    let still = campaign.dwells.iter().filter(|d| d.phase == Phase::Static);
-    let of_rates = decimal_step(still.flat_map(|d| <[f64; 3]>::from(d.rate_arcsec_s)));
-    let of_latitude = decimal_step([site.latitude.to_degrees()].into_iter()).to_radians();
     let off = (vertical - measures.vertical?).abs();
     let MistakeKind::OtherLatitude { degrees } = other_latitude(vertical, rate) else { return None };
-    let least = (0.5 * (of_rates + EARTH * of_latitude)).max(3.0 * error).max(LEAST_SHARE * EARTH);
+    let least = by_digits(campaign, site.latitude).max(3.0 * error).max(LEAST_SHARE * EARTH);
     (off > least).then_some((degrees, off))
+}
+
+/// What the digits of static rates and of the latitude leave of the vertical part of the Earth's rate, arcsec/s.
+fn by_digits(campaign: &Campaign, latitude: f64) -> f64 {
+    let still = campaign.dwells.iter().filter(|d| d.phase == Phase::Static);
+    let of_rates = decimal_step(still.flat_map(|d| <[f64; 3]>::from(d.rate_arcsec_s)));
+    let of_latitude = decimal_step([latitude.to_degrees()].into_iter()).to_radians();
+    0.5 * (of_rates + EARTH * of_latitude)
 }
 
 /// Whether specific force has the length that gravity has.

@@ -187,23 +187,23 @@ fn turning_rates_that_are_the_tables_alone_are_told_by_the_outputs() {
 }
 
 #[test]
-fn rates_of_another_latitude_are_told_beyond_printed_digits() {
+fn rates_of_another_latitude_are_told_beyond_printed_digits_and_refused_beyond_the_budget() {
     let of = |latitude: f64, round: f64| {
         let mut campaign = faces();
         campaign.site = campaign.site.map(|site| Site { latitude: latitude.to_radians(), ..site });
         let rounded = |x: f64| (x / round).round() * round;
         campaign.dwells.iter_mut().for_each(|dwell| dwell.rate_arcsec_s = dwell.rate_arcsec_s.map(rounded));
-        assert_eq!(findings(&campaign), [], "too little for that");
-        latitude_of_rates(&campaign)
+        (findings(&campaign).len(), latitude_of_rates(&campaign))
     };
-    let (degrees, off) = of(30.05, 1e-7).expect("more than its digits");
-    assert!(
-        (degrees - 30.0).abs() < 1e-3 && (off - OMEGA * 0.05_f64.to_radians() * 0.866).abs() < 1e-4,
-        "{degrees} {off}"
-    );
-    assert_eq!(of(30.0, 1e-7), None);
-    assert_eq!(of(30.004, 1e-2), None, "the digits of the rates");
-    assert_eq!(of(30.0, 1e-2), None);
+    let (found, told) = of(30.0312, 1e-7);
+    let (degrees, off) = told.expect("more than its digits");
+    let expected = OMEGA * 0.0312_f64.to_radians() * 0.866;
+    assert!(found == 0 && (degrees - 30.0).abs() < 1e-3 && (off - expected).abs() < 1e-5, "{degrees} {off}");
+    assert_eq!(of(30.0512, 1e-7).0, 1, "D_I is off by more than its budget");
+    assert_eq!(of(30.1, 1e-7).0, 1, "no rounding of 30");
+    for (latitude, round) in [(30.0, 1e-7), (30.004, 1e-2), (30.0, 1e-2)] {
+        assert_eq!(of(latitude, round), (0, None), "{latitude} {round}");
+    }
 }
 
 #[test]

@@ -198,6 +198,13 @@ async fn bench_results_follow_the_rules_of_records() {
     let mut changed = result.clone();
     changed["d_s_deg_per_h_g0"] = json!(5.8);
     assert_eq!(lab.post("/v1/bench-results", &changed).await.refused(409), ["/d_s_deg_per_h_g0"]);
+    let alike = bench("LFG-O101", "2026-02-10T08:00:00Z", 4.193101, 5.771452);
+    let noted = lab.post("/v1/bench-results", &alike).await.created();
+    assert_eq!(
+        (&noted["notes"][0]["code"], noted["notes"].as_array().unwrap().len()),
+        (&json!("look_alike"), 1),
+        "{noted}"
+    );
     for (member, value) in [
         ("method", json!("guess")),
         ("d_i_sd", json!(-1)),

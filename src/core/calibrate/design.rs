@@ -1,9 +1,12 @@
 //! Model (6) as a design matrix, and the gauge that it needs at constant |a|.
 
+use std::rc::Rc;
+
 use nalgebra::{DMatrix, DVector};
 
 use crate::core::campaign::Dwell;
 use crate::core::model::{Term, Terms};
+use crate::core::numerics::least_squares::Factor;
 
 /// Spread of |a|^2, or of a_I^2 + a_S^2 (standard deviation over mean) below which it counts as constant.
 ///
@@ -77,6 +80,22 @@ impl Design {
         let mut expand = DMatrix::identity(p, p).remove_column(p_x);
         expand.row_mut(p_x).columns_mut(p_x, 2).fill(-1.0);
         Self { terms, reduced: full * &expand, expand, gauge: Some(direction.normalize()) }
+    }
+}
+
+/// A design, and its factorisation for rows of standard deviations `sd`.
+#[derive(Debug)]
+pub(super) struct WeightedDesign {
+    pub design: Design,
+    pub sd: Vec<f64>,
+    pub factor: Factor,
+}
+
+impl WeightedDesign {
+    /// Of at least one column.
+    pub fn new(design: Design, sd: Vec<f64>) -> Rc<Self> {
+        let factor = Factor::new(design.reduced.clone(), &sd);
+        Rc::new(Self { design, sd, factor })
     }
 }
 

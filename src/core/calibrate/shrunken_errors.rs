@@ -15,7 +15,7 @@
 
 use nalgebra::DVector;
 
-use super::gyro_fit::{GyroFit, SharedFactors};
+use super::gyro_fit::GyroFit;
 use crate::core::campaign::Campaign;
 
 /// Scatter of standard errors (of their logarithms, about the law) from which on they are doubted: of thirteen
@@ -96,12 +96,12 @@ pub(super) fn may_scatter(stated: &[Vec<f64>]) -> bool {
 }
 
 /// None where standard errors hardly scatter, or residuals follow them. `fits` are those of the errors as stated.
-pub(super) fn shrunken(campaign: &Campaign, fits: &[GyroFit], shared: &SharedFactors) -> Option<ShrunkenErrors> {
+pub(super) fn shrunken(campaign: &Campaign, fits: &[GyroFit]) -> Option<ShrunkenErrors> {
     let is_exact = |fit: &GyroFit| fit.left().0.norm() == 0.0;
     let errors = ScatteringErrors::of(campaign).filter(|_| !fits.iter().any(is_exact))?;
     let (b, is_clear) = errors.likeliest(|sd| {
         let of_gyro = |(fit, sd): (&GyroFit, &Vec<f64>)| {
-            let found = fit.fitted(shared).independent(&DVector::from_column_slice(sd), true);
+            let found = fit.fitted().independent(&DVector::from_column_slice(sd), true);
             found.map(|(log, _)| log)
         };
         fits.iter().zip(sd).map(of_gyro).sum::<Option<f64>>()

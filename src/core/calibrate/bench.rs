@@ -27,7 +27,7 @@ use super::uncertainty::{StationResponse, Uncertainty, UncertaintyBudget};
 use super::{ScaleSource, exceeds_noise, sem_scatter, weights_sd};
 use crate::core::bench::{Alias, BenchMethod, BenchResult};
 use crate::core::campaign::repeats::{PureError, repeats};
-use crate::core::campaign::{Campaign, CampaignNote, Dwell, TestKind};
+use crate::core::campaign::{Campaign, CampaignNote, TestKind};
 use crate::core::effects::GyroAxes;
 use crate::core::message::{Message, figure, list};
 use crate::core::model::Term;
@@ -231,12 +231,9 @@ impl BenchProblem<'_> {
         let net = station.net.as_ref().map(|(net, taken)| (net.component_div(factor.weights()), *taken));
         let (residuals, taken) = net.unwrap_or_else(|| (fit.residuals.clone(), 0));
         let dwells = &self.campaign.dwells;
-        let times: Vec<f64> = dwells.iter().map(Dwell::mid_s).collect();
-        let (durations, rates): (Vec<f64>, Vec<_>) = dwells.iter().map(|d| (d.duration_s, d.rate_arcsec_s)).unzip();
-        let course = DwellConditions { times: &times, durations: &durations, rates: &rates };
         let even = DVector::from_element(dwells.len(), 1.0);
         let fitted = FittedGyro::of_even(factor, &even, (&residuals, fit.dof.saturating_sub(taken)));
-        correlated_noise::weigh(&course, &[fitted], std::slice::from_mut(coordinates), has_sem)
+        correlated_noise::weigh(&DwellConditions::of(dwells), &[fitted], std::slice::from_mut(coordinates), has_sem)
     }
 
     /// Standard errors shrunk to the law that they scatter about, and their scatter where that is clear; none where

@@ -260,7 +260,7 @@ pub(super) fn weigh(
             gyros[j].independent(&variances.zip_map(gyros[j].weights, |v, w| v.sqrt() / w), is_told)
         }
         NoiseDeparture::CorrelatedNoise(memory, power) => {
-            let whitened = memory.whitened(course.times, &d[j], power * usual[j].powi(2), gyros[j].columns());
+            let whitened = memory.whitened(&course.times, &d[j], power * usual[j].powi(2), gyros[j].columns());
             gyros[j].restricted(whitened, is_told)
         }
     };
@@ -284,7 +284,7 @@ pub(super) fn weigh(
         let shared = CorrelatedNoise::ALL.map(|memory| {
             let is_likely =
                 likely.iter().any(|(kind, ..)| matches!(kind, NoiseDeparture::CorrelatedNoise(of, _) if *of == memory));
-            is_likely.then(|| x.tr_mul(&memory.times(course.times, x.clone())))
+            is_likely.then(|| x.tr_mul(&memory.times(&course.times, x.clone())))
         });
         *covariance *= weight(as_stated);
         for (kind, log, rss) in &likely {
@@ -352,8 +352,7 @@ mod tests {
         let (times, d, x) = dwells();
         let basis = x.qr().q();
         let (weights, variances) = (d.map(|d| 1.0 / d), DVector::from_element(20, 1.0));
-        let rates = vec![nalgebra::Vector3::zeros(); 20];
-        let course = DwellConditions { times: &times, durations: &[180.0; 20], rates: &rates };
+        let course = DwellConditions { times, durations: vec![180.0; 20], rates: vec![nalgebra::Vector3::zeros(); 20] };
         for (residuals, dof) in [(d.clone(), LEAST_DOF), (DVector::zeros(20), 17)] {
             let fitted = FittedGyro {
                 basis: &basis,
@@ -387,7 +386,7 @@ mod tests {
             Some(NoiseDeparture::CorrelatedNoise(memory, power)) => {
                 let white = over(gyro.variances, gyro.weights);
                 let usual = median_of(white.diagonal().iter().map(|v| v.sqrt())).unwrap_or(1.0);
-                white + power * usual * usual * memory.kernel(course.times)
+                white + power * usual * usual * memory.kernel(&course.times)
             }
         };
         let restricted = |v: &DMatrix<f64>, gyro: &FittedGyro| {
@@ -438,7 +437,7 @@ mod tests {
         let (times, d, x) = dwells();
         let durations: Vec<f64> = (0..20).map(|k| if k % 3 == 0 { 60.0 } else { 240.0 }).collect();
         let rates: Vec<_> = (0..20).map(|k| nalgebra::Vector3::new(0.0, 30.0 * f64::from(k % 5), 10.0)).collect();
-        let course = DwellConditions { times: &times, durations: &durations, rates: &rates };
+        let course = DwellConditions { times, durations, rates };
         let variances = DVector::from_fn(20, |k, _| 1.0 + 0.2 * (3.1 * k as f64).cos());
         let even = DVector::from_fn(20, |k, _| 1.0 + 0.1 * (2.3 * k as f64).sin());
         for (stated, walk) in [(true, 0.0), (true, 0.6), (false, 0.3), (false, 0.0)] {

@@ -202,10 +202,7 @@ fn weigh(
     coordinates: &mut [Option<DMatrix<f64>>],
 ) -> correlated_noise::DepartureWeights {
     let fitted: Vec<FittedGyro> = fits.iter().map(GyroFit::fitted).collect();
-    let times: Vec<f64> = dwells.iter().map(Dwell::mid_s).collect();
-    let (durations, rates): (Vec<f64>, Vec<_>) = dwells.iter().map(|d| (d.duration_s, d.rate_arcsec_s)).unzip();
-    let course = DwellConditions { times: &times, durations: &durations, rates: &rates };
-    correlated_noise::weigh(&course, &fitted, coordinates, has_sem)
+    correlated_noise::weigh(&DwellConditions::of(dwells), &fitted, coordinates, has_sem)
 }
 
 /// Fits what all gyros share and takes it out of each gyro's fit.

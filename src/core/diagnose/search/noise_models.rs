@@ -36,8 +36,8 @@ const NOTHING: f64 = -6.9;
 const CERTAIN: f64 = 0.98;
 
 /// What the laws take of a campaign.
-fn course(s: &Setting) -> DwellConditions<'_> {
-    DwellConditions { times: &s.time, durations: &s.duration, rates: &s.rate }
+fn course(s: &Setting) -> DwellConditions {
+    DwellConditions { times: s.time.clone(), durations: s.duration.clone(), rates: s.rate.clone() }
 }
 
 struct Model {

@@ -21,7 +21,7 @@ use super::law::DwellConditions;
 use super::noise::{Evidence, NoiseScale, noise, overstated};
 use super::noise_found::NoiseFound;
 use super::noise_report;
-use super::shrunken_errors::ScatteringErrors;
+use super::shrunken_errors::{ScatteringErrors, ShrunkenErrors};
 use super::station::{self, OfOne};
 use super::uncertainty::{StationResponse, Uncertainty, UncertaintyBudget};
 use super::{ScaleSource, exceeds_noise, sem_scatter, weights_sd};
@@ -143,7 +143,6 @@ impl NotFitted {
 
 /// What is fitted besides the drift, and the axes that follow from it.
 struct BenchScale {
-    source: ScaleSource,
     /// Held E, or none where columns of w are fitted.
     held: Option<Vector3<f64>>,
     /// Directions on which the rate is fitted: the body axes, the input axis alone, or none.
@@ -154,10 +153,9 @@ struct BenchProblem<'a> {
     campaign: &'a Campaign,
     method: BenchMethod,
     triad: Triad,
+    /// Standard deviations that weigh the dwells; `shrunken` where residuals do not follow the stated ones.
     sd: Vec<f64>,
-    /// Scatter of the stated errors, where `sd` are shrunk to their law.
-    is_shrunken: bool,
-    errors_scatter: Option<f64>,
+    shrunken: Option<ShrunkenErrors>,
     squares: bool,
 }
 
@@ -175,22 +173,23 @@ pub fn calibrate_bench(campaign: &Campaign) -> Result<BenchCalibration, NotFitte
     let triad = campaign.geometry.triad(gyro.slot).ok_or(NotFitted::NoAxes(gyro.slot.name()))?;
     let squares = campaign.terms().contains(Term::GSquared);
     let sd = weights_sd(campaign, 0);
-    let mut problem = BenchProblem { campaign, method, triad, sd, is_shrunken: false, errors_scatter: None, squares };
+    let mut problem = BenchProblem { campaign, method, triad, sd, shrunken: None, squares };
     let scale = problem.scale(gyro.known_e)?;
     let as_stated = problem.fit(&scale)?;
-    let Some((sd, scatter)) = problem.shrunken(&scale, &as_stated) else { return Ok(as_stated) };
-    (problem.sd, problem.is_shrunken, problem.errors_scatter) = (sd, true, scatter);
+    let Some(shrunken) = problem.shrunken(&scale, &as_stated) else { return Ok(as_stated) };
+    problem.sd.clone_from(&shrunken.sd[0]);
+    problem.shrunken = Some(shrunken);
     problem.fit(&scale)
 }
 
 impl BenchProblem<'_> {
     fn scale(&self, known_e: Option<Vector3<f64>>) -> Result<BenchScale, NotFitted> {
-        let held = |e| BenchScale { source: ScaleSource::Held, held: Some(e), fitted: Vec::new() };
+        let held = |e| BenchScale { held: Some(e), fitted: Vec::new() };
         if let Some(e) = known_e {
             return Ok(held(e));
         }
         let input = self.triad.input();
-        let fit_along = |fitted: Vec<Vector3<f64>>| BenchScale { source: ScaleSource::Fitted, held: None, fitted };
+        let fit_along = |fitted: Vec<Vector3<f64>>| BenchScale { held: None, fitted };
         if self.method == BenchMethod::TorqueFeedback {
             let whole = fit_along(vec![Vector3::x(), Vector3::y(), Vector3::z()]);
             let single = fit_along(vec![input]);
@@ -205,7 +204,8 @@ impl BenchProblem<'_> {
         }
         let found = self.fit(&along_input)?;
         let answer = found.e.dot(&input);
-        let sd = found.noise.covariance_scale().map_or(f64::INFINITY, f64::sqrt) * self.scale_sd(&along_input);
+        let of_weights = self.nominal_factor(&along_input).covariance()[(0, 0)].max(0.0).sqrt();
+        let sd = found.noise.covariance_scale().map_or(f64::INFINITY, f64::sqrt) * of_weights;
         let off = answer.abs() - 1.0;
         if off.abs() > SERVO_SCALE.1 && off.abs() > SERVO_SCALE.0 * sd {
             return Err(NotFitted::NotATableRate { found: answer });
@@ -236,16 +236,13 @@ impl BenchProblem<'_> {
         correlated_noise::weigh(&DwellConditions::of(dwells), &[fitted], std::slice::from_mut(coordinates), has_sem)
     }
 
-    /// Standard errors shrunk to the law that they scatter about, and their scatter where that is clear; none where
-    /// residuals follow them.
-    fn shrunken(&self, scale: &BenchScale, as_stated: &BenchCalibration) -> Option<(Vec<f64>, Option<f64>)> {
+    /// None where residuals follow the standard errors as stated.
+    fn shrunken(&self, scale: &BenchScale, as_stated: &BenchCalibration) -> Option<ShrunkenErrors> {
         let errors = ScatteringErrors::of(self.campaign).filter(|_| as_stated.residuals.norm() > 0.0)?;
         let factor = Factor::new(self.design(scale, &as_stated.axes).0, &self.sd);
         let even = DVector::from_element(self.sd.len(), 1.0);
         let fitted = FittedGyro::of_even(&factor, &even, (&as_stated.residuals, as_stated.dof));
-        let of = |sd: &[Vec<f64>]| Some(fitted.independent(&DVector::from_column_slice(&sd[0]), true)?.0);
-        let (b, is_clear) = errors.likeliest(of)?;
-        Some((errors.shrunken(b).swap_remove(0), is_clear.then_some(errors.scatter)))
+        errors.likeliest(|sd| Some(fitted.independent(&DVector::from_column_slice(&sd[0]), true)?.0))
     }
 
     /// Which squares are fitted beside this scale.
@@ -256,11 +253,6 @@ impl BenchProblem<'_> {
     fn determines_scale(&self, scale: &BenchScale) -> bool {
         let factor = self.nominal_factor(scale);
         self.sd.len() > factor.rank() && (0..scale.fitted.len()).all(|i| factor.determines_parameter(i))
-    }
-
-    /// Standard deviation of the first column's parameter for the weights as given.
-    fn scale_sd(&self, scale: &BenchScale) -> f64 {
-        self.nominal_factor(scale).covariance()[(0, 0)].max(0.0).sqrt()
     }
 
     /// Of the design on the nominal axes.
@@ -346,9 +338,7 @@ impl BenchProblem<'_> {
         );
         let fit = factor.fit(&y);
         let fitted: Vector3<f64> = scale.fitted.iter().zip(fit.estimate.iter()).map(|(axis, k)| axis * *k).sum();
-        let aliases = self.aliases(&factor, &axes, (form, first));
-        let by_drift = self.by_drift(&factor, first);
-        Ok(BenchSolution { e: held + fitted, axes, form, factor, fit, y, aliases, by_drift })
+        Ok(BenchSolution { e: held + fitted, axes, form, factor, fit, y })
     }
 
     /// A product's column fitted by what is fitted: what D_I and D_S take of it, and what the others do where residuals
@@ -392,7 +382,7 @@ impl BenchProblem<'_> {
     }
 
     fn finish(&self, scale: &BenchScale, solved: BenchSolution) -> Result<BenchCalibration, NotFitted> {
-        let BenchSolution { e, axes, form, factor, fit, y, aliases, by_drift } = solved;
+        let BenchSolution { e, axes, form, factor, fit, y } = solved;
         let groups = repeats(&self.campaign.dwells);
         let has_sem = self.campaign.states_errors();
         let k = e.norm() * if e.dot(&self.triad.input()) < 0.0 { -1.0 } else { 1.0 };
@@ -410,7 +400,8 @@ impl BenchProblem<'_> {
             None => Evidence::of(fit.chi2, fit.dof, pure_error),
         };
         let noise = noise(&[evidence], has_sem)[0];
-        let noise = if self.is_shrunken { noise } else { noise.with_scatter(sem_scatter(&self.campaign.dwells, 0)) };
+        let noise =
+            if self.shrunken.is_some() { noise } else { noise.with_scatter(sem_scatter(&self.campaign.dwells, 0)) };
         let sigma = noise.factor.map(|f| DVector::from_fn(self.sd.len(), |i, _| self.sd[i] * f));
         let rank = factor.rank();
         let white = noise.covariance_scale().map(|scale| DMatrix::from_diagonal_element(rank, rank, scale));
@@ -472,12 +463,12 @@ impl BenchProblem<'_> {
             has_sem,
             method: self.method,
             e,
-            scale_source: scale.source,
+            scale_source: if scale.held.is_some() { ScaleSource::Held } else { ScaleSource::Fitted },
             axes,
             coefficients,
             gauge: (form.squares == Squares::Difference).then_some(GAUGE),
-            aliases,
-            by_drift,
+            aliases: self.aliases(&factor, &axes, (form, first)),
+            by_drift: self.by_drift(&factor, first),
             squared_force: self.mean_squared_force(&axes),
             chi2: fit.chi2,
             dof: fit.dof,
@@ -486,7 +477,7 @@ impl BenchProblem<'_> {
             standardised: sigma.as_ref().map(|sigma| standardised(&fit.residuals, sigma, &fit.leverage)),
             sigma,
             noise,
-            errors_scatter: self.errors_scatter,
+            errors_scatter: self.shrunken.as_ref().and_then(|shrunken| shrunken.scatter),
             noise_found: noise_report::of_kinds(&kinds, sds),
             notes: station.notes,
             residuals: fit.residuals,
@@ -503,8 +494,6 @@ struct BenchSolution {
     factor: Factor,
     fit: Fit,
     y: DVector<f64>,
-    aliases: Vec<Alias>,
-    by_drift: Option<[f64; 2]>,
 }
 
 impl BenchCalibration {

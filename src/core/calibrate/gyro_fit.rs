@@ -96,8 +96,8 @@ pub(super) fn fit_gyro(
     shared: &mut SharedDesigns,
 ) -> GyroFit {
     let known_e = c.gyros[j].known_e;
-    let fitted =
-        if known_e.is_some() && terms != Terms::of(&[Term::Scale]) { terms.without(Term::Scale) } else { terms };
+    // E alone is never taken off: nothing would be left to fit.
+    let fitted = if terms == Terms::of(&[Term::Scale]) { terms } else { c.gyros[j].fitted_terms(terms) };
     let mut y = DVector::from_iterator(c.dwells.len(), c.free_outputs(j));
     let plain = shared.of(&c.dwells, fitted, sd);
     let known: Vec<&KnownCoefficient> = known.iter().filter(|known| known.slot == c.gyros[j].slot).collect();

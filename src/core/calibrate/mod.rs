@@ -79,22 +79,13 @@ pub fn calibrate_in_white_noise(campaign: &Campaign, terms: Terms) -> Calibratio
 ///
 /// An effect that model (6) absorbs in this campaign, or that lacks a column, is left out and noted.
 pub fn calibrate_augmented(campaign: &Campaign, terms: Terms, adopted: &[Adopted]) -> Calibration {
-    calibrate_referred(campaign, terms, adopted, None)
+    calibrate_in(Kinds::All, campaign, terms, (adopted, &[]), None, &StationUncertainty::default())
 }
 
-/// As [`calibrate_augmented`], with effects of temperature counted from `reference_c` (deg C; the campaign's mean where
-/// there is none): D0, G and E are then those at that temperature.
-pub fn calibrate_referred(
-    campaign: &Campaign,
-    terms: Terms,
-    adopted: &[Adopted],
-    reference_c: Option<f64>,
-) -> Calibration {
-    calibrate_in(Kinds::All, campaign, terms, (adopted, &[]), reference_c, &StationUncertainty::default())
-}
-
-/// As [`calibrate_referred`], with what the campaign states of its station in the covariances: [`station`]. An effect
+/// As [`calibrate_augmented`], with what the campaign states of its station in the covariances: [`station`]. An effect
 /// that the model knows clearly better than these dwells tell it is held at the model's value, with its uncertainty.
+/// Effects of temperature count from `reference_c` (deg C; the campaign's mean where there is none): D0, G and E are
+/// then those at that temperature.
 pub fn calibrate_at_station(
     campaign: &Campaign,
     terms: Terms,

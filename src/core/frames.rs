@@ -5,18 +5,20 @@
 //!
 //! ```
 //! use gyrowatch::core::frames::{Body, Nav, Rotation, Vector};
+//! use nalgebra::Vector3;
 //!
 //! // The IMU upside down, Y_b still to the north: at rest the specific force, 1 g0 upwards, is along -Z_b.
 //! let attitude = Rotation::<Nav, Body>::from_attitude([0.0, 0.0, 1.0, 0.0]);
-//! let force = attitude * Vector::<Nav>::from_array([0.0, 0.0, 1.0]);
+//! let force = attitude * Vector::<Nav>::new(Vector3::z());
 //! assert!((force.0.z + 1.0).abs() < 1e-15);
 //! ```
 //!
 //! ```compile_fail
 //! use gyrowatch::core::frames::{Body, Nav, Rotation, Vector};
+//! use nalgebra::Vector3;
 //!
 //! let attitude = Rotation::<Nav, Body>::from_attitude([0.0, 0.0, 1.0, 0.0]);
-//! let force = attitude * Vector::<Body>::from_array([0.0, 0.0, 1.0]); // it turns coordinates in Nav
+//! let force = attitude * Vector::<Body>::new(Vector3::z()); // it turns coordinates in Nav
 //! ```
 
 use std::marker::PhantomData;
@@ -46,11 +48,6 @@ impl<F> Vector<F> {
     /// States that `v` holds coordinates in `F`.
     pub fn new(v: Vector3<f64>) -> Self {
         Self(v, PhantomData)
-    }
-
-    /// States that [x, y, z] are coordinates in `F`.
-    pub fn from_array(v: [f64; 3]) -> Self {
-        Self::new(Vector3::from(v))
     }
 }
 

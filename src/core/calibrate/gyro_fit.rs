@@ -55,9 +55,9 @@ pub(super) struct GyroFit {
     regressors: Vec<Regressor>,
     pub hidden: Vec<Effect>,
     /// Those held as the model has them.
-    held: Option<HeldCoefficients>,
+    held: Option<OtherCoefficients>,
     /// What this gyro shares with the others.
-    common: Option<SharedTerms>,
+    common: Option<OtherCoefficients>,
     /// Variances over those of the weights; and the same without a growth with rate.
     pub variances: DVector<f64>,
     pub even: DVector<f64>,
@@ -68,23 +68,30 @@ pub(super) struct GyroFit {
     net: Option<(DVector<f64>, usize)>,
 }
 
-/// Coefficients held at what a model says of them.
-struct HeldCoefficients {
+/// Coefficients that are not the gyro's own to fit.
+struct OtherCoefficients {
     effects: Vec<Regressor>,
     values: DVector<f64>,
-    variances: DVector<f64>,
+    /// Of shared ones over the gyro's noise as weighted.
+    covariance: DMatrix<f64>,
     /// What the gyro's own columns make of their regressors, q x m.
     into: DMatrix<f64>,
 }
 
-/// The shared coefficients as one gyro sees them.
-struct SharedTerms {
-    effects: Vec<Regressor>,
-    /// Their values, and covariance over the gyro's noise as weighted.
-    values: DVector<f64>,
-    covariance: DMatrix<f64>,
-    /// What the gyro's own columns make of the shared regressors, q x m.
-    into: DMatrix<f64>,
+impl OtherCoefficients {
+    /// What they add to the covariance of the gyro's own, where their own is to be scaled so.
+    fn spread(&self, scale: f64) -> DMatrix<f64> {
+        &self.into * &self.covariance * self.into.transpose() * scale
+    }
+
+    fn parameters(&self, scale: Option<f64>) -> impl Iterator<Item = EffectParameter> {
+        let sd = move |m: usize| scale.map(|scale| (self.covariance[(m, m)] * scale).max(0.0).sqrt());
+        self.effects.iter().enumerate().map(move |(m, regressor)| parameter(regressor, self.values[m], sd(m)))
+    }
+}
+
+fn parameter(regressor: &Regressor, value: f64, sd: Option<f64>) -> EffectParameter {
+    EffectParameter { effect: regressor.effect, coefficient: regressor.coefficient, value, sd }
 }
 
 pub(super) fn fit_gyro(
@@ -121,9 +128,10 @@ pub(super) fn fit_gyro(
     let held = (!to_hold.is_empty()).then(|| {
         let into: Vec<DVector<f64>> =
             to_hold.iter().map(|(regressor, _)| weighted.factor.fit(&regressor.column).estimate).collect();
-        HeldCoefficients {
+        let variances = to_hold.iter().map(|(_, known)| known.sd * known.sd);
+        OtherCoefficients {
             values: DVector::from_iterator(to_hold.len(), to_hold.iter().map(|(_, known)| known.value)),
-            variances: DVector::from_iterator(to_hold.len(), to_hold.iter().map(|(_, known)| known.sd * known.sd)),
+            covariance: DMatrix::from_diagonal(&DVector::from_iterator(to_hold.len(), variances)),
             into: DMatrix::from_columns(&into),
             effects: to_hold.into_iter().map(|(regressor, _)| regressor).collect(),
         }
@@ -201,7 +209,7 @@ impl GyroFit {
         let pure_error = PureError::of(repeats, |k| self.of_position[k], |k| sd[k]);
         self.evidence = Evidence::of(self.fit.chi2, self.fit.dof, pure_error);
         let (places, effects): (Vec<usize>, Vec<Regressor>) = effects.into_iter().unzip();
-        self.common = Some(SharedTerms {
+        self.common = Some(OtherCoefficients {
             effects,
             values: common.estimate.select_rows(&places),
             covariance: common.covariance.select_rows(&places).select_columns(&places) / common.variances[j],
@@ -280,11 +288,8 @@ impl GyroFit {
 
     /// Covariance of the fit's parameters: `own`, and what comes in with coefficients that are shared or held.
     fn covariance(&self, own: DMatrix<f64>, scale: f64) -> DMatrix<f64> {
-        let of_common = |common: &SharedTerms| &common.into * &common.covariance * common.into.transpose() * scale;
-        let of_held =
-            |held: &HeldCoefficients| &held.into * DMatrix::from_diagonal(&held.variances) * held.into.transpose();
-        let shared = self.common.iter().map(of_common).fold(own, |sum, one| sum + one);
-        self.held.iter().map(of_held).fold(shared, |sum, one| sum + one)
+        let with_common = self.common.iter().fold(own, |sum, common| sum + common.spread(scale));
+        self.held.iter().fold(with_common, |sum, held| sum + held.spread(1.0))
     }
 
     /// Coefficients of effects: fitted, with values and standard deviations, held, and shared.
@@ -293,21 +298,11 @@ impl GyroFit {
         (values, sds): (DVectorView<'_, f64>, Option<DVector<f64>>),
         scale: Option<f64>,
     ) -> Vec<EffectParameter> {
-        let one = |regressor: &Regressor, value, sd| EffectParameter {
-            effect: regressor.effect,
-            coefficient: regressor.coefficient,
-            value,
-            sd,
-        };
-        let own = self.regressors.iter().enumerate().map(|(m, r)| one(r, values[m], sds.as_ref().map(|sds| sds[m])));
-        let of_model = self.held.iter().flat_map(|held| {
-            held.effects.iter().enumerate().map(|(m, r)| one(r, held.values[m], Some(held.variances[m].sqrt())))
-        });
-        let of_common = self.common.iter().flat_map(|common| {
-            let sd = move |m: usize| scale.map(|scale| (common.covariance[(m, m)] * scale).max(0.0).sqrt());
-            common.effects.iter().enumerate().map(move |(m, r)| one(r, common.values[m], sd(m)))
-        });
-        own.chain(of_model).chain(of_common).collect()
+        let sd = |m: usize| sds.as_ref().map(|sds| sds[m]);
+        let own = self.regressors.iter().enumerate().map(|(m, regressor)| parameter(regressor, values[m], sd(m)));
+        let held = self.held.iter().flat_map(|held| held.parameters(Some(1.0)));
+        let common = self.common.iter().flat_map(|common| common.parameters(scale));
+        own.chain(held).chain(common).collect()
     }
 
     /// Covariance of model (6)'s parameters by what is stated of the station.

@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::forecast::{Forecast, predict};
 use super::identified::Identified;
-use super::programme::{CoefficientEstimate, GyroOfBoth, NoForecast, StackedDesign};
+use super::programme::{CoefficientEstimate, ForecastGyro, NoForecast, StackedDesign};
 use crate::core::campaign::Campaign;
 use crate::core::effects::Effect;
 use crate::core::judge::{ForecastErrors, GyroForecastErrors, Unseen};
@@ -210,7 +210,7 @@ fn compared(programme: &StackedDesign, estimate: &CoefficientEstimate, measured:
         let z: Vec<f64> = (0..n).map(|k| if gyro.foretold[k] { error[k] / gyro.sd[k] } else { 0.0 }).collect();
         let told: Vec<usize> = (0..n).filter(|k| gyro.foretold[*k]).collect();
         let of_gyro: f64 = z.iter().map(|z| z * z).sum();
-        let GyroOfBoth { dof, t_variance, .. } = programme.gyros[j];
+        let ForecastGyro { dof, t_variance, .. } = programme.gyros[j];
         let independent: Vec<f64> = told.iter().map(|k| innovations[j * n + k][0] * t_variance.sqrt()).collect();
         let squares_of_gyro: f64 = independent.iter().map(|error| error * error).sum();
         if !programme.one_scale {

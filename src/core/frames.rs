@@ -34,15 +34,8 @@ pub struct Body;
 pub struct Nav;
 
 /// Three coordinates in frame `F`.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub struct Vector<F>(pub Vector3<f64>, PhantomData<F>);
-
-impl<F> Clone for Vector<F> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-impl<F> Copy for Vector<F> {}
 
 impl<F> Vector<F> {
     /// States that `v` holds coordinates in `F`.
@@ -52,21 +45,8 @@ impl<F> Vector<F> {
 }
 
 /// Turns coordinates in `From` into coordinates in `To` (a passive rotation, C_to_from).
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rotation<From, To>(Rotation3<f64>, PhantomData<(From, To)>);
-
-impl<A, B> Clone for Rotation<A, B> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-impl<A, B> Copy for Rotation<A, B> {}
-
-impl<A, B> PartialEq for Rotation<A, B> {
-    fn eq(&self, other: &Self) -> bool {
-        self.0 == other.0
-    }
-}
 
 impl<A, B> Rotation<A, B> {
     /// States that `c` turns A's coordinates into B's. The caller vouches for it; nothing can check it here.

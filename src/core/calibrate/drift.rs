@@ -27,12 +27,6 @@ pub enum NotSeparated {
     Unseparable(Unseparable),
 }
 
-impl From<Unseparable> for NotSeparated {
-    fn from(why: Unseparable) -> Self {
-        Self::Unseparable(why)
-    }
-}
-
 impl NotSeparated {
     /// The reason as a code with parameters.
     pub fn message(&self) -> Message {
@@ -83,7 +77,7 @@ impl GyroCalibration {
             return Err(NotSeparated::ScaleInNoise { ratio });
         }
         limits.check_scale(&e, geometry, self.slot).map_err(NotSeparated::Implausible)?;
-        Ok(separate(geometry, self.slot, &e, &g, covariance.as_ref())?)
+        separate(geometry, self.slot, &e, &g, covariance.as_ref()).map_err(NotSeparated::Unseparable)
     }
 
     /// How uncertain D_I, D_S, D_O and |E| are, and why; D_I and D_S by the published equations where those are asked

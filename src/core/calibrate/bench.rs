@@ -338,7 +338,9 @@ impl BenchProblem<'_> {
         );
         let fit = factor.fit(&y);
         let fitted: Vector3<f64> = scale.fitted.iter().zip(fit.estimate.iter()).map(|(axis, k)| axis * *k).sum();
-        Ok(BenchSolution { e: held + fitted, axes, form, factor, fit, y })
+        let e = held + fitted;
+        let k = e.norm() * if e.dot(&self.triad.input()) < 0.0 { -1.0 } else { 1.0 };
+        Ok(BenchSolution { e, k, axes, form, first, factor, fit, y })
     }
 
     /// A product's column fitted by what is fitted: what D_I and D_S take of it, and what the others do where residuals
@@ -382,18 +384,11 @@ impl BenchProblem<'_> {
     }
 
     fn finish(&self, scale: &BenchScale, solved: BenchSolution) -> Result<BenchCalibration, NotFitted> {
-        let BenchSolution { e, axes, form, factor, fit, y } = solved;
+        let BenchSolution { e, k, axes, form, first, ref factor, ref fit, ref y } = solved;
         let groups = repeats(&self.campaign.dwells);
         let has_sem = self.campaign.states_errors();
-        let k = e.norm() * if e.dot(&self.triad.input()) < 0.0 { -1.0 } else { 1.0 };
-        let first = scale.fitted.len();
-        let of = |name: &str| {
-            let found = form.names().find(|(of, ..)| *of == name);
-            found.map_or(0.0, |(_, _, column, sign)| sign * fit.estimate[first + column] / k)
-        };
-        let [d_i, d_s, d_o] = ["D_I", "D_S", "D_O"].map(of);
-        let g = axes.tr_mul(&Vector3::new(d_i, d_s, d_o));
-        let station = self.station(&e, k.signum() * g, (&factor, &fit), has_sem);
+        let g = axes.tr_mul(&Vector3::from(solved.linear()));
+        let station = self.station(&e, k.signum() * g, (factor, fit), has_sem);
         let pure_error = PureError::of(&groups, |k| y[k], |k| self.sd[k]);
         let evidence = match &station.net {
             Some((net, taken)) => Evidence::of(net.norm_squared(), fit.dof.saturating_sub(*taken), pure_error),
@@ -406,7 +401,7 @@ impl BenchProblem<'_> {
         let rank = factor.rank();
         let white = noise.covariance_scale().map(|scale| DMatrix::from_diagonal_element(rank, rank, scale));
         let mut coordinates = white.clone();
-        let kinds = self.weigh(&factor, &fit, &station, &mut coordinates);
+        let kinds = self.weigh(factor, fit, &station, &mut coordinates);
         // Of one gyro, kinds may widen what white noise makes of a coefficient, and not narrow it.
         let of_kind = |coordinates: DMatrix<f64>| {
             let identity = DMatrix::identity(fit.estimate.len(), fit.estimate.len());
@@ -426,38 +421,25 @@ impl BenchProblem<'_> {
         {
             return Err(NotFitted::NoScale);
         }
-        // dK along each fitted direction: the direction's share in E's own.
-        let by_scale: Vec<f64> = scale.fitted.iter().map(|axis| axis.dot(&e) / k).collect();
-        // The axes follow E: a turn of I towards S takes D_S into D_I, and D_I out of D_S.
-        let by_turn = |name: &str, axis: &Vector3<f64>| {
-            let [towards_s, towards_o] = [1, 2].map(|row| axes.row(row).dot(&axis.transpose()) / k);
-            match name {
-                "D_I" => d_s * towards_s + d_o * towards_o,
-                "D_S" => -d_i * towards_s,
-                "D_O" => -d_i * towards_o,
-                _ => 0.0,
-            }
-        };
         let coefficients: Vec<BenchCoefficient> = form
             .names()
-            .map(|(name, unit, column, sign)| {
-                let value = sign * fit.estimate[first + column] / k;
-                let mut gradient = DVector::zeros(fit.estimate.len());
-                gradient[first + column] = sign / k;
-                for (i, share) in by_scale.iter().enumerate() {
-                    gradient[i] = by_turn(name, &scale.fitted[i]) - value * share / k;
-                }
+            .map(|(name, unit, ..)| {
+                let gradient = solved.gradient(name, &scale.fitted);
                 let variance = |c: &DMatrix<f64>| gradient.dot(&(c * &gradient));
                 let widest = uncertainties.iter().max_by(|a, b| variance(&a.fit).total_cmp(&variance(&b.fit)));
                 let sd = widest.map(|parts| variance(&parts.covariance()).max(0.0).sqrt());
                 let budget = widest.and_then(|parts| parts.budgets(|c| Some([variance(c)])));
-                BenchCoefficient { name, unit, value, sd, uncertainty: budget.map(|[budget]| budget) }
+                let uncertainty = budget.map(|[budget]| budget);
+                BenchCoefficient { name, unit, value: solved.value(name), sd, uncertainty }
             })
             .collect();
         // Outputs next to nothing have a scale next to nothing, which nothing can be divided by.
         if !coefficients.iter().all(|c| c.value.is_finite() && c.sd.is_none_or(f64::is_finite)) {
             return Err(NotFitted::NoScale);
         }
+        let aliases = self.aliases(factor, &axes, (form, first));
+        let by_drift = self.by_drift(factor, first);
+        let fit = solved.fit;
         Ok(BenchCalibration {
             slot,
             has_sem,
@@ -467,8 +449,8 @@ impl BenchProblem<'_> {
             axes,
             coefficients,
             gauge: (form.squares == Squares::Difference).then_some(GAUGE),
-            aliases: self.aliases(&factor, &axes, (form, first)),
-            by_drift: self.by_drift(&factor, first),
+            aliases,
+            by_drift,
             squared_force: self.mean_squared_force(&axes),
             chi2: fit.chi2,
             dof: fit.dof,
@@ -487,13 +469,58 @@ impl BenchProblem<'_> {
     }
 }
 
+/// The design fitted on the axes that E has.
 struct BenchSolution {
     e: Vector3<f64>,
+    /// K, negative where E is against the input axis.
+    k: f64,
     axes: Matrix3<f64>,
     form: BenchForm,
+    /// Column of D_F, after the fitted rates.
+    first: usize,
     factor: Factor,
     fit: Fit,
     y: DVector<f64>,
+}
+
+impl BenchSolution {
+    /// Place of a coefficient among the estimates, and its sign there.
+    fn place(&self, name: &str) -> Option<(usize, f64)> {
+        let (.., column, sign) = self.form.names().find(|(of, ..)| *of == name)?;
+        Some((self.first + column, sign))
+    }
+
+    /// Zero where it is not fitted.
+    fn value(&self, name: &str) -> f64 {
+        self.place(name).map_or(0.0, |(place, sign)| sign * self.fit.estimate[place] / self.k)
+    }
+
+    /// D_I, D_S and D_O.
+    fn linear(&self) -> [f64; 3] {
+        ["D_I", "D_S", "D_O"].map(|name| self.value(name))
+    }
+
+    /// Derivatives of a coefficient by the estimates, of which the first are E along `fitted`. K goes with E's length; the
+    /// axes follow its direction: a turn of I towards S takes D_S into D_I, and D_I out of D_S.
+    fn gradient(&self, name: &str, fitted: &[Vector3<f64>]) -> DVector<f64> {
+        let mut gradient = DVector::zeros(self.fit.estimate.len());
+        if let Some((place, sign)) = self.place(name) {
+            gradient[place] = sign / self.k;
+        }
+        let [d_i, d_s, d_o] = self.linear();
+        for (i, axis) in fitted.iter().enumerate() {
+            let [towards_s, towards_o] = [1, 2].map(|row| self.axes.row(row).dot(&axis.transpose()) / self.k);
+            let by_turn = match name {
+                "D_I" => d_s * towards_s + d_o * towards_o,
+                "D_S" => -d_i * towards_s,
+                "D_O" => -d_i * towards_o,
+                _ => 0.0,
+            };
+            let by_length = axis.dot(&self.e) / self.k;
+            gradient[i] = by_turn - self.value(name) * by_length / self.k;
+        }
+        gradient
+    }
 }
 
 impl BenchCalibration {

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use nalgebra::Vector3;
 
 use super::frames::{Body, Nav, Rotation, Vector};
-use super::model::Terms;
+use super::model::{Term, Terms};
 use super::mounting::{Geometry, Slot};
 use super::record::Name;
 use super::time::UtcMicros;
@@ -86,6 +86,13 @@ pub struct CampaignGyro {
     pub serial: Name,
     /// E in pulse/arcsec that is held instead of fitted (an IMU without rate dwells).
     pub known_e: Option<Vector3<f64>>,
+}
+
+impl CampaignGyro {
+    /// Of the terms of a model those that are fitted to this gyro: a held E is taken off its outputs first.
+    pub fn fitted_terms(&self, terms: Terms) -> Terms {
+        if self.known_e.is_some() { terms.without(Term::Scale) } else { terms }
+    }
 }
 
 /// One averaging interval. Vectors are the commanded ones, in body axes.

@@ -5,18 +5,20 @@
 //!
 //! ```
 //! use gyrowatch::core::frames::{Body, Nav, Rotation, Vector};
+//! use nalgebra::Vector3;
 //!
 //! // The IMU upside down, Y_b still to the north: at rest the specific force, 1 g0 upwards, is along -Z_b.
 //! let attitude = Rotation::<Nav, Body>::from_attitude([0.0, 0.0, 1.0, 0.0]);
-//! let force = attitude * Vector::<Nav>::from_array([0.0, 0.0, 1.0]);
+//! let force = attitude * Vector::<Nav>::new(Vector3::z());
 //! assert!((force.0.z + 1.0).abs() < 1e-15);
 //! ```
 //!
 //! ```compile_fail
 //! use gyrowatch::core::frames::{Body, Nav, Rotation, Vector};
+//! use nalgebra::Vector3;
 //!
 //! let attitude = Rotation::<Nav, Body>::from_attitude([0.0, 0.0, 1.0, 0.0]);
-//! let force = attitude * Vector::<Body>::from_array([0.0, 0.0, 1.0]); // it turns coordinates in Nav
+//! let force = attitude * Vector::<Body>::new(Vector3::z()); // it turns coordinates in Nav
 //! ```
 
 use std::marker::PhantomData;
@@ -32,44 +34,19 @@ pub struct Body;
 pub struct Nav;
 
 /// Three coordinates in frame `F`.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub struct Vector<F>(pub Vector3<f64>, PhantomData<F>);
-
-impl<F> Clone for Vector<F> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-impl<F> Copy for Vector<F> {}
 
 impl<F> Vector<F> {
     /// States that `v` holds coordinates in `F`.
     pub fn new(v: Vector3<f64>) -> Self {
         Self(v, PhantomData)
     }
-
-    /// States that [x, y, z] are coordinates in `F`.
-    pub fn from_array(v: [f64; 3]) -> Self {
-        Self::new(Vector3::from(v))
-    }
 }
 
 /// Turns coordinates in `From` into coordinates in `To` (a passive rotation, C_to_from).
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rotation<From, To>(Rotation3<f64>, PhantomData<(From, To)>);
-
-impl<A, B> Clone for Rotation<A, B> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-impl<A, B> Copy for Rotation<A, B> {}
-
-impl<A, B> PartialEq for Rotation<A, B> {
-    fn eq(&self, other: &Self) -> bool {
-        self.0 == other.0
-    }
-}
 
 impl<A, B> Rotation<A, B> {
     /// States that `c` turns A's coordinates into B's. The caller vouches for it; nothing can check it here.

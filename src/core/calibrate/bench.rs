@@ -21,13 +21,13 @@ use super::law::DwellConditions;
 use super::noise::{Evidence, NoiseScale, noise, overstated};
 use super::noise_found::NoiseFound;
 use super::noise_report;
-use super::shrunken_errors::ScatteringErrors;
+use super::shrunken_errors::{ScatteringErrors, ShrunkenErrors};
 use super::station::{self, OfOne};
 use super::uncertainty::{StationResponse, Uncertainty, UncertaintyBudget};
 use super::{ScaleSource, exceeds_noise, sem_scatter, weights_sd};
 use crate::core::bench::{Alias, BenchMethod, BenchResult};
 use crate::core::campaign::repeats::{PureError, repeats};
-use crate::core::campaign::{Campaign, CampaignNote, Dwell, TestKind};
+use crate::core::campaign::{Campaign, CampaignNote, TestKind};
 use crate::core::effects::GyroAxes;
 use crate::core::message::{Message, figure, list};
 use crate::core::model::Term;
@@ -143,7 +143,6 @@ impl NotFitted {
 
 /// What is fitted besides the drift, and the axes that follow from it.
 struct BenchScale {
-    source: ScaleSource,
     /// Held E, or none where columns of w are fitted.
     held: Option<Vector3<f64>>,
     /// Directions on which the rate is fitted: the body axes, the input axis alone, or none.
@@ -154,10 +153,9 @@ struct BenchProblem<'a> {
     campaign: &'a Campaign,
     method: BenchMethod,
     triad: Triad,
+    /// Standard deviations that weigh the dwells; `shrunken` where residuals do not follow the stated ones.
     sd: Vec<f64>,
-    /// Scatter of the stated errors, where `sd` are shrunk to their law.
-    is_shrunken: bool,
-    errors_scatter: Option<f64>,
+    shrunken: Option<ShrunkenErrors>,
     squares: bool,
 }
 
@@ -175,22 +173,23 @@ pub fn calibrate_bench(campaign: &Campaign) -> Result<BenchCalibration, NotFitte
     let triad = campaign.geometry.triad(gyro.slot).ok_or(NotFitted::NoAxes(gyro.slot.name()))?;
     let squares = campaign.terms().contains(Term::GSquared);
     let sd = weights_sd(campaign, 0);
-    let mut problem = BenchProblem { campaign, method, triad, sd, is_shrunken: false, errors_scatter: None, squares };
+    let mut problem = BenchProblem { campaign, method, triad, sd, shrunken: None, squares };
     let scale = problem.scale(gyro.known_e)?;
     let as_stated = problem.fit(&scale)?;
-    let Some((sd, scatter)) = problem.shrunken(&scale, &as_stated) else { return Ok(as_stated) };
-    (problem.sd, problem.is_shrunken, problem.errors_scatter) = (sd, true, scatter);
+    let Some(shrunken) = problem.shrunken(&scale, &as_stated) else { return Ok(as_stated) };
+    problem.sd.clone_from(&shrunken.sd[0]);
+    problem.shrunken = Some(shrunken);
     problem.fit(&scale)
 }
 
 impl BenchProblem<'_> {
     fn scale(&self, known_e: Option<Vector3<f64>>) -> Result<BenchScale, NotFitted> {
-        let held = |e| BenchScale { source: ScaleSource::Held, held: Some(e), fitted: Vec::new() };
+        let held = |e| BenchScale { held: Some(e), fitted: Vec::new() };
         if let Some(e) = known_e {
             return Ok(held(e));
         }
         let input = self.triad.input();
-        let fit_along = |fitted: Vec<Vector3<f64>>| BenchScale { source: ScaleSource::Fitted, held: None, fitted };
+        let fit_along = |fitted: Vec<Vector3<f64>>| BenchScale { held: None, fitted };
         if self.method == BenchMethod::TorqueFeedback {
             let whole = fit_along(vec![Vector3::x(), Vector3::y(), Vector3::z()]);
             let single = fit_along(vec![input]);
@@ -205,7 +204,8 @@ impl BenchProblem<'_> {
         }
         let found = self.fit(&along_input)?;
         let answer = found.e.dot(&input);
-        let sd = found.noise.covariance_scale().map_or(f64::INFINITY, f64::sqrt) * self.scale_sd(&along_input);
+        let of_weights = self.nominal_factor(&along_input).covariance()[(0, 0)].max(0.0).sqrt();
+        let sd = found.noise.covariance_scale().map_or(f64::INFINITY, f64::sqrt) * of_weights;
         let off = answer.abs() - 1.0;
         if off.abs() > SERVO_SCALE.1 && off.abs() > SERVO_SCALE.0 * sd {
             return Err(NotFitted::NotATableRate { found: answer });
@@ -231,24 +231,18 @@ impl BenchProblem<'_> {
         let net = station.net.as_ref().map(|(net, taken)| (net.component_div(factor.weights()), *taken));
         let (residuals, taken) = net.unwrap_or_else(|| (fit.residuals.clone(), 0));
         let dwells = &self.campaign.dwells;
-        let times: Vec<f64> = dwells.iter().map(Dwell::mid_s).collect();
-        let (durations, rates): (Vec<f64>, Vec<_>) = dwells.iter().map(|d| (d.duration_s, d.rate_arcsec_s)).unzip();
-        let course = DwellConditions { times: &times, durations: &durations, rates: &rates };
         let even = DVector::from_element(dwells.len(), 1.0);
         let fitted = FittedGyro::of_even(factor, &even, (&residuals, fit.dof.saturating_sub(taken)));
-        correlated_noise::weigh(&course, &[fitted], std::slice::from_mut(coordinates), has_sem)
+        correlated_noise::weigh(&DwellConditions::of(dwells), &[fitted], std::slice::from_mut(coordinates), has_sem)
     }
 
-    /// Standard errors shrunk to the law that they scatter about, and their scatter where that is clear; none where
-    /// residuals follow them.
-    fn shrunken(&self, scale: &BenchScale, as_stated: &BenchCalibration) -> Option<(Vec<f64>, Option<f64>)> {
+    /// None where residuals follow the standard errors as stated.
+    fn shrunken(&self, scale: &BenchScale, as_stated: &BenchCalibration) -> Option<ShrunkenErrors> {
         let errors = ScatteringErrors::of(self.campaign).filter(|_| as_stated.residuals.norm() > 0.0)?;
         let factor = Factor::new(self.design(scale, &as_stated.axes).0, &self.sd);
         let even = DVector::from_element(self.sd.len(), 1.0);
         let fitted = FittedGyro::of_even(&factor, &even, (&as_stated.residuals, as_stated.dof));
-        let of = |sd: &[Vec<f64>]| Some(fitted.independent(&DVector::from_column_slice(&sd[0]), true)?.0);
-        let (b, is_clear) = errors.likeliest(of)?;
-        Some((errors.shrunken(b).swap_remove(0), is_clear.then_some(errors.scatter)))
+        errors.likeliest(|sd| Some(fitted.independent(&DVector::from_column_slice(&sd[0]), true)?.0))
     }
 
     /// Which squares are fitted beside this scale.
@@ -259,11 +253,6 @@ impl BenchProblem<'_> {
     fn determines_scale(&self, scale: &BenchScale) -> bool {
         let factor = self.nominal_factor(scale);
         self.sd.len() > factor.rank() && (0..scale.fitted.len()).all(|i| factor.determines_parameter(i))
-    }
-
-    /// Standard deviation of the first column's parameter for the weights as given.
-    fn scale_sd(&self, scale: &BenchScale) -> f64 {
-        self.nominal_factor(scale).covariance()[(0, 0)].max(0.0).sqrt()
     }
 
     /// Of the design on the nominal axes.
@@ -349,9 +338,9 @@ impl BenchProblem<'_> {
         );
         let fit = factor.fit(&y);
         let fitted: Vector3<f64> = scale.fitted.iter().zip(fit.estimate.iter()).map(|(axis, k)| axis * *k).sum();
-        let aliases = self.aliases(&factor, &axes, (form, first));
-        let by_drift = self.by_drift(&factor, first);
-        Ok(BenchSolution { e: held + fitted, axes, form, factor, fit, y, aliases, by_drift })
+        let e = held + fitted;
+        let k = e.norm() * if e.dot(&self.triad.input()) < 0.0 { -1.0 } else { 1.0 };
+        Ok(BenchSolution { e, k, axes, form, first, factor, fit, y })
     }
 
     /// A product's column fitted by what is fitted: what D_I and D_S take of it, and what the others do where residuals
@@ -395,30 +384,24 @@ impl BenchProblem<'_> {
     }
 
     fn finish(&self, scale: &BenchScale, solved: BenchSolution) -> Result<BenchCalibration, NotFitted> {
-        let BenchSolution { e, axes, form, factor, fit, y, aliases, by_drift } = solved;
+        let BenchSolution { e, k, axes, form, first, ref factor, ref fit, ref y } = solved;
         let groups = repeats(&self.campaign.dwells);
         let has_sem = self.campaign.states_errors();
-        let k = e.norm() * if e.dot(&self.triad.input()) < 0.0 { -1.0 } else { 1.0 };
-        let first = scale.fitted.len();
-        let of = |name: &str| {
-            let found = form.names().find(|(of, ..)| *of == name);
-            found.map_or(0.0, |(_, _, column, sign)| sign * fit.estimate[first + column] / k)
-        };
-        let [d_i, d_s, d_o] = ["D_I", "D_S", "D_O"].map(of);
-        let g = axes.tr_mul(&Vector3::new(d_i, d_s, d_o));
-        let station = self.station(&e, k.signum() * g, (&factor, &fit), has_sem);
+        let g = axes.tr_mul(&Vector3::from(solved.linear()));
+        let station = self.station(&e, k.signum() * g, (factor, fit), has_sem);
         let pure_error = PureError::of(&groups, |k| y[k], |k| self.sd[k]);
         let evidence = match &station.net {
             Some((net, taken)) => Evidence::of(net.norm_squared(), fit.dof.saturating_sub(*taken), pure_error),
             None => Evidence::of(fit.chi2, fit.dof, pure_error),
         };
         let noise = noise(&[evidence], has_sem)[0];
-        let noise = if self.is_shrunken { noise } else { noise.with_scatter(sem_scatter(&self.campaign.dwells, 0)) };
+        let noise =
+            if self.shrunken.is_some() { noise } else { noise.with_scatter(sem_scatter(&self.campaign.dwells, 0)) };
         let sigma = noise.factor.map(|f| DVector::from_fn(self.sd.len(), |i, _| self.sd[i] * f));
         let rank = factor.rank();
         let white = noise.covariance_scale().map(|scale| DMatrix::from_diagonal_element(rank, rank, scale));
         let mut coordinates = white.clone();
-        let kinds = self.weigh(&factor, &fit, &station, &mut coordinates);
+        let kinds = self.weigh(factor, fit, &station, &mut coordinates);
         // Of one gyro, kinds may widen what white noise makes of a coefficient, and not narrow it.
         let of_kind = |coordinates: DMatrix<f64>| {
             let identity = DMatrix::identity(fit.estimate.len(), fit.estimate.len());
@@ -438,44 +421,31 @@ impl BenchProblem<'_> {
         {
             return Err(NotFitted::NoScale);
         }
-        // dK along each fitted direction: the direction's share in E's own.
-        let by_scale: Vec<f64> = scale.fitted.iter().map(|axis| axis.dot(&e) / k).collect();
-        // The axes follow E: a turn of I towards S takes D_S into D_I, and D_I out of D_S.
-        let by_turn = |name: &str, axis: &Vector3<f64>| {
-            let [towards_s, towards_o] = [1, 2].map(|row| axes.row(row).dot(&axis.transpose()) / k);
-            match name {
-                "D_I" => d_s * towards_s + d_o * towards_o,
-                "D_S" => -d_i * towards_s,
-                "D_O" => -d_i * towards_o,
-                _ => 0.0,
-            }
-        };
         let coefficients: Vec<BenchCoefficient> = form
             .names()
-            .map(|(name, unit, column, sign)| {
-                let value = sign * fit.estimate[first + column] / k;
-                let mut gradient = DVector::zeros(fit.estimate.len());
-                gradient[first + column] = sign / k;
-                for (i, share) in by_scale.iter().enumerate() {
-                    gradient[i] = by_turn(name, &scale.fitted[i]) - value * share / k;
-                }
+            .map(|(name, unit, ..)| {
+                let gradient = solved.gradient(name, &scale.fitted);
                 let variance = |c: &DMatrix<f64>| gradient.dot(&(c * &gradient));
                 let widest = uncertainties.iter().max_by(|a, b| variance(&a.fit).total_cmp(&variance(&b.fit)));
                 let sd = widest.map(|parts| variance(&parts.covariance()).max(0.0).sqrt());
                 let budget = widest.and_then(|parts| parts.budgets(|c| Some([variance(c)])));
-                BenchCoefficient { name, unit, value, sd, uncertainty: budget.map(|[budget]| budget) }
+                let uncertainty = budget.map(|[budget]| budget);
+                BenchCoefficient { name, unit, value: solved.value(name), sd, uncertainty }
             })
             .collect();
         // Outputs next to nothing have a scale next to nothing, which nothing can be divided by.
         if !coefficients.iter().all(|c| c.value.is_finite() && c.sd.is_none_or(f64::is_finite)) {
             return Err(NotFitted::NoScale);
         }
+        let aliases = self.aliases(factor, &axes, (form, first));
+        let by_drift = self.by_drift(factor, first);
+        let fit = solved.fit;
         Ok(BenchCalibration {
             slot,
             has_sem,
             method: self.method,
             e,
-            scale_source: scale.source,
+            scale_source: if scale.held.is_some() { ScaleSource::Held } else { ScaleSource::Fitted },
             axes,
             coefficients,
             gauge: (form.squares == Squares::Difference).then_some(GAUGE),
@@ -489,7 +459,7 @@ impl BenchProblem<'_> {
             standardised: sigma.as_ref().map(|sigma| standardised(&fit.residuals, sigma, &fit.leverage)),
             sigma,
             noise,
-            errors_scatter: self.errors_scatter,
+            errors_scatter: self.shrunken.as_ref().and_then(|shrunken| shrunken.scatter),
             noise_found: noise_report::of_kinds(&kinds, sds),
             notes: station.notes,
             residuals: fit.residuals,
@@ -499,15 +469,58 @@ impl BenchProblem<'_> {
     }
 }
 
+/// The design fitted on the axes that E has.
 struct BenchSolution {
     e: Vector3<f64>,
+    /// K, negative where E is against the input axis.
+    k: f64,
     axes: Matrix3<f64>,
     form: BenchForm,
+    /// Column of D_F, after the fitted rates.
+    first: usize,
     factor: Factor,
     fit: Fit,
     y: DVector<f64>,
-    aliases: Vec<Alias>,
-    by_drift: Option<[f64; 2]>,
+}
+
+impl BenchSolution {
+    /// Place of a coefficient among the estimates, and its sign there.
+    fn place(&self, name: &str) -> Option<(usize, f64)> {
+        let (.., column, sign) = self.form.names().find(|(of, ..)| *of == name)?;
+        Some((self.first + column, sign))
+    }
+
+    /// Zero where it is not fitted.
+    fn value(&self, name: &str) -> f64 {
+        self.place(name).map_or(0.0, |(place, sign)| sign * self.fit.estimate[place] / self.k)
+    }
+
+    /// D_I, D_S and D_O.
+    fn linear(&self) -> [f64; 3] {
+        ["D_I", "D_S", "D_O"].map(|name| self.value(name))
+    }
+
+    /// Derivatives of a coefficient by the estimates, of which the first are E along `fitted`. K goes with E's length; the
+    /// axes follow its direction: a turn of I towards S takes D_S into D_I, and D_I out of D_S.
+    fn gradient(&self, name: &str, fitted: &[Vector3<f64>]) -> DVector<f64> {
+        let mut gradient = DVector::zeros(self.fit.estimate.len());
+        if let Some((place, sign)) = self.place(name) {
+            gradient[place] = sign / self.k;
+        }
+        let [d_i, d_s, d_o] = self.linear();
+        for (i, axis) in fitted.iter().enumerate() {
+            let [towards_s, towards_o] = [1, 2].map(|row| self.axes.row(row).dot(&axis.transpose()) / self.k);
+            let by_turn = match name {
+                "D_I" => d_s * towards_s + d_o * towards_o,
+                "D_S" => -d_i * towards_s,
+                "D_O" => -d_i * towards_o,
+                _ => 0.0,
+            };
+            let by_length = axis.dot(&self.e) / self.k;
+            gradient[i] = by_turn - self.value(name) * by_length / self.k;
+        }
+        gradient
+    }
 }
 
 impl BenchCalibration {

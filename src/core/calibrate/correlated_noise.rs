@@ -179,6 +179,27 @@ pub enum NoiseDeparture {
     CorrelatedNoise(CorrelatedNoise, f64),
 }
 
+impl NoiseDeparture {
+    /// Whether dwells near in time err alike.
+    pub fn has_memory(&self) -> bool {
+        matches!(self, Self::CorrelatedNoise(..))
+    }
+
+    /// All that dwells can tell, each with ln of its prior probability.
+    fn all(course: &DwellConditions, stated: bool) -> Vec<(Self, f64)> {
+        // Without standard errors the duration is in the variances, and the rate along the input axis.
+        let is_open = |law: &Law| stated || !matches!(law, Law::Duration(_));
+        let laws: Vec<Law> = Law::all(course).into_iter().filter(is_open).collect();
+        let of_law = ((1.0 - AS_STATED) / laws.len() as f64).ln();
+        let of_pair = ((1.0 - WITHOUT_MEMORY) / (CorrelatedNoise::ALL.len() * POWERS.len()) as f64).ln();
+        let mut all: Vec<(Self, f64)> = laws.into_iter().map(|law| (Self::Law(law), of_law)).collect();
+        for memory in CorrelatedNoise::ALL {
+            all.extend(POWERS.map(|power| (Self::CorrelatedNoise(memory, power * memory.size()), of_pair)));
+        }
+        all
+    }
+}
+
 /// What the noise is: kinds with their probabilities; white noise as stated has the rest.
 pub type DepartureWeights = Vec<(NoiseDeparture, f64)>;
 
@@ -211,6 +232,11 @@ impl<'a> FittedGyro<'a> {
         columns
     }
 
+    /// Standard deviations for `variances` over those of the weights.
+    fn deviations(&self, variances: &DVector<f64>) -> DVector<f64> {
+        variances.zip_map(self.weights, |v, w| v.sqrt() / w)
+    }
+
     /// Variances where the noise goes by a law, over those of the weights.
     fn under(&self, law: Law, course: &DwellConditions) -> DVector<f64> {
         let factors = DVector::from_vec(law.factors(course));
@@ -238,36 +264,24 @@ pub(super) fn weigh(
     // Errors that are far too large for the residuals say nothing of which kind it is.
     let chi2 = gyros.iter().map(|gyro| gyro.residuals.component_mul(gyro.weights).norm_squared()).sum();
     let is_told = stated && overstated(chi2, gyros.iter().map(|gyro| gyro.dof).sum()).is_none();
-    let deviations = |gyro: &FittedGyro| gyro.variances.zip_map(gyro.weights, |v, w| v.sqrt() / w);
-    let d: Vec<DVector<f64>> = gyros.iter().map(deviations).collect();
+    let d: Vec<DVector<f64>> = gyros.iter().map(|gyro| gyro.deviations(gyro.variances)).collect();
     let white = gyros.iter().zip(&d).map(|(gyro, d)| gyro.independent(d, is_told)).collect::<Option<Vec<_>>>();
     let Some(white) = white.filter(|_| gyros.iter().all(|gyro| gyro.dof > LEAST_DOF && gyro.residuals.norm() > 0.0))
     else {
         return Vec::new();
     };
     let usual: Vec<f64> = d.iter().map(|d| median_of(d.iter().copied()).unwrap_or(1.0)).collect();
-    // Without standard errors the duration is in the variances, and the rate along the input axis.
-    let is_open = |law: &Law| stated || !matches!(law, Law::Duration(_));
-    let laws: Vec<Law> = Law::all(course).into_iter().filter(is_open).collect();
-    let of_laws = ((1.0 - AS_STATED) / laws.len() as f64).ln();
-    let of_pairs = ((1.0 - WITHOUT_MEMORY) / (CorrelatedNoise::ALL.len() * POWERS.len()) as f64).ln();
-    let pairs = CorrelatedNoise::ALL.into_iter().flat_map(|memory| POWERS.map(|power| (memory, power * memory.size())));
-    let kinds = laws.into_iter().map(|law| (NoiseDeparture::Law(law), of_laws));
-    let kinds = kinds.chain(pairs.map(|(memory, power)| (NoiseDeparture::CorrelatedNoise(memory, power), of_pairs)));
     let under = |kind: NoiseDeparture, j: usize| match kind {
-        NoiseDeparture::Law(law) => {
-            let variances = gyros[j].under(law, course);
-            gyros[j].independent(&variances.zip_map(gyros[j].weights, |v, w| v.sqrt() / w), is_told)
-        }
+        NoiseDeparture::Law(law) => gyros[j].independent(&gyros[j].deviations(&gyros[j].under(law, course)), is_told),
         NoiseDeparture::CorrelatedNoise(memory, power) => {
-            let whitened = memory.whitened(course.times, &d[j], power * usual[j].powi(2), gyros[j].columns());
+            let whitened = memory.whitened(&course.times, &d[j], power * usual[j].powi(2), gyros[j].columns());
             gyros[j].restricted(whitened, is_told)
         }
     };
     let as_stated = (AS_STATED - (1.0 - WITHOUT_MEMORY)).ln();
     let mut all = LogSum::of(&[as_stated]);
     let mut likely: Vec<(NoiseDeparture, f64, Vec<f64>)> = Vec::new();
-    for (kind, prior) in kinds {
+    for (kind, prior) in NoiseDeparture::all(course, stated) {
         let Some(found) = (0..gyros.len()).map(|j| under(kind, j)).collect::<Option<Vec<_>>>() else { continue };
         let gain: f64 = found.iter().zip(&white).map(|((log, _), (white, _))| log - white).sum();
         if prior + gain > NOTHING {
@@ -284,7 +298,7 @@ pub(super) fn weigh(
         let shared = CorrelatedNoise::ALL.map(|memory| {
             let is_likely =
                 likely.iter().any(|(kind, ..)| matches!(kind, NoiseDeparture::CorrelatedNoise(of, _) if *of == memory));
-            is_likely.then(|| x.tr_mul(&memory.times(course.times, x.clone())))
+            is_likely.then(|| x.tr_mul(&memory.times(&course.times, x.clone())))
         });
         *covariance *= weight(as_stated);
         for (kind, log, rss) in &likely {
@@ -352,8 +366,7 @@ mod tests {
         let (times, d, x) = dwells();
         let basis = x.qr().q();
         let (weights, variances) = (d.map(|d| 1.0 / d), DVector::from_element(20, 1.0));
-        let rates = vec![nalgebra::Vector3::zeros(); 20];
-        let course = DwellConditions { times: &times, durations: &[180.0; 20], rates: &rates };
+        let course = DwellConditions { times, durations: vec![180.0; 20], rates: vec![nalgebra::Vector3::zeros(); 20] };
         for (residuals, dof) in [(d.clone(), LEAST_DOF), (DVector::zeros(20), 17)] {
             let fitted = FittedGyro {
                 basis: &basis,
@@ -387,7 +400,7 @@ mod tests {
             Some(NoiseDeparture::CorrelatedNoise(memory, power)) => {
                 let white = over(gyro.variances, gyro.weights);
                 let usual = median_of(white.diagonal().iter().map(|v| v.sqrt())).unwrap_or(1.0);
-                white + power * usual * usual * memory.kernel(course.times)
+                white + power * usual * usual * memory.kernel(&course.times)
             }
         };
         let restricted = |v: &DMatrix<f64>, gyro: &FittedGyro| {
@@ -438,7 +451,7 @@ mod tests {
         let (times, d, x) = dwells();
         let durations: Vec<f64> = (0..20).map(|k| if k % 3 == 0 { 60.0 } else { 240.0 }).collect();
         let rates: Vec<_> = (0..20).map(|k| nalgebra::Vector3::new(0.0, 30.0 * f64::from(k % 5), 10.0)).collect();
-        let course = DwellConditions { times: &times, durations: &durations, rates: &rates };
+        let course = DwellConditions { times, durations, rates };
         let variances = DVector::from_fn(20, |k, _| 1.0 + 0.2 * (3.1 * k as f64).cos());
         let even = DVector::from_fn(20, |k, _| 1.0 + 0.1 * (2.3 * k as f64).sin());
         for (stated, walk) in [(true, 0.0), (true, 0.6), (false, 0.3), (false, 0.0)] {

@@ -1,9 +1,12 @@
 //! Model (6) as a design matrix, and the gauge that it needs at constant |a|.
 
+use std::rc::Rc;
+
 use nalgebra::{DMatrix, DVector};
 
 use crate::core::campaign::Dwell;
 use crate::core::model::{Term, Terms};
+use crate::core::numerics::least_squares::Factor;
 
 /// Spread of |a|^2, or of a_I^2 + a_S^2 (standard deviation over mean) below which it counts as constant.
 ///
@@ -54,11 +57,7 @@ impl Design {
     /// constant and both terms are fitted, P_x + P_y + P_z = 0 is imposed instead of leaving it to rounding.
     pub fn new(dwells: &[Dwell], terms: Terms) -> Self {
         let p = terms.columns();
-        let mut rows = Vec::with_capacity(dwells.len() * p);
-        for dwell in dwells {
-            terms.push_row(&dwell.specific_force_g0, &dwell.rate_arcsec_s, &mut rows);
-        }
-        let full = DMatrix::from_row_iterator(dwells.len(), p, rows);
+        let full = model_matrix(dwells, terms);
         let squared = mean_if_constant(dwells.iter().map(|d| d.specific_force_g0.norm_squared()));
         match (squared, terms.contains(Term::Bias) && terms.contains(Term::GSquared)) {
             (Some(squared), true) => Self::gauged(full, terms, squared),
@@ -77,6 +76,31 @@ impl Design {
         let mut expand = DMatrix::identity(p, p).remove_column(p_x);
         expand.row_mut(p_x).columns_mut(p_x, 2).fill(-1.0);
         Self { terms, reduced: full * &expand, expand, gauge: Some(direction.normalize()) }
+    }
+}
+
+/// The columns of the terms, dwell by dwell.
+pub fn model_matrix(dwells: &[Dwell], terms: Terms) -> DMatrix<f64> {
+    let mut rows = Vec::with_capacity(dwells.len() * terms.columns());
+    for dwell in dwells {
+        terms.push_row(&dwell.specific_force_g0, &dwell.rate_arcsec_s, &mut rows);
+    }
+    DMatrix::from_row_iterator(dwells.len(), terms.columns(), rows)
+}
+
+/// A design, and its factorisation for rows of standard deviations `sd`.
+#[derive(Debug)]
+pub(super) struct WeightedDesign {
+    pub design: Design,
+    pub sd: Vec<f64>,
+    pub factor: Factor,
+}
+
+impl WeightedDesign {
+    /// Of at least one column.
+    pub fn new(design: Design, sd: Vec<f64>) -> Rc<Self> {
+        let factor = Factor::new(design.reduced.clone(), &sd);
+        Rc::new(Self { design, sd, factor })
     }
 }
 

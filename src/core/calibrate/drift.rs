@@ -2,13 +2,14 @@
 
 use nalgebra::DMatrix;
 
+use super::design::first_column;
 use super::uncertainty::UncertaintyBudget;
 use super::{Calibration, GyroCalibration, ScaleSource};
 use crate::core::message::{Message, figure, list};
 use crate::core::model::Term;
 use crate::core::mounting::Geometry;
 use crate::core::record::Plausibility;
-use crate::core::separate::{CovarianceEg, Separation, Unseparable, separate};
+use crate::core::separate::{CovarianceEg, Separation, Unseparable, covariance_at, separate};
 use crate::message;
 
 /// Smallest |E|/sd for which a quotient by E, and its first-order covariance, mean anything.
@@ -24,12 +25,6 @@ pub enum NotSeparated {
     ScaleInNoise { ratio: f64 },
     Implausible(Message),
     Unseparable(Unseparable),
-}
-
-impl From<Unseparable> for NotSeparated {
-    fn from(why: Unseparable) -> Self {
-        Self::Unseparable(why)
-    }
 }
 
 impl NotSeparated {
@@ -60,17 +55,9 @@ impl GyroCalibration {
 
     /// (E, G) of a covariance of all parameters.
     pub fn eg_of(&self, full: &DMatrix<f64>) -> CovarianceEg {
-        let column = |term| self.terms.contains(term).then(|| super::design::first_column(self.terms, term));
-        let places = [column(Term::Scale), column(Term::GLinear)];
-        let mut eg = CovarianceEg::zeros();
-        for (i, row) in places.iter().enumerate() {
-            for (j, col) in places.iter().enumerate() {
-                if let (Some(row), Some(col)) = (row, col) {
-                    eg.fixed_view_mut::<3, 3>(3 * i, 3 * j).copy_from(&full.view((*row, *col), (3, 3)));
-                }
-            }
-        }
-        eg
+        let first = |term| self.terms.contains(term).then(|| first_column(self.terms, term));
+        let places = |term| first(term).map(|first| [first, first + 1, first + 2]);
+        covariance_at(full, places(Term::Scale), places(Term::GLinear))
     }
 
     /// Separates the gyro by both methods.
@@ -90,7 +77,7 @@ impl GyroCalibration {
             return Err(NotSeparated::ScaleInNoise { ratio });
         }
         limits.check_scale(&e, geometry, self.slot).map_err(NotSeparated::Implausible)?;
-        Ok(separate(geometry, self.slot, &e, &g, covariance.as_ref())?)
+        separate(geometry, self.slot, &e, &g, covariance.as_ref()).map_err(NotSeparated::Unseparable)
     }
 
     /// How uncertain D_I, D_S, D_O and |E| are, and why; D_I and D_S by the published equations where those are asked

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::design::Design;
+use super::design::{Design, WeightedDesign};
 use super::regressor::{Regressor, adding, told_apart};
 use crate::core::augmented::{Adopted, KnownCoefficient};
 use crate::core::calibrate::shared_coefficients::SharedRegressors;
@@ -132,7 +132,7 @@ pub(super) fn visible(base: &Factor, regressors: Vec<Regressor>) -> (Vec<Regress
 /// Those regressors that are fitted, and those that are held with what is known of them: of an effect that the model
 /// knows so much better than these dwells tell it, or that they do not tell, and that they do not contradict.
 pub(super) fn to_hold<'a>(
-    (design, sd, base): &(Design, Vec<f64>, Factor),
+    WeightedDesign { design, sd, factor: base }: &WeightedDesign,
     y: &DVector<f64>,
     regressors: Vec<Regressor>,
     known: &[&'a KnownCoefficient],

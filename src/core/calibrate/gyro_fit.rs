@@ -1,10 +1,12 @@
 //! The fit of one gyro on the way: least squares done, its noise not yet judged.
 
+use std::rc::Rc;
+
 use nalgebra::{DMatrix, DVector, DVectorView, Vector3};
 
 use super::calibration::{EffectParameter, GAUGE, GyroCalibration, NullDirection, Parameter, ScaleSource};
 use super::correlated_noise::{self, FittedGyro};
-use super::design::{self, Design};
+use super::design::{self, Design, WeightedDesign};
 use super::growth::{Exposure, Unweighted};
 use super::noise::{Evidence, NoiseScale};
 use super::uncertainty::{StationResponse, Uncertainty};
@@ -25,34 +27,25 @@ pub(super) fn standardised(residuals: &DVector<f64>, sigma: &DVector<f64>, lever
     DVector::from_fn(residuals.len(), |k, _| if own_sd(k) > 0.0 { residuals[k] / own_sd(k) } else { 0.0 })
 }
 
-/// Gyros with the same terms, the same standard errors and no effects of their own share one factorisation.
+/// Gyros with the same terms and the same standard errors share one factorisation of model (6).
 #[derive(Default)]
-pub(super) struct SharedFactors(Vec<(Design, Vec<f64>, Factor)>);
+pub(super) struct SharedDesigns(Vec<Rc<WeightedDesign>>);
 
-impl SharedFactors {
-    /// Where the factorisation for these terms and weights is.
-    fn index(&mut self, dwells: &[Dwell], terms: Terms, sd: &[f64]) -> usize {
-        let plain = |design: &Design| design.terms == terms && design.expand.nrows() == terms.columns();
-        if let Some(index) = self.0.iter().position(|(design, used, _)| plain(design) && used == sd) {
-            return index;
+impl SharedDesigns {
+    fn of(&mut self, dwells: &[Dwell], terms: Terms, sd: Vec<f64>) -> Rc<WeightedDesign> {
+        let mut of_terms = self.0.iter().filter(|known| known.design.terms == terms);
+        if let Some(known) = of_terms.clone().find(|known| known.sd == sd) {
+            return Rc::clone(known);
         }
-        let design = match self.0.iter().find(|(design, ..)| plain(design)) {
-            Some((design, ..)) => design.clone(),
-            None => Design::new(dwells, terms),
-        };
-        self.add(design, sd)
-    }
-
-    fn add(&mut self, design: Design, sd: &[f64]) -> usize {
-        let factor = Factor::new(design.reduced.clone(), sd);
-        self.0.push((design, sd.to_vec(), factor));
-        self.0.len() - 1
+        let design = of_terms.next().map_or_else(|| Design::new(dwells, terms), |known| known.design.clone());
+        let new = WeightedDesign::new(design, sd);
+        self.0.push(Rc::clone(&new));
+        new
     }
 }
 
 pub(super) struct GyroFit {
-    /// In [`SharedFactors`].
-    factor: usize,
+    weighted: Rc<WeightedDesign>,
     scale_source: ScaleSource,
     known_e: Option<Vector3<f64>>,
     pub fit: Fit,
@@ -62,9 +55,9 @@ pub(super) struct GyroFit {
     regressors: Vec<Regressor>,
     pub hidden: Vec<Effect>,
     /// Those held as the model has them.
-    held: Option<HeldCoefficients>,
+    held: Option<OtherCoefficients>,
     /// What this gyro shares with the others.
-    common: Option<SharedTerms>,
+    common: Option<OtherCoefficients>,
     /// Variances over those of the weights; and the same without a growth with rate.
     pub variances: DVector<f64>,
     pub even: DVector<f64>,
@@ -75,23 +68,30 @@ pub(super) struct GyroFit {
     net: Option<(DVector<f64>, usize)>,
 }
 
-/// Coefficients held at what a model says of them.
-struct HeldCoefficients {
+/// Coefficients that are not the gyro's own to fit.
+struct OtherCoefficients {
     effects: Vec<Regressor>,
     values: DVector<f64>,
-    variances: DVector<f64>,
+    /// Of shared ones over the gyro's noise as weighted.
+    covariance: DMatrix<f64>,
     /// What the gyro's own columns make of their regressors, q x m.
     into: DMatrix<f64>,
 }
 
-/// The shared coefficients as one gyro sees them.
-struct SharedTerms {
-    effects: Vec<Regressor>,
-    /// Their values, and covariance over the gyro's noise as weighted.
-    values: DVector<f64>,
-    covariance: DMatrix<f64>,
-    /// What the gyro's own columns make of the shared regressors, q x m.
-    into: DMatrix<f64>,
+impl OtherCoefficients {
+    /// What they add to the covariance of the gyro's own, where their own is to be scaled so.
+    fn spread(&self, scale: f64) -> DMatrix<f64> {
+        &self.into * &self.covariance * self.into.transpose() * scale
+    }
+
+    fn parameters(&self, scale: Option<f64>) -> impl Iterator<Item = EffectParameter> {
+        let sd = move |m: usize| scale.map(|scale| (self.covariance[(m, m)] * scale).max(0.0).sqrt());
+        self.effects.iter().enumerate().map(move |(m, regressor)| parameter(regressor, self.values[m], sd(m)))
+    }
+}
+
+fn parameter(regressor: &Regressor, value: f64, sd: Option<f64>) -> EffectParameter {
+    EffectParameter { effect: regressor.effect, coefficient: regressor.coefficient, value, sd }
 }
 
 pub(super) fn fit_gyro(
@@ -100,37 +100,38 @@ pub(super) fn fit_gyro(
     terms: Terms,
     (regressors, known): (Vec<Regressor>, &[KnownCoefficient]),
     (sd, repeats): (Vec<f64>, &[Vec<usize>]),
-    shared: &mut SharedFactors,
+    shared: &mut SharedDesigns,
 ) -> GyroFit {
     let known_e = c.gyros[j].known_e;
-    let fitted =
-        if known_e.is_some() && terms != Terms::of(&[Term::Scale]) { terms.without(Term::Scale) } else { terms };
+    // E alone is never taken off: nothing would be left to fit.
+    let fitted = if terms == Terms::of(&[Term::Scale]) { terms } else { c.gyros[j].fitted_terms(terms) };
     let mut y = DVector::from_iterator(c.dwells.len(), c.free_outputs(j));
-    let plain = shared.index(&c.dwells, fitted, &sd);
+    let plain = shared.of(&c.dwells, fitted, sd);
     let known: Vec<&KnownCoefficient> = known.iter().filter(|known| known.slot == c.gyros[j].slot).collect();
     let (mut regressors, to_hold) = match known.is_empty() {
         true => (regressors, Vec::new()),
         false => {
             let variance = |fit: &Fit| if c.states_errors() { 1.0 } else { fit.chi2 / fit.dof.max(1) as f64 };
-            effect_columns::to_hold(&shared.0[plain], &y, regressors, &known, variance)
+            effect_columns::to_hold(&plain, &y, regressors, &known, variance)
         }
     };
     for (regressor, known) in &to_hold {
         y.axpy(-known.value, &regressor.column, 1.0);
     }
     let hidden;
-    (regressors, hidden) = effect_columns::visible(&shared.0[plain].2, regressors);
-    let factor = match regressors.as_slice() {
+    (regressors, hidden) = effect_columns::visible(&plain.factor, regressors);
+    let weighted = match regressors.as_slice() {
         [] => plain,
-        some => shared.add(effect_columns::extended(&shared.0[plain].0, some), &sd),
+        some => WeightedDesign::new(effect_columns::extended(&plain.design, some), plain.sd.clone()),
     };
-    let fit = shared.0[factor].2.fit(&y);
+    let fit = weighted.factor.fit(&y);
     let held = (!to_hold.is_empty()).then(|| {
         let into: Vec<DVector<f64>> =
-            to_hold.iter().map(|(regressor, _)| shared.0[factor].2.fit(&regressor.column).estimate).collect();
-        HeldCoefficients {
+            to_hold.iter().map(|(regressor, _)| weighted.factor.fit(&regressor.column).estimate).collect();
+        let variances = to_hold.iter().map(|(_, known)| known.sd * known.sd);
+        OtherCoefficients {
             values: DVector::from_iterator(to_hold.len(), to_hold.iter().map(|(_, known)| known.value)),
-            variances: DVector::from_iterator(to_hold.len(), to_hold.iter().map(|(_, known)| known.sd * known.sd)),
+            covariance: DMatrix::from_diagonal(&DVector::from_iterator(to_hold.len(), variances)),
             into: DMatrix::from_columns(&into),
             effects: to_hold.into_iter().map(|(regressor, _)| regressor).collect(),
         }
@@ -138,7 +139,7 @@ pub(super) fn fit_gyro(
     let further = fit.estimate.len() - regressors.len();
     let explained = regressors.iter().zip(fit.estimate.iter().skip(further)).map(|(r, k)| &r.column * *k);
     let of_position = explained.fold(y, |y, part| y - part);
-    let pure_error = PureError::of(repeats, |k| of_position[k], |k| sd[k]);
+    let pure_error = PureError::of(repeats, |k| of_position[k], |k| weighted.sd[k]);
     let evidence = Evidence::of(fit.chi2, fit.dof, pure_error);
     let scale_source = match (known_e, terms.contains(Term::Scale)) {
         (Some(_), _) => ScaleSource::Held,
@@ -148,7 +149,7 @@ pub(super) fn fit_gyro(
     let variances = DVector::from_element(c.dwells.len(), 1.0);
     let even = variances.clone();
     GyroFit {
-        factor,
+        weighted,
         scale_source,
         known_e,
         fit,
@@ -175,22 +176,15 @@ impl GyroFit {
 
     /// The gyro as its own columns leave it; without standard errors its residuals say how it weighs against the
     /// others.
-    pub fn own<'a>(&'a self, has_sem: bool, shared: &'a SharedFactors) -> OwnFit<'a> {
+    pub fn own(&self, has_sem: bool) -> OwnFit<'_> {
         let scatter = || self.fit.chi2 / self.fit.dof.max(1) as f64;
         let variance = if has_sem { 1.0 } else { scatter().max(f64::MIN_POSITIVE) };
-        OwnFit { factor: &shared.0[self.factor].2, residuals: &self.fit.residuals, variance }
+        OwnFit { factor: self.factor(), residuals: &self.fit.residuals, variance }
     }
 
     /// Takes the shared coefficients out, which cost this gyro `dof` degrees of freedom.
-    pub fn take_out(
-        &mut self,
-        common: &CommonFit,
-        j: usize,
-        dof: usize,
-        repeats: &[Vec<usize>],
-        shared: &SharedFactors,
-    ) {
-        let (_, sd, factor) = &shared.0[self.factor];
+    pub fn take_out(&mut self, common: &CommonFit, j: usize, dof: usize, repeats: &[Vec<usize>]) {
+        let WeightedDesign { sd, factor, .. } = &*self.weighted;
         let own = self.fit.estimate.len() - self.regressors.len();
         let of_effects = |estimate: &DVector<f64>, into: &mut DVector<f64>, sign: f64| {
             for (regressor, k) in self.regressors.iter().zip(estimate.iter().skip(own)) {
@@ -215,7 +209,7 @@ impl GyroFit {
         let pure_error = PureError::of(repeats, |k| self.of_position[k], |k| sd[k]);
         self.evidence = Evidence::of(self.fit.chi2, self.fit.dof, pure_error);
         let (places, effects): (Vec<usize>, Vec<Regressor>) = effects.into_iter().unzip();
-        self.common = Some(SharedTerms {
+        self.common = Some(OtherCoefficients {
             effects,
             values: common.estimate.select_rows(&places),
             covariance: common.covariance.select_rows(&places).select_columns(&places) / common.variances[j],
@@ -224,8 +218,8 @@ impl GyroFit {
     }
 
     /// The factor of the whitened design that this gyro shares with those of the same weights.
-    pub fn factor<'a>(&self, shared: &'a SharedFactors) -> &'a Factor {
-        &shared.0[self.factor].2
+    pub fn factor(&self) -> &Factor {
+        &self.weighted.factor
     }
 
     /// Residuals that speak of the noise, pulse/s, and their degrees of freedom.
@@ -234,16 +228,16 @@ impl GyroFit {
     }
 
     /// Leaves `net` (over the standard errors) of the residuals to speak of the noise, `dof` degrees of freedom fewer.
-    pub fn leave(&mut self, net: DVector<f64>, dof: usize, shared: &SharedFactors) {
+    pub fn leave(&mut self, net: DVector<f64>, dof: usize) {
         let dof = self.fit.dof.saturating_sub(dof);
         self.evidence = Evidence::of(net.norm_squared(), dof, self.evidence.pure_error);
-        self.net = Some((net.component_div(self.factor(shared).weights()), dof));
+        self.net = Some((net.component_div(self.factor().weights()), dof));
     }
 
     /// E (pulse/arcsec), held or determined, and G (pulse/(s g0); zero where it is not fitted), both in body axes. None
     /// where the design does not determine E.
-    pub fn e_and_g(&self, shared: &SharedFactors) -> Option<(Vector3<f64>, Vector3<f64>)> {
-        let (design, _, factor) = &shared.0[self.factor];
+    pub fn e_and_g(&self) -> Option<(Vector3<f64>, Vector3<f64>)> {
+        let WeightedDesign { design, factor, .. } = &*self.weighted;
         let values = &design.expand * &self.fit.estimate;
         let of = |term| {
             let first = design::first_column(design.terms, term);
@@ -280,27 +274,22 @@ impl GyroFit {
     }
 
     /// What the search for a memory of the noise needs.
-    pub fn fitted<'a>(&'a self, shared: &'a SharedFactors) -> FittedGyro<'a> {
-        let (_, _, factor) = &shared.0[self.factor];
+    pub fn fitted(&self) -> FittedGyro<'_> {
         let Self { variances, even, .. } = self;
-        let (basis, weights) = (factor.basis(), factor.weights());
+        let (basis, weights) = (self.factor().basis(), self.factor().weights());
         let (residuals, dof) = self.left();
         FittedGyro { basis, weights, variances, even, residuals, dof }
     }
 
     /// Covariance of the coordinates on the design's basis without a memory of the noise.
-    pub fn coordinates(&self, noise: &NoiseScale, shared: &SharedFactors) -> Option<DMatrix<f64>> {
-        let basis = shared.0[self.factor].2.basis();
-        Some(correlated_noise::scaled(basis, &self.variances) * noise.covariance_scale()?)
+    pub fn coordinates(&self, noise: &NoiseScale) -> Option<DMatrix<f64>> {
+        Some(correlated_noise::scaled(self.factor().basis(), &self.variances) * noise.covariance_scale()?)
     }
 
     /// Covariance of the fit's parameters: `own`, and what comes in with coefficients that are shared or held.
     fn covariance(&self, own: DMatrix<f64>, scale: f64) -> DMatrix<f64> {
-        let of_common = |common: &SharedTerms| &common.into * &common.covariance * common.into.transpose() * scale;
-        let of_held =
-            |held: &HeldCoefficients| &held.into * DMatrix::from_diagonal(&held.variances) * held.into.transpose();
-        let shared = self.common.iter().map(of_common).fold(own, |sum, one| sum + one);
-        self.held.iter().map(of_held).fold(shared, |sum, one| sum + one)
+        let with_common = self.common.iter().fold(own, |sum, common| sum + common.spread(scale));
+        self.held.iter().fold(with_common, |sum, held| sum + held.spread(1.0))
     }
 
     /// Coefficients of effects: fitted, with values and standard deviations, held, and shared.
@@ -309,21 +298,11 @@ impl GyroFit {
         (values, sds): (DVectorView<'_, f64>, Option<DVector<f64>>),
         scale: Option<f64>,
     ) -> Vec<EffectParameter> {
-        let one = |regressor: &Regressor, value, sd| EffectParameter {
-            effect: regressor.effect,
-            coefficient: regressor.coefficient,
-            value,
-            sd,
-        };
-        let own = self.regressors.iter().enumerate().map(|(m, r)| one(r, values[m], sds.as_ref().map(|sds| sds[m])));
-        let of_model = self.held.iter().flat_map(|held| {
-            held.effects.iter().enumerate().map(|(m, r)| one(r, held.values[m], Some(held.variances[m].sqrt())))
-        });
-        let of_common = self.common.iter().flat_map(|common| {
-            let sd = move |m: usize| scale.map(|scale| (common.covariance[(m, m)] * scale).max(0.0).sqrt());
-            common.effects.iter().enumerate().map(move |(m, r)| one(r, common.values[m], sd(m)))
-        });
-        own.chain(of_model).chain(of_common).collect()
+        let sd = |m: usize| sds.as_ref().map(|sds| sds[m]);
+        let own = self.regressors.iter().enumerate().map(|(m, regressor)| parameter(regressor, values[m], sd(m)));
+        let held = self.held.iter().flat_map(|held| held.parameters(Some(1.0)));
+        let common = self.common.iter().flat_map(|common| common.parameters(scale));
+        own.chain(held).chain(common).collect()
     }
 
     /// Covariance of model (6)'s parameters by what is stated of the station.
@@ -340,9 +319,8 @@ impl GyroFit {
         noise: NoiseScale,
         coordinates: Option<DMatrix<f64>>,
         is_other_noise: bool,
-        shared: &SharedFactors,
     ) -> GyroCalibration {
-        let (design, sd, factor) = &shared.0[self.factor];
+        let WeightedDesign { design, sd, factor } = &*self.weighted;
         let p = design.terms.columns();
         let values = &design.expand * &self.fit.estimate;
         let scale = noise.covariance_scale();

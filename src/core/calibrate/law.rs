@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::growth::SLOW_ARCSEC_S;
 use super::noise_found::LawFound;
+use crate::core::campaign::Dwell;
 use crate::core::numerics::median::median_of;
 
 /// Prior probability that the noise goes as stated; the laws share the rest.
@@ -13,12 +14,12 @@ pub const AS_STATED: f64 = 0.8;
 const OTHER_DURATION: f64 = 0.2;
 
 /// What the laws take of the dwells.
-#[derive(Debug, Clone, Copy)]
-pub struct DwellConditions<'a> {
+#[derive(Debug, Clone)]
+pub struct DwellConditions {
     /// Of the middle of each dwell, s.
-    pub times: &'a [f64],
-    pub durations: &'a [f64],
-    pub rates: &'a [Vector3<f64>],
+    pub times: Vec<f64>,
+    pub durations: Vec<f64>,
+    pub rates: Vec<Vector3<f64>>,
 }
 
 /// By how much the standard deviation of a dwell departs from what is stated.
@@ -32,7 +33,16 @@ pub enum Law {
     Time(f64),
 }
 
-impl DwellConditions<'_> {
+impl DwellConditions {
+    /// Of the dwells of a campaign.
+    pub fn of(dwells: &[Dwell]) -> Self {
+        Self {
+            times: dwells.iter().map(Dwell::mid_s).collect(),
+            durations: dwells.iter().map(|d| d.duration_s).collect(),
+            rates: dwells.iter().map(|d| d.rate_arcsec_s).collect(),
+        }
+    }
+
     fn usual_duration(&self) -> f64 {
         median_of(self.durations.iter().copied()).unwrap_or(1.0)
     }
@@ -89,14 +99,17 @@ mod tests {
 
     const TIMES: [f64; 5] = [100.0, 200.0, 300.0, 400.0, 500.0];
 
-    fn turning(arcsec_s: [f64; 5]) -> [Vector3<f64>; 5] {
-        arcsec_s.map(|rate| Vector3::new(0.0, -rate, 0.0))
+    fn turning(arcsec_s: [f64; 5]) -> Vec<Vector3<f64>> {
+        arcsec_s.map(|rate| Vector3::new(0.0, -rate, 0.0)).to_vec()
     }
 
     #[test]
     fn laws_go_with_duration_rate_and_time_as_defined() {
-        let (durations, rates) = ([50.0, 100.0, 200.0, 400.0, 100.0], turning([0.0, 40.0, 80.0, 20.0, 10.0]));
-        let course = DwellConditions { times: &TIMES, durations: &durations, rates: &rates };
+        let course = DwellConditions {
+            times: TIMES.to_vec(),
+            durations: vec![50.0, 100.0, 200.0, 400.0, 100.0],
+            rates: turning([0.0, 40.0, 80.0, 20.0, 10.0]),
+        };
         let close = |found: Vec<f64>, expected: [f64; 5]| {
             assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} is not {expected:?}");
         };
@@ -111,7 +124,8 @@ mod tests {
     #[test]
     fn only_laws_that_the_dwells_can_show_are_tried() {
         let of = |durations: [f64; 5], rates: [f64; 5]| {
-            Law::all(&DwellConditions { times: &TIMES, durations: &durations, rates: &turning(rates) })
+            let (times, durations, rates) = (TIMES.to_vec(), durations.to_vec(), turning(rates));
+            Law::all(&DwellConditions { times, durations, rates })
         };
         let (even, still) = ([100.0, 100.0, 110.0, 90.0, 100.0], [0.0, 15.0, 15.0, 0.0, 15.0]);
         assert_eq!(of(even, still), [-1.1, -0.55, 0.55, 1.1].map(Law::Time), "noise may grow as well as fall");

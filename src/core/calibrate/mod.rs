@@ -42,7 +42,7 @@ use crate::core::calibrate::shared_coefficients::{CommonFit, OwnFit, SharedRegre
 use crate::core::campaign::repeats::PureError;
 use correlated_noise::FittedGyro;
 use growth::{Exposure, NoiseGrowth};
-use gyro_fit::{GyroFit, SharedFactors, fit_gyro};
+use gyro_fit::{GyroFit, SharedDesigns, fit_gyro};
 use law::DwellConditions;
 use noise::{Evidence, NoiseScale};
 
@@ -79,22 +79,13 @@ pub fn calibrate_in_white_noise(campaign: &Campaign, terms: Terms) -> Calibratio
 ///
 /// An effect that model (6) absorbs in this campaign, or that lacks a column, is left out and noted.
 pub fn calibrate_augmented(campaign: &Campaign, terms: Terms, adopted: &[Adopted]) -> Calibration {
-    calibrate_referred(campaign, terms, adopted, None)
+    calibrate_in(Kinds::All, campaign, terms, (adopted, &[]), None, &StationUncertainty::default())
 }
 
-/// As [`calibrate_augmented`], with effects of temperature counted from `reference_c` (deg C; the campaign's mean where
-/// there is none): D0, G and E are then those at that temperature.
-pub fn calibrate_referred(
-    campaign: &Campaign,
-    terms: Terms,
-    adopted: &[Adopted],
-    reference_c: Option<f64>,
-) -> Calibration {
-    calibrate_in(Kinds::All, campaign, terms, (adopted, &[]), reference_c, &StationUncertainty::default())
-}
-
-/// As [`calibrate_referred`], with what the campaign states of its station in the covariances: [`station`]. An effect
+/// As [`calibrate_augmented`], with what the campaign states of its station in the covariances: [`station`]. An effect
 /// that the model knows clearly better than these dwells tell it is held at the model's value, with its uncertainty.
+/// Effects of temperature count from `reference_c` (deg C; the campaign's mean where there is none): D0, G and E are
+/// then those at that temperature.
 pub fn calibrate_at_station(
     campaign: &Campaign,
     terms: Terms,
@@ -113,10 +104,10 @@ pub fn errors_as_weighed(campaign: &Campaign) -> Option<Vec<Vec<f64>>> {
     if !shrunken_errors::may_scatter(&stated) {
         return Some(stated);
     }
-    let mut shared = SharedFactors::default();
+    let mut shared = SharedDesigns::default();
     let fit = |j: usize| fit_gyro(campaign, j, campaign.terms(), (vec![], &[]), (stated[j].clone(), &[]), &mut shared);
     let fits: Vec<GyroFit> = gyros.map(fit).collect();
-    Some(shrunken_errors::shrunken(campaign, &fits, &shared).map_or(stated, |shrunken| shrunken.sd))
+    Some(shrunken_errors::shrunken(campaign, &fits).map_or(stated, |shrunken| shrunken.sd))
 }
 
 /// Which kinds of noise are weighed.
@@ -139,17 +130,17 @@ fn calibrate_in(
     let dwells = &campaign.dwells;
     let has_sem = campaign.states_errors();
     let repeats = crate::core::campaign::repeats::repeats(dwells);
-    let mut shared = SharedFactors::default();
-    let fit_each = |sd: &dyn Fn(usize) -> Vec<f64>, shared: &mut SharedFactors| -> Vec<GyroFit> {
+    let mut shared = SharedDesigns::default();
+    let mut fit_each = |sd: &dyn Fn(usize) -> Vec<f64>| -> Vec<GyroFit> {
         let one = |(j, r): (usize, &Vec<Regressor>)| {
-            fit_gyro(campaign, j, terms, (r.clone(), &known), (sd(j), &repeats), shared)
+            fit_gyro(campaign, j, terms, (r.clone(), &known), (sd(j), &repeats), &mut shared)
         };
         own.iter().enumerate().map(one).collect()
     };
-    let mut fits = fit_each(&|j| weights_sd(campaign, j), &mut shared);
-    let shrunken = shrunken_errors::shrunken(campaign, &fits, &shared);
+    let mut fits = fit_each(&|j| weights_sd(campaign, j));
+    let shrunken = shrunken_errors::shrunken(campaign, &fits);
     if let Some(shrunken) = &shrunken {
-        fits = fit_each(&|j| shrunken.sd[j].clone(), &mut shared);
+        fits = fit_each(&|j| shrunken.sd[j].clone());
     }
     for (fit, gyro) in fits.iter().zip(&campaign.gyros) {
         let note = |effect: &Effect, why| CampaignNote::EffectLeftOut { slot: Some(gyro.slot), effect: *effect, why };
@@ -159,7 +150,7 @@ fn calibrate_in(
         };
         notes.extend(fit.held_effects().iter().map(|effect| note(effect, held(effect))));
     }
-    let common = (!of_all.is_empty()).then(|| fit_common(of_all, &mut fits, has_sem, &repeats, &shared));
+    let common = (!of_all.is_empty()).then(|| fit_common(of_all, &mut fits, has_sem, &repeats));
     let told = |effect: &Effect| CampaignNote::EffectLeftOut {
         slot: None,
         effect: *effect,
@@ -167,7 +158,7 @@ fn calibrate_in(
     };
     notes.extend(common.iter().flat_map(|common| &common.hidden).map(told));
     if stated.is_stated() {
-        notes.extend(station::spread(campaign, stated, &mut fits, common.as_ref(), (has_sem, &shared)));
+        notes.extend(station::spread(campaign, stated, &mut fits, common.as_ref(), has_sem));
     }
     let (growth, growth_chance) = if has_sem { (0.0, 1.0) } else { unequal_variances(campaign, &repeats, &mut fits) };
     let evidence: Vec<Evidence> = fits.iter().map(|f| f.evidence).collect();
@@ -176,9 +167,8 @@ fn calibrate_in(
         None => noise.with_scatter(sem_scatter(dwells, j)),
     };
     let noises: Vec<NoiseScale> = noise::noise(&evidence, has_sem).into_iter().enumerate().map(scatter).collect();
-    let mut coordinates: Vec<_> =
-        fits.iter().zip(&noises).map(|(fit, noise)| fit.coordinates(noise, &shared)).collect();
-    let found = (kinds == Kinds::All).then(|| weigh(dwells, has_sem, &fits, &mut coordinates, &shared));
+    let mut coordinates: Vec<_> = fits.iter().zip(&noises).map(|(fit, noise)| fit.coordinates(noise)).collect();
+    let found = (kinds == Kinds::All).then(|| weigh(dwells, has_sem, &fits, &mut coordinates));
     notes.extend(shrunken.and_then(|shrunken| shrunken.scatter).map(|scatter| CampaignNote::ErrorsScatter { scatter }));
     let is_other_noise = found.as_ref().is_some_and(noise_report::is_other);
     let mut gyros: Vec<GyroCalibration> = fits
@@ -186,7 +176,7 @@ fn calibrate_in(
         .zip(noises)
         .zip(coordinates)
         .zip(&campaign.gyros)
-        .map(|(((fit, noise), coordinates), gyro)| fit.finish(gyro, noise, coordinates, is_other_noise, &shared))
+        .map(|(((fit, noise), coordinates), gyro)| fit.finish(gyro, noise, coordinates, is_other_noise))
         .collect();
     for gyro in &mut gyros {
         gyro.effects.retain(|one| !any_temperature.contains(&one.effect));
@@ -201,28 +191,18 @@ fn weigh(
     has_sem: bool,
     fits: &[GyroFit],
     coordinates: &mut [Option<DMatrix<f64>>],
-    shared: &SharedFactors,
 ) -> correlated_noise::DepartureWeights {
-    let fitted: Vec<FittedGyro> = fits.iter().map(|fit| fit.fitted(shared)).collect();
-    let times: Vec<f64> = dwells.iter().map(Dwell::mid_s).collect();
-    let (durations, rates): (Vec<f64>, Vec<_>) = dwells.iter().map(|d| (d.duration_s, d.rate_arcsec_s)).unzip();
-    let course = DwellConditions { times: &times, durations: &durations, rates: &rates };
-    correlated_noise::weigh(&course, &fitted, coordinates, has_sem)
+    let fitted: Vec<FittedGyro> = fits.iter().map(GyroFit::fitted).collect();
+    correlated_noise::weigh(&DwellConditions::of(dwells), &fitted, coordinates, has_sem)
 }
 
 /// Fits what all gyros share and takes it out of each gyro's fit.
-fn fit_common(
-    of_all: Vec<SharedRegressors>,
-    fits: &mut [GyroFit],
-    has_sem: bool,
-    repeats: &[Vec<usize>],
-    shared: &SharedFactors,
-) -> CommonFit {
-    let own: Vec<OwnFit> = fits.iter().map(|fit| fit.own(has_sem, shared)).collect();
+fn fit_common(of_all: Vec<SharedRegressors>, fits: &mut [GyroFit], has_sem: bool, repeats: &[Vec<usize>]) -> CommonFit {
+    let own: Vec<OwnFit> = fits.iter().map(|fit| fit.own(has_sem)).collect();
     let common = shared_coefficients::fit(of_all, &own);
     let taken = shared_coefficients::in_whole_numbers(common.leverage.iter().map(|share| share.sum()));
     for (j, (fit, taken)) in fits.iter_mut().zip(taken).enumerate() {
-        fit.take_out(&common, j, taken, repeats, shared);
+        fit.take_out(&common, j, taken, repeats);
     }
     common
 }

@@ -16,11 +16,15 @@ const SHARED: f64 = 1e-3;
 
 /// Whether the noise is said to be other than white, independent and as stated.
 pub(super) fn is_other(found: &DepartureWeights) -> bool {
-    let weight = |memory: bool| -> f64 {
-        let of_kind = found.iter().filter(|(kind, _)| matches!(kind, NoiseDeparture::CorrelatedNoise(..)) == memory);
-        of_kind.map(|(_, weight)| weight).sum()
-    };
-    weight(true) > CERTAIN || weight(false) > CERTAIN
+    [true, false].into_iter().any(|memory| certain(found, memory).is_some())
+}
+
+/// The likeliest kind with a memory or without, and the probability of all those, where it is certain.
+fn certain(found: &DepartureWeights, memory: bool) -> Option<(NoiseDeparture, f64)> {
+    let those = found.iter().filter(|(kind, _)| kind.has_memory() == memory);
+    let probability: f64 = those.clone().map(|(_, weight)| weight).sum();
+    let (likeliest, _) = those.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (probability > CERTAIN).then_some((*likeliest, probability))
 }
 
 /// What the residuals of a fit say.
@@ -34,19 +38,13 @@ pub(super) fn report(found: &DepartureWeights, gyros: &[GyroCalibration]) -> Noi
 
 /// What is certain of each gyro by itself; `sds` are those of correlated noise of a power, deg/h.
 pub(super) fn of_kinds(found: &DepartureWeights, sds: impl Fn(f64) -> Vec<(Slot, f64)>) -> NoiseFound {
-    let certain = |of_kind: &dyn Fn(&NoiseDeparture) -> bool| {
-        let those = found.iter().filter(|(kind, _)| of_kind(kind));
-        let probability: f64 = those.clone().map(|(_, weight)| weight).sum();
-        let likeliest = those.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(kind, _)| *kind);
-        likeliest.filter(|_| probability > CERTAIN).map(|kind| (kind, probability))
-    };
-    let memory = match certain(&|kind| matches!(kind, NoiseDeparture::CorrelatedNoise(..))) {
+    let memory = match certain(found, true) {
         Some((NoiseDeparture::CorrelatedNoise(memory, power), probability)) => {
             Some(CorrelatedNoiseFound { kind: memory.name(), deg_per_h: sds(power), probability })
         }
         _ => None,
     };
-    let laws = match certain(&|kind| matches!(kind, NoiseDeparture::Law(_))) {
+    let laws = match certain(found, false) {
         Some((NoiseDeparture::Law(law), _)) => vec![law.found()],
         _ => Vec::new(),
     };

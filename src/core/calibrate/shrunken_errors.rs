@@ -15,7 +15,7 @@
 
 use nalgebra::DVector;
 
-use super::gyro_fit::{GyroFit, SharedFactors};
+use super::gyro_fit::GyroFit;
 use crate::core::campaign::Campaign;
 
 /// Scatter of standard errors (of their logarithms, about the law) from which on they are doubted: of thirteen
@@ -43,7 +43,7 @@ pub(super) struct ShrunkenErrors {
 pub(super) struct ScatteringErrors {
     gyros: Vec<(Vec<f64>, Vec<f64>)>,
     /// Standard deviation of their logarithms about the law.
-    pub scatter: f64,
+    scatter: f64,
 }
 
 impl ScatteringErrors {
@@ -69,20 +69,20 @@ impl ScatteringErrors {
     }
 
     /// law (sem/law)^b by gyro and dwell, pulse/s.
-    pub fn shrunken(&self, b: f64) -> Vec<Vec<f64>> {
+    fn shrunken(&self, b: f64) -> Vec<Vec<f64>> {
         let of_dwell = |(sem, law): (&f64, &f64)| law * (sem / law).powf(b);
         self.gyros.iter().map(|(sem, law)| sem.iter().zip(law).map(of_dwell).collect()).collect()
     }
 
-    /// The b below 1 whose errors are likeliest by more than every gyro but one is to tell, and whether that is clear;
-    /// `likelihood` is the logarithm of that of the residuals.
-    pub fn likeliest(&self, likelihood: impl Fn(&[Vec<f64>]) -> Option<f64>) -> Option<(f64, bool)> {
+    /// Those of the b below 1 that is likeliest by more than every gyro but one is to tell; `likelihood` is the logarithm
+    /// of that of the residuals.
+    pub fn likeliest(&self, likelihood: impl Fn(&[Vec<f64>]) -> Option<f64>) -> Option<ShrunkenErrors> {
         let likelihood = |b: f64| likelihood(&self.shrunken(b));
         let stated = likelihood(1.0)?;
         let least = LEAST_GAIN * (self.gyros.len() - 1) as f64;
         let tried = TRIED.into_iter().filter_map(|b| Some((b, likelihood(b)? - stated)));
         let (b, gain) = tried.filter(|(_, gain)| *gain > least).max_by(|a, b| a.1.total_cmp(&b.1))?;
-        Some((b, gain > CLEAR_GAIN))
+        Some(ShrunkenErrors { sd: self.shrunken(b), scatter: (gain > CLEAR_GAIN).then_some(self.scatter) })
     }
 }
 
@@ -96,17 +96,16 @@ pub(super) fn may_scatter(stated: &[Vec<f64>]) -> bool {
 }
 
 /// None where standard errors hardly scatter, or residuals follow them. `fits` are those of the errors as stated.
-pub(super) fn shrunken(campaign: &Campaign, fits: &[GyroFit], shared: &SharedFactors) -> Option<ShrunkenErrors> {
+pub(super) fn shrunken(campaign: &Campaign, fits: &[GyroFit]) -> Option<ShrunkenErrors> {
     let is_exact = |fit: &GyroFit| fit.left().0.norm() == 0.0;
     let errors = ScatteringErrors::of(campaign).filter(|_| !fits.iter().any(is_exact))?;
-    let (b, is_clear) = errors.likeliest(|sd| {
+    errors.likeliest(|sd| {
         let of_gyro = |(fit, sd): (&GyroFit, &Vec<f64>)| {
-            let found = fit.fitted(shared).independent(&DVector::from_column_slice(sd), true);
+            let found = fit.fitted().independent(&DVector::from_column_slice(sd), true);
             found.map(|(log, _)| log)
         };
         fits.iter().zip(sd).map(of_gyro).sum::<Option<f64>>()
-    })?;
-    Some(ShrunkenErrors { sd: errors.shrunken(b), scatter: is_clear.then_some(errors.scatter) })
+    })
 }
 
 /// A law with the mean square of the errors that scatter about it.

@@ -15,7 +15,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::gyro_fit::{GyroFit, SharedFactors};
+use super::gyro_fit::GyroFit;
 use super::shared_coefficients::{self, CommonFit, OwnFit};
 use super::uncertainty::StationResponse;
 use crate::core::campaign::{Campaign, CampaignNote, StationPart, StationUncertainty, StationUndetermined};
@@ -64,24 +64,23 @@ pub(super) fn spread(
     stated: &StationUncertainty,
     fits: &mut [GyroFit],
     common: Option<&CommonFit>,
-    (has_sem, shared): (bool, &SharedFactors),
+    has_sem: bool,
 ) -> Vec<CampaignNote> {
     let axes = campaign.gyros.iter().zip(fits.iter()).map(|(gyro, fit)| {
         let nominal = campaign.geometry.triad(gyro.slot)?.mat_gyro_body();
-        let (e, g) = fit.e_and_g(shared)?;
+        let (e, g) = fit.e_and_g()?;
         Some(GyroAxes::carried(gyro.slot, nominal, e, g))
     });
     let (rotations, places, notes) = of_gyros(campaign, stated, axes.collect());
     for rotation in &rotations {
         let nothing = DVector::zeros(campaign.dwells.len());
-        let of_gyro =
-            |(fit, column): (&GyroFit, &Option<&DVector<f64>>)| fit.factor(shared).fit(column.unwrap_or(&nothing));
+        let of_gyro = |(fit, column): (&GyroFit, &Option<&DVector<f64>>)| fit.factor().fit(column.unwrap_or(&nothing));
         let columns: Vec<_> = places.iter().map(|place| place.map(|place| &rotation.columns[place])).collect();
         let mut seen: Vec<_> = fits.iter().zip(&columns).map(of_gyro).collect();
         if let Some(common) = common {
             let own = |(j, seen): (usize, _)| {
                 let seen: &Fit = seen;
-                let (factor, variance) = (fits[j].factor(shared), common.variances[j]);
+                let (factor, variance) = (fits[j].factor(), common.variances[j]);
                 OwnFit { factor, residuals: &seen.residuals, variance }
             };
             let owns: Vec<OwnFit> = seen.iter().enumerate().map(own).collect();
@@ -89,7 +88,7 @@ pub(super) fn spread(
             for (j, seen) in seen.iter_mut().enumerate() {
                 for (regressor, k) in common.kept.iter().zip(taken.iter()) {
                     let Some(regressor) = &regressor[j] else { continue };
-                    let absorbed = fits[j].factor(shared).fit(&regressor.column);
+                    let absorbed = fits[j].factor().fit(&regressor.column);
                     seen.estimate.axpy(-k, &absorbed.estimate, 1.0);
                     seen.residuals.axpy(-k, &absorbed.residuals, 1.0);
                 }
@@ -100,13 +99,11 @@ pub(super) fn spread(
             fit.station.extend(column.map(|_| response));
         }
     }
-    let seen: Vec<InResiduals> = fits
-        .iter()
-        .map(|fit| InResiduals { factor: fit.factor(shared), fit: &fit.fit, responses: &fit.station })
-        .collect();
+    let seen: Vec<InResiduals> =
+        fits.iter().map(|fit| InResiduals { factor: fit.factor(), fit: &fit.fit, responses: &fit.station }).collect();
     let net = take_out(&seen, has_sem).unwrap_or_default();
     for (fit, (net, taken)) in fits.iter_mut().zip(net) {
-        fit.leave(net, taken, shared);
+        fit.leave(net, taken);
     }
     notes
 }

@@ -45,18 +45,12 @@ pub(crate) fn contradicting(campaign: &Campaign) -> Option<CampaignNote> {
 /// determine the model.
 fn far_off(campaign: &Campaign, j: usize) -> Option<Vec<f64>> {
     let (n, held) = (campaign.dwells.len(), campaign.gyros[j].known_e);
-    let terms = match held {
-        Some(_) => campaign.terms().without(Term::Scale),
-        None => campaign.terms(),
-    };
+    let terms = campaign.gyros[j].fitted_terms(campaign.terms());
     if terms.is_empty() || !(held.is_some() || terms.contains(Term::Scale)) {
         return None;
     }
     let design = Design::new(&campaign.dwells, terms);
-    let outputs = DVector::from_fn(n, |k, _| {
-        let dwell = &campaign.dwells[k];
-        dwell.output_pulse_s[j] - held.map_or(0.0, |e| e.dot(&dwell.rate_arcsec_s))
-    });
+    let outputs = DVector::from_iterator(n, campaign.free_outputs(j));
     let scale = |fit: &Fit| match held {
         Some(e) => e.norm(),
         None => (&design.expand * &fit.estimate).rows(design::first_column(terms, Term::Scale), 3).norm(),

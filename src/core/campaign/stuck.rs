@@ -8,7 +8,6 @@ use super::repeats::positions;
 use super::{Campaign, TestKind};
 use crate::core::calibrate::design::Design;
 use crate::core::message::{Message, text};
-use crate::core::model::Term;
 use crate::core::mounting::Slot;
 use crate::core::numerics::least_squares::Factor;
 use crate::message;
@@ -76,10 +75,7 @@ fn runs(campaign: &Campaign, j: usize) -> Vec<Range<usize>> {
 
 fn is_stuck(campaign: &Campaign, j: usize, runs: &[Range<usize>]) -> Vec<bool> {
     let none = vec![false; runs.len()];
-    let terms = match campaign.gyros[j].known_e {
-        Some(_) => campaign.terms().without(Term::Scale),
-        None => campaign.terms(),
-    };
+    let terms = campaign.gyros[j].fitted_terms(campaign.terms());
     let others: Vec<usize> = (0..campaign.dwells.len()).filter(|k| !runs.iter().any(|run| run.contains(k))).collect();
     if runs.is_empty() || terms.is_empty() || others.is_empty() {
         return none;

@@ -6,6 +6,7 @@
 
 use super::answer::{Due, YEAR_DAYS};
 use super::search::NewestLevel;
+use crate::core::numerics::bisection::bisect;
 use crate::core::numerics::tails::t_cdf;
 use crate::core::time::UtcMicros;
 
@@ -37,15 +38,11 @@ pub(super) fn due(levels: &[(f64, NewestLevel)], younger: f64, budget: DriftBudg
         levels.iter().map(of).sum::<f64>() / whole
     };
     let when = |p: f64| {
-        let (mut early, mut late) = (-FARTHEST, FARTHEST);
-        if chance(late) < p || chance(early) > p {
+        if chance(FARTHEST) < p || chance(-FARTHEST) > p {
             return None;
         }
-        for _ in 0..60 {
-            let middle = 0.5 * (early + late);
-            if chance(middle) < p { early = middle } else { late = middle }
-        }
-        Some(late * YEAR_DAYS - younger)
+        let (_, years) = bisect(-FARTHEST, FARTHEST, 60, |t| chance(t) < p);
+        Some(years * YEAR_DAYS - younger)
     };
     let days = when(0.5)?;
     Some(Due { days, p80: [when(0.1), when(0.9)], p95: [when(0.025), when(0.975)], calibrate_by: when(0.05) })

@@ -293,9 +293,7 @@ impl StationCourse {
 
     /// What the peers read at a station about their levels, in so many bins of records.
     pub fn course_of(&self, station: usize, bins: usize) -> Vec<CoursePoint> {
-        let rows = self.at(station).flat_map(|peer| peer.rows.iter().map(move |row| (peer.imu, row)));
-        let mut rows: Vec<(usize, &PeerRecord)> = rows.filter(|(_, row)| row.station == station).collect();
-        rows.sort_by_key(|(_, row)| row.at);
+        let rows = self.rows_at(station);
         let size = rows.len().div_ceil(bins).max(1);
         let point = |some: &[(usize, &PeerRecord)]| {
             let each: Vec<(usize, f64, f64)> = some.iter().map(|(imu, row)| (*imu, row.y, row.weight)).collect();
@@ -454,19 +452,23 @@ impl StationCourse {
     }
 
     fn instants(&self, station: usize) -> Vec<UtcMicros> {
-        let rows = self.at(station).flat_map(|peer| &peer.rows).filter(|row| row.station == station);
-        let mut instants: Vec<UtcMicros> = rows.map(|row| row.at).collect();
-        instants.sort_unstable();
+        let mut instants: Vec<UtcMicros> = self.rows_at(station).into_iter().map(|(_, row)| row.at).collect();
         instants.dedup();
         instants
+    }
+
+    /// The records at a station in the order of time, each with its IMU.
+    fn rows_at(&self, station: usize) -> Vec<(usize, &PeerRecord)> {
+        let rows = self.at(station).flat_map(|peer| peer.rows.iter().map(move |row| (peer.imu, row)));
+        let mut rows: Vec<(usize, &PeerRecord)> = rows.filter(|(_, row)| row.station == station).collect();
+        rows.sort_by_key(|(_, row)| row.at);
+        rows
     }
 
     /// Of each length the window in which the records at a station are furthest off together; none that begins with the
     /// first record or ends with the last, which are steps.
     fn windows(&self, station: usize) -> impl Iterator<Item = StationForm> {
-        let mut rows: Vec<&PeerRecord> =
-            self.at(station).flat_map(|peer| &peer.rows).filter(|row| row.station == station).collect();
-        rows.sort_by_key(|row| row.at);
+        let rows: Vec<&PeerRecord> = self.rows_at(station).into_iter().map(|(_, row)| row).collect();
         // Each record's estimate times its weight, and the weight.
         let terms: Vec<[f64; 2]> = (rows.iter())
             .map(|row| [(row.y * row.weight.sqrt()).clamp(-CLIPPED, CLIPPED) * row.weight.sqrt(), row.weight])

@@ -1,5 +1,7 @@
 //! Samples gathered into blocks of time, in memory that does not grow with the log.
 
+use std::ops::AddAssign;
+
 /// Most blocks that are kept. Where a log has more, two and two become one.
 pub const MOST_BLOCKS: usize = 1 << 18;
 
@@ -174,36 +176,21 @@ impl Blocks {
     /// Blocks of twice the length.
     fn halve(&mut self) {
         self.level += 1;
-        let mut kept = 0;
+        let mut number: Vec<i64> = Vec::new();
         let mut places = Vec::with_capacity(self.number.len());
-        for k in 0..self.number.len() {
-            let number = self.number[k].div_euclid(2);
-            if kept > 0 && self.number[kept - 1] == number {
-                self.count[kept - 1] += self.count[k];
-                self.time[kept - 1] += self.time[k];
-                for channel in &mut self.channels {
-                    channel.sum[kept - 1] += channel.sum[k];
-                    channel.square[kept - 1] += channel.square[k];
-                }
-                places.push(kept - 1);
-                continue;
+        for of_half in &self.number {
+            let whole = of_half.div_euclid(2);
+            if number.last() != Some(&whole) {
+                number.push(whole);
             }
-            places.push(kept);
-            self.number[kept] = number;
-            self.count[kept] = self.count[k];
-            self.time[kept] = self.time[k];
-            for channel in &mut self.channels {
-                channel.sum[kept] = channel.sum[k];
-                channel.square[kept] = channel.square[k];
-            }
-            kept += 1;
+            places.push(number.len() - 1);
         }
-        self.number.truncate(kept);
-        self.count.truncate(kept);
-        self.time.truncate(kept);
+        self.number = number;
+        add_up(&mut self.count, &places);
+        add_up(&mut self.time, &places);
         for channel in &mut self.channels {
-            channel.sum.truncate(kept);
-            channel.square.truncate(kept);
+            add_up(&mut channel.sum, &places);
+            add_up(&mut channel.square, &places);
             for (block, _) in channel.least.at.iter_mut().chain(&mut channel.most.at) {
                 *block = places[*block];
             }
@@ -229,6 +216,15 @@ impl Blocks {
         let (least, most, whole) = (channel.least.value, channel.most.value, channel.whole);
         Track { mean, spread, weight, at_end, least, most, step, changes, whole, pulse: 0.0 }
     }
+}
+
+/// Sums of the values that have the same of the ascending `places`.
+fn add_up<T: Copy + Default + AddAssign>(values: &mut Vec<T>, places: &[usize]) {
+    let mut sums = vec![T::default(); places.last().map_or(0, |last| last + 1)];
+    for (value, place) in values.iter().zip(places) {
+        sums[*place] += *value;
+    }
+    *values = sums;
 }
 
 impl Limit {

@@ -65,45 +65,7 @@ pub fn align_by_outputs(
     outputs: &Outputs,
     programme: &[Position],
 ) -> Result<Vec<Option<usize>>, Undecided> {
-    let mut found: Vec<Alignment> = Vec::new();
-    let mut add = |rows: Vec<Option<usize>>| {
-        if !found.iter().any(|own| own.rows == rows) {
-            found.push(Alignment::new(rows, outputs, programme));
-        }
-    };
-    add(align(seen, programme));
-    few_left_out(seen, programme).into_iter().for_each(&mut add);
-    // All that is missing, or too much, before one interval.
-    let shift = programme.len() as isize - seen.len() as isize;
-    let places = if shift == 0 { 0 } else { seen.len().min(programme.len()) };
-    // Less, all together, than one that is left out.
-    let not_tried = 0.9 / (places + 1) as f64;
-    for gap in (0..=places).step_by((places / TRIED).max(1)) {
-        let is_tried = |k: usize, j: usize| {
-            let row = if k.min(j) < gap { k as isize } else { k as isize + shift };
-            row == j as isize
-        };
-        let mut rows = align_with_cost(seen, programme, |k, j| if is_tried(k, j) { 0.0 } else { not_tried });
-        for _ in 0..MENDED {
-            add(rows.clone());
-            let misfit = misfit(&rows, outputs, programme);
-            rows = align_with_cost(seen, programme, |k, j| misfit[k * programme.len() + j]);
-        }
-        add(rows);
-    }
-    // What is next to the best, until nothing next to it is better.
-    for _ in 0..TRIED {
-        let Some(best) = best_of(&found).map(|alignment| alignment.rows.clone()) else { break };
-        let before = found.len();
-        for rows in neighbours(&best, seen, programme) {
-            if !found.iter().any(|own| own.rows == rows) {
-                found.push(Alignment::new(rows, outputs, programme));
-            }
-        }
-        if found.len() == before || best_of(&found).is_some_and(|alignment| alignment.rows == best) {
-            break;
-        }
-    }
+    let mut found = tried(seen, outputs, programme);
     let Some(best) = best_of(&found) else { return Err(Undecided) };
     let (best, taken, plausible) = (best.squares, best.taken, best.plausible);
     found.retain(|alignment| {
@@ -123,6 +85,46 @@ pub fn align_by_outputs(
     let one_way = found.iter().all(|other| best.commands_as(other, programme));
     // Where it is another programme, no way of laying it is the right one.
     if one_way || is_another(best.taken, seen.len()) { Ok(best.rows) } else { Err(Undecided) }
+}
+
+/// Ways to lay the programme over the log, each once: that of the order alone, with what is missing in one place and
+/// mended by what its fit says, and what is next to the best, until nothing next to it is better.
+fn tried(seen: &[LoggedInterval], outputs: &Outputs, programme: &[Position]) -> Vec<Alignment> {
+    let mut found: Vec<Alignment> = Vec::new();
+    let add = |found: &mut Vec<Alignment>, rows: Vec<Option<usize>>| {
+        if !found.iter().any(|own| own.rows == rows) {
+            found.push(Alignment::new(rows, outputs, programme));
+        }
+    };
+    add(&mut found, align(seen, programme));
+    few_left_out(seen, programme).into_iter().for_each(|rows| add(&mut found, rows));
+    // All that is missing, or too much, before one interval.
+    let shift = programme.len() as isize - seen.len() as isize;
+    let places = if shift == 0 { 0 } else { seen.len().min(programme.len()) };
+    // Less, all together, than one that is left out.
+    let not_tried = 0.9 / (places + 1) as f64;
+    for gap in (0..=places).step_by((places / TRIED).max(1)) {
+        let is_tried = |k: usize, j: usize| {
+            let row = if k.min(j) < gap { k as isize } else { k as isize + shift };
+            row == j as isize
+        };
+        let mut rows = align_with_cost(seen, programme, |k, j| if is_tried(k, j) { 0.0 } else { not_tried });
+        for _ in 0..MENDED {
+            add(&mut found, rows.clone());
+            let misfit = misfit(&rows, outputs, programme);
+            rows = align_with_cost(seen, programme, |k, j| misfit[k * programme.len() + j]);
+        }
+        add(&mut found, rows);
+    }
+    for _ in 0..TRIED {
+        let Some(best) = best_of(&found).map(|alignment| alignment.rows.clone()) else { break };
+        let before = found.len();
+        neighbours(&best, seen, programme).into_iter().for_each(|rows| add(&mut found, rows));
+        if found.len() == before || best_of(&found).is_some_and(|alignment| alignment.rows == best) {
+            break;
+        }
+    }
+    found
 }
 
 /// Whether so few intervals are rows of a programme that it is another one.

@@ -4,8 +4,9 @@ use nalgebra::Vector3;
 
 use super::refusal::Refusal;
 use super::setting::{GyroAxes, Setting};
+use crate::core::calibrate::design::model_matrix;
 use crate::core::campaign::{Campaign, CampaignNote};
-use crate::core::model::{Term, Terms};
+use crate::core::model::Terms;
 
 /// The columns of a campaign with the axes of its gyros as its own dwells show them, and notes on those axes.
 pub(crate) fn setting(campaign: &Campaign) -> Result<(Setting, Vec<CampaignNote>), Refusal> {
@@ -43,18 +44,12 @@ fn axes_of(campaign: &Campaign, j: usize, notes: &mut Vec<CampaignNote>) -> Resu
 /// D0, G and E, in pulse, by plain least squares over what rank the campaign has (minimum norm).
 fn rough_fit(campaign: &Campaign, j: usize) -> (f64, Vector3<f64>, Vector3<f64>) {
     let known = campaign.gyros[j].known_e;
-    let terms = if known.is_some() { Terms::MODEL_6.without(Term::Scale) } else { Terms::MODEL_6 };
-    let (n, m) = (campaign.dwells.len(), terms.columns());
-    let mut rows = Vec::with_capacity(n * m);
-    for d in &campaign.dwells {
-        terms.push_row(&d.specific_force_g0, &d.rate_arcsec_s, &mut rows);
-    }
-    let mut design = nalgebra::DMatrix::from_row_slice(n, m, &rows);
-    let norms: Vec<f64> = (0..m).map(|c| design.column(c).norm().max(f64::MIN_POSITIVE)).collect();
+    let mut design = model_matrix(&campaign.dwells, campaign.gyros[j].fitted_terms(Terms::MODEL_6));
+    let norms: Vec<f64> = design.column_iter().map(|column| column.norm().max(f64::MIN_POSITIVE)).collect();
     for (c, norm) in norms.iter().enumerate() {
         design.column_mut(c).scale_mut(1.0 / norm);
     }
-    let output = nalgebra::DVector::from_iterator(n, campaign.free_outputs(j));
+    let output = nalgebra::DVector::from_iterator(campaign.dwells.len(), campaign.free_outputs(j));
     let Ok(fit) = design.svd(true, true).solve(&output, 1e-7) else {
         return (0.0, Vector3::zeros(), Vector3::zeros());
     };

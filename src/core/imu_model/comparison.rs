@@ -15,11 +15,12 @@ use nalgebra::{DMatrix, DVector};
 
 use super::forecast::{Forecast, predict};
 use super::identified::Identified;
-use super::programme::{CoefficientEstimate, GyroOfBoth, NoForecast, StackedDesign};
+use super::programme::{CoefficientEstimate, ForecastGyro, NoForecast, StackedDesign};
 use crate::core::campaign::Campaign;
 use crate::core::effects::Effect;
 use crate::core::judge::{ForecastErrors, GyroForecastErrors, Unseen};
 use crate::core::mounting::Slot;
+use crate::core::numerics::bisection::bisect;
 use crate::core::numerics::normal::normal_quantile;
 use crate::core::numerics::tails::{squares_tail, t_cdf};
 
@@ -209,7 +210,7 @@ fn compared(programme: &StackedDesign, estimate: &CoefficientEstimate, measured:
         let z: Vec<f64> = (0..n).map(|k| if gyro.foretold[k] { error[k] / gyro.sd[k] } else { 0.0 }).collect();
         let told: Vec<usize> = (0..n).filter(|k| gyro.foretold[*k]).collect();
         let of_gyro: f64 = z.iter().map(|z| z * z).sum();
-        let GyroOfBoth { dof, t_variance, .. } = programme.gyros[j];
+        let ForecastGyro { dof, t_variance, .. } = programme.gyros[j];
         let independent: Vec<f64> = told.iter().map(|k| innovations[j * n + k][0] * t_variance.sqrt()).collect();
         let squares_of_gyro: f64 = independent.iter().map(|error| error * error).sum();
         if !programme.one_scale {
@@ -451,15 +452,11 @@ impl WeightedErrors {
             -mean - sd * pearson(quantile, third / sd.powi(3))
         };
         let root = |quantile: f64| {
-            let (mut low, mut high) = (-3.0, 1.0);
+            let (low, high) = (-3.0, 1.0);
             if below_zero(low, quantile) > 0.0 || below_zero(high, quantile) < 0.0 {
                 return None;
             }
-            for _ in 0..60 {
-                let middle = 0.5 * (low + high);
-                if below_zero(middle, quantile) < 0.0 { low = middle } else { high = middle }
-            }
-            Some(1.0 - high)
+            Some(1.0 - bisect(low, high, 60, |r| below_zero(r, quantile) < 0.0).1)
         };
         let interval = root(0.975).zip(root(0.025)).map(|(low, high)| [low.min(1.0), high.min(1.0)]);
         let rms = |excess: f64| self.unit * ((excess + n) / n).sqrt();

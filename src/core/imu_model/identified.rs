@@ -7,7 +7,7 @@ use crate::core::effects::{GyroAxes, Refusal};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::record::Name;
-use crate::core::separate::{CovarianceEg, Separation, separate};
+use crate::core::separate::{Separation, covariance_at, separate};
 use crate::core::time::UtcMicros;
 
 /// Model (6) and the adopted effects of one IMU as its campaigns determine them together.
@@ -158,18 +158,7 @@ impl Identified {
         let e_places = if gyro.e_held { None } else { Some(self.of_term(slot, Term::Scale)?) };
         let vector = |places: [usize; 3]| Vector3::from(places.map(|place| values[place]));
         let e = e_places.map_or(gyro.e, vector);
-        let mut of_eg = CovarianceEg::zeros();
-        let blocks = [e_places, Some(g_places)];
-        for (r, rows) in blocks.iter().enumerate() {
-            for (c, columns) in blocks.iter().enumerate() {
-                let (Some(rows), Some(columns)) = (rows, columns) else { continue };
-                for i in 0..3 {
-                    for k in 0..3 {
-                        of_eg[(3 * r + i, 3 * c + k)] = covariance[(rows[i], columns[k])];
-                    }
-                }
-            }
-        }
+        let of_eg = covariance_at(covariance, e_places, Some(g_places));
         separate(&self.geometry, slot, &e, &vector(g_places), Some(&of_eg)).ok()
     }
 

@@ -53,8 +53,9 @@ const FASTER: f64 = 1.01;
 /// K by which a temperature may lie outside the span seen, beside a tenth of it.
 const WARMER_K: f64 = 0.5;
 
+/// A gyro that both the model and the campaign have.
 #[derive(Debug, Clone)]
-pub(super) struct GyroOfBoth {
+pub(super) struct ForecastGyro {
     /// Among the campaign's gyros.
     pub place: usize,
     pub slot: Slot,
@@ -87,7 +88,7 @@ impl Seen {
 /// Rows of all gyros one after the other, dwell by dwell.
 #[derive(Debug, Clone)]
 pub(super) struct StackedDesign {
-    pub gyros: Vec<GyroOfBoth>,
+    pub gyros: Vec<ForecastGyro>,
     pub dwells: usize,
     /// pulse/s per unit of each coefficient, then of each rotation of the station in its standard uncertainty: drawn
     /// anew in every campaign, the same in all dwells and gyros of one.
@@ -157,7 +158,7 @@ impl StackedDesign {
             [axes.input, axes.spin].map(|axis| axes.scale * axis.dot(&setting.force[k]))
         };
         let steps = (0..known.len() * n).map(|i| along(i / n, i % n)).collect();
-        let asked = known.iter().zip(&setting.gyros).map(|((place, gyro), axes)| GyroOfBoth {
+        let gyros = known.iter().zip(&setting.gyros).map(|((place, gyro), axes)| ForecastGyro {
             place: *place,
             slot: gyro.slot,
             serial: gyro.serial.clone(),
@@ -169,7 +170,7 @@ impl StackedDesign {
         let stated =
             if is_fitted_to(model, campaign) { StationUncertainty::default() } else { campaign.station_uncertainty };
         Ok(Self {
-            gyros: asked.collect(),
+            gyros: gyros.collect(),
             dwells: n,
             columns: beside(columns.matrix, &station_columns(&setting, &stated)),
             held,

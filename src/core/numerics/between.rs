@@ -9,6 +9,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_2_PI;
 
+use super::bisection::bisect;
 use super::normal::normal_cdf;
 use super::tails::chi2_tail;
 
@@ -179,15 +180,12 @@ impl Mixture {
             };
             self.0.iter().map(|(p, at)| p * share(at)).sum()
         };
-        let (mut low, mut high) = (0.0, 1.0);
-        while within(high) < 0.95 && high < f64::MAX.sqrt() {
-            high *= 2.0;
+        let mut most = 1.0;
+        while within(most) < 0.95 && most < f64::MAX.sqrt() {
+            most *= 2.0;
         }
-        for _ in 0..40 {
-            let middle = 0.5 * (low + high);
-            if within(middle) < 0.95 { low = middle } else { high = middle }
-        }
-        Mean { value, sd: high / OF_95 }
+        let (_, half) = bisect(0.0, most, 40, |half| within(half) < 0.95);
+        Mean { value, sd: half / OF_95 }
     }
 }
 

@@ -2,6 +2,7 @@
 
 pub(super) mod basis;
 pub mod between;
+pub(crate) mod bisection;
 pub mod least_squares;
 pub(super) mod log_sum;
 pub(crate) mod median;

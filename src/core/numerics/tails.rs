@@ -4,6 +4,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use statrs::function::beta::checked_beta_reg;
 use statrs::function::gamma::checked_gamma_ur;
 
+use super::bisection::bisect;
 use super::normal::normal_cdf;
 
 /// P(chi-square of `dof` > `chi2`); none without degrees of freedom.
@@ -52,12 +53,7 @@ pub fn squares_tail(squares: f64, count: usize, dof: f64) -> f64 {
 
 /// The sum of squares that [`squares_tail`] gives the probability `p`, by bisection of its logarithm.
 pub fn squares_quantile(p: f64, count: usize, dof: f64) -> f64 {
-    let (mut low, mut high) = (-60.0_f64, 60.0_f64);
-    for _ in 0..100 {
-        let middle = 0.5 * (low + high);
-        if squares_tail(middle.exp(), count, dof) > p { low = middle } else { high = middle }
-    }
-    low.exp()
+    bisect(-60.0, 60.0, 100, |log| squares_tail(log.exp(), count, dof) > p).0.exp()
 }
 
 #[cfg(test)]

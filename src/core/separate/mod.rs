@@ -8,7 +8,7 @@ mod normalised;
 pub mod published;
 pub mod rigid;
 
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 
 use super::frames::angle_between;
 use super::mounting::{Geometry, Slot};
@@ -108,6 +108,13 @@ pub fn separate(
         as_printed,
     };
     if separation.is_finite() { Ok(separation) } else { Err(Unseparable::NotFinite) }
+}
+
+/// Covariance of (E, G) from that of all parameters, by the places of the components of E and of G among them; zero of
+/// what is not among them.
+pub fn covariance_at(all: &DMatrix<f64>, e: Option<[usize; 3]>, g: Option<[usize; 3]>) -> CovarianceEg {
+    let places: [Option<usize>; 6] = std::array::from_fn(|i| Some((if i < 3 { e } else { g })?[i % 3]));
+    CovarianceEg::from_fn(|i, j| places[i].zip(places[j]).map_or(0.0, |place| all[place]))
 }
 
 /// Diagonal covariance of (E, G) from the station's standard deviations.

@@ -5,6 +5,7 @@ use crate::core::calibrate::{Calibration, calibrate_in_white_noise};
 use crate::core::campaign::Campaign;
 use crate::core::numerics::median::median_of;
 use crate::core::record::Plausibility;
+use crate::core::separate::Rigid;
 
 /// What D_I and D_S may be moved by, deg/(h g0): a tenth of the error budget.
 const MAY_MOVE: f64 = 1e-3;
@@ -21,6 +22,7 @@ const WORSE: f64 = 4.0;
 
 /// A campaign as it stands, or as a mistake undone leaves it, fitted.
 pub(super) struct TrialFit {
+    calibration: Calibration,
     /// Noise of a dwell of each gyro as its standard errors or repeats say, and what the fit leaves, arcsec/s; none
     /// where E is not known.
     gyros: Vec<Option<(f64, f64)>>,
@@ -38,7 +40,8 @@ impl TrialFit {
                 || gyro.e().is_none_or(|e| limits.check_scale(&e, &campaign.geometry, gyro.slot).is_ok())
         });
         let gyros = (0..campaign.gyros.len()).map(|j| noise(campaign, &calibration, j)).collect();
-        Self { gyros, squares: calibration.gyros.iter().map(|g| g.chi2).sum(), plausible }
+        let squares = calibration.gyros.iter().map(|g| g.chi2).sum();
+        Self { calibration, gyros, squares, plausible }
     }
 
     /// Noise of a dwell and what the fit leaves, of the middle gyro.
@@ -129,22 +132,21 @@ impl<'a> TrialFits<'a> {
 
     /// Whether a rate along the vertical of this many arcsec/s in every dwell moves D_I by more than it may: with E
     /// along I, by as many deg/(h g0).
-    pub fn moved_by_rate(&self, arcsec_s: f64) -> bool {
+    pub fn moved_by_rate(&mut self, arcsec_s: f64) -> bool {
         self.drift().iter().any(|(_, sd)| arcsec_s > MAY_MOVE.max(*sd))
     }
 
     /// Whether a specific force that is `ratio` times the real one moves D_I or D_S by more than it may.
-    pub fn moved_by_force(&self, ratio: f64) -> bool {
+    pub fn moved_by_force(&mut self, ratio: f64) -> bool {
         let share = (1.0 - ratio).abs();
         self.drift().iter().any(|(drift, sd)| share * drift.abs() > MAY_MOVE.max(*sd))
     }
 
     /// D_I and D_S of each gyro with their standard deviations.
-    fn drift(&self) -> Vec<(f64, f64)> {
-        let campaign = self.campaign;
-        let calibration = calibrate_in_white_noise(campaign, campaign.terms());
-        let separations = calibration.separate(&campaign.geometry, &Plausibility::ever());
-        let pairs = |rigid: &crate::core::separate::Rigid| {
+    fn drift(&mut self) -> Vec<(f64, f64)> {
+        let geometry = &self.campaign.geometry;
+        let separations = self.as_sent().calibration.separate(geometry, &Plausibility::ever());
+        let pairs = |rigid: &Rigid| {
             let sd = rigid.sd()?;
             Some([(rigid.d_i, sd[0]), (rigid.d_s, sd[1])])
         };

@@ -9,7 +9,7 @@ use crate::core::campaign::{
 };
 use crate::core::effects::{CATALOGUE, Effect, Entry, Refusal, Scope, Setting, axes};
 use crate::core::message::Message;
-use crate::core::model::{Term, Terms};
+use crate::core::model::Terms;
 use crate::core::note::Note;
 use crate::core::numerics::basis::Basis;
 
@@ -178,7 +178,7 @@ fn whitened(sd: &[f64], unlike: Option<(DMatrix<f64>, f64)>, output: &[f64], des
 
 /// Columns of the terms in use, less a held E, plus those of the effects that the model holds already.
 fn design(s: &Setting, j: usize, terms: Terms, gyro: &CampaignGyro, adopted: &[Adopted]) -> Vec<Vec<f64>> {
-    let terms = if gyro.known_e.is_some() { terms.without(Term::Scale) } else { terms };
+    let terms = gyro.fitted_terms(terms);
     let mut columns = vec![Vec::with_capacity(s.dwells()); terms.columns()];
     let mut row = Vec::new();
     for (a, w) in s.force.iter().zip(&s.rate) {

@@ -36,8 +36,8 @@ const NOTHING: f64 = -6.9;
 const CERTAIN: f64 = 0.98;
 
 /// What the laws take of a campaign.
-fn course(s: &Setting) -> DwellConditions<'_> {
-    DwellConditions { times: &s.time, durations: &s.duration, rates: &s.rate }
+fn course(s: &Setting) -> DwellConditions {
+    DwellConditions { times: s.time.clone(), durations: s.duration.clone(), rates: s.rate.clone() }
 }
 
 struct Model {
@@ -46,12 +46,6 @@ struct Model {
     bank: Bank,
     /// ln of its prior odds against noise as it is stated.
     log_odds: f64,
-}
-
-impl Model {
-    fn has_memory(&self) -> bool {
-        matches!(self.kind, NoiseDeparture::CorrelatedNoise(..))
-    }
 }
 
 /// Alternatives to noise as it is stated.
@@ -196,7 +190,7 @@ impl NoiseModels {
         let weighed = |log_weight: f64, model: Option<&'a Model>| {
             let (frame, bank) = model.map_or((frame, bank), |model| (&model.frame, &model.bank));
             let state = state(frame, bank);
-            let has_memory = model.is_some_and(Model::has_memory);
+            let has_memory = model.is_some_and(|model| model.kind.has_memory());
             let may_be_shared = self.shared.filter(|_| has_memory || model.is_none());
             let shared = may_be_shared.map(|log_odds| (log_odds, Shared::of(frame, &state)));
             let shared = shared.filter(|(_, shared)| shared.is_of_noise());
@@ -224,9 +218,11 @@ impl NoiseModels {
         let weights: Vec<f64> = self.models.iter().map(weigh).collect();
         let shared = self.shared.map(|log_odds| (log_odds, Shared::of(frame, &state())));
         let memories: Vec<(f64, &Model)> =
-            weights.iter().copied().zip(&self.models).filter(|(_, model)| model.has_memory()).collect();
+            weights.iter().copied().zip(&self.models).filter(|(_, model)| model.kind.has_memory()).collect();
         let mut without = LogSum::of(&[0.0]);
-        (weights.iter().zip(&self.models)).filter(|(_, model)| !model.has_memory()).for_each(|(w, _)| without.add(*w));
+        (weights.iter().zip(&self.models))
+            .filter(|(_, model)| !model.kind.has_memory())
+            .for_each(|(w, _)| without.add(*w));
         let mut of_all = LogSum::of(&weights);
         of_all.add(0.0);
         let without = (without.log() - of_all.log()).exp().min(1.0);

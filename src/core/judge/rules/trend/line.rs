@@ -357,6 +357,7 @@ fn baseline_weights(line: &Line<'_>, level: &BaselineLevel, now: UtcMicros) -> (
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::core::numerics::bisection::bisect;
 
     /// By bisection, where the band's edge `sign` t sd meets the budget.
     fn meets(forecast: &LinePrediction, budget: f64, sign: f64) -> Option<f64> {
@@ -365,15 +366,7 @@ mod tests {
             let Measured { value, sd } = forecast.at(days);
             value + sign * t * sd.unwrap() - budget
         };
-        let (mut low, mut high) = (0.0, 1e6);
-        if edge(high) < 0.0 {
-            return None;
-        }
-        for _ in 0..200 {
-            let middle = 0.5 * (low + high);
-            if edge(middle) < 0.0 { low = middle } else { high = middle }
-        }
-        Some(high)
+        (edge(1e6) >= 0.0).then(|| bisect(0.0, 1e6, 200, |days| edge(days) < 0.0).1)
     }
 
     #[test]

@@ -63,7 +63,11 @@ pub(crate) fn in_part(search: &Search, choices: &[Choice], i: usize) -> Option<E
     let products = Products::of(bank, &search.state(&without(choices, i)));
     let seen = products.seen();
     let as_well = criterion(bank, of_own.clone(), &seen) - FIT_MARGIN;
-    let of_another = |k: &usize| matches!(bank.hypotheses[*k].shape, Shape::Part { of, .. } if of != own);
+    let of_another = |k: &usize| match bank.hypotheses[*k].shape {
+        Shape::Part { of, .. } => of != own,
+        Shape::Restart(tau) => !own.entry().parameter.takes(Shape::Tau(tau)),
+        _ => false,
+    };
     // Taken one by one, each has its part of the time as one more coefficient.
     let fits_as_well = |k: &usize| criterion(bank, *k..*k + 1, &seen) - 1.0 > as_well;
     (0..bank.hypotheses.len()).filter(of_another).find(fits_as_well).map(|k| bank.hypotheses[k].kind)

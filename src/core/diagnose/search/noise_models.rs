@@ -64,6 +64,8 @@ pub(crate) struct Found {
     /// Power of each kind of memory over the square of the median standard deviation, and the probability that there
     /// is none.
     pub memory: Option<(CorrelatedNoise, f64, f64)>,
+    /// Whether there may be one: it weighs something beside the names.
+    pub may_have_memory: bool,
 }
 
 impl Found {
@@ -226,6 +228,7 @@ impl NoiseModels {
         let mut of_all = LogSum::of(&weights);
         of_all.add(0.0);
         let without = (without.log() - of_all.log()).exp().min(1.0);
+        let may_have_memory = 1.0 - without > NOTHING.exp();
         let likeliest = memories.iter().max_by(|a, b| a.0.total_cmp(&b.0));
         let memory = likeliest.filter(|_| 1.0 - without > CERTAIN).and_then(|(_, model)| match model.kind {
             NoiseDeparture::CorrelatedNoise(memory, power) => Some((memory, power, without)),
@@ -234,7 +237,7 @@ impl NoiseModels {
         let between_gyros = shared
             .filter(|(log_odds, shared)| shared.is_of_noise() && log_odds + shared.log_gain > 0.0)
             .map(|(_, shared)| shared);
-        Found { between_gyros, memory }
+        Found { between_gyros, memory, may_have_memory }
     }
 }
 

@@ -192,14 +192,14 @@ impl SearchOutcome {
         }
         closer.noise_found = closer.noise_beside();
         let slow = |entry: &Entry| entry.follows_time || entry.of_temperature;
-        while closer.noise_found.memory.is_some()
-            && let Some(weakest) = closer.weakest(slow)
+        while let Some(more) = closer.asked_by_memory()
+            && let Some(weakest) = closer.weakest(slow, more)
         {
             closer.found.remove(weakest);
             closer.noise_found = closer.noise_beside();
         }
         while !closer.laws.is_empty()
-            && let Some(weakest) = closer.weakest(|_| true)
+            && let Some(weakest) = closer.weakest(|_| true, UNDER_OTHER_NOISE)
         {
             closer.found.remove(weakest);
         }
@@ -255,6 +255,9 @@ const MOST_DESCRIBED: usize = 2;
 /// residuals: a name in time or temperature where the noise has a memory, any name where it follows a law.
 const UNDER_OTHER_NOISE: f64 = 4.0;
 
+/// The same of a name in time or temperature where the residuals beside it do not rule out a memory.
+const WHERE_MEMORY_MAY_BE: f64 = 1.5;
+
 impl SearchOutcome {
     /// The name that a component leads by most, where one leads clearly: the cause has another form.
     fn of_another_form(&self) -> Option<usize> {
@@ -304,11 +307,18 @@ impl SearchOutcome {
         best
     }
 
-    /// The least of the names asked about that do not pass by as much evidence as noise beyond what is stated asks for.
-    fn weakest(&self, asked: impl Fn(&Entry) -> bool) -> Option<usize> {
+    /// ln of evidence that a name in time or temperature needs more.
+    fn asked_by_memory(&self) -> Option<f64> {
+        match &self.noise_found {
+            Found { memory: Some(_), .. } => Some(UNDER_OTHER_NOISE),
+            found => found.may_have_memory.then_some(WHERE_MEMORY_MAY_BE),
+        }
+    }
+
+    /// The least of the names asked about that do not pass by `more` evidence, as noise beyond what is stated asks for.
+    fn weakest(&self, asked: impl Fn(&Entry) -> bool, more: f64) -> Option<usize> {
         let (search, found) = (self.search(), &self.found);
-        let lead =
-            |i: usize| search.earned_beside_others(found, i) - search.needed(&without(found, i)) - UNDER_OTHER_NOISE;
+        let lead = |i: usize| search.earned_beside_others(found, i) - search.needed(&without(found, i)) - more;
         let named = (0..found.len()).filter(|&i| found[i].kind.is_nameable() && asked(found[i].kind.entry()));
         let weak = named.map(|i| (i, lead(i))).filter(|(_, lead)| *lead < 0.0);
         weak.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)

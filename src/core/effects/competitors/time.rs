@@ -217,9 +217,13 @@ fn parts(s: &Setting) -> Vec<(Shape, f64)> {
         found.extend(spans.iter().map(|&(from, to)| (Shape::Part { of, from, to }, 1.0)));
     }
     if !pauses.is_empty() {
-        let taus = [1.0, 3.0, 8.0, 20.0].map(|dwells| dwells * s.interval());
         // As likely together as another effect in all its parts.
-        found.extend(taus.map(|tau| (Shape::Restart(tau), spans.len() as f64 / 4.0)));
+        let taus = (Effect::Warmup.entry().shapes)(s).into_iter();
+        let weight = spans.len() as f64 / taus.len() as f64;
+        found.extend(taus.filter_map(|(shape, _)| match shape {
+            Shape::Tau(tau) => Some((Shape::Restart(tau), weight)),
+            _ => None,
+        }));
     }
     found
 }

@@ -26,7 +26,7 @@ use crate::core::numerics::basis::dot;
 use crate::core::numerics::log_sum::LogSum;
 
 /// Probability with which noise alone may get anything named.
-pub const FALSE_ALARM: f64 = 0.008;
+pub const FALSE_ALARM: f64 = 0.0095;
 
 /// Probability with which noise may get anything named beside a name.
 const FALSE_ALARM_BESIDE: f64 = 0.005;

@@ -99,7 +99,7 @@ fn pointer(finding: &CommandFinding, dwell: usize) -> String {
             _,
         ) => "specific_force_g0",
         (Some(MistakeKind::AttitudeInverted), _) | (_, Symptom::Attitude) => "attitude",
-        (Some(MistakeKind::EarthRateLeftOut), _) => "rate_arcsec_s",
+        (Some(MistakeKind::EarthRateLeftOut | MistakeKind::NedForEnu), _) => "rate_arcsec_s",
         (_, Symptom::Gravity | Symptom::Output) => "specific_force_g0",
         (
             _,

@@ -6,7 +6,7 @@ use super::transform::{Mistake, mistakes, other_headings, single_axes};
 use super::trial_fit::{TrialFit, TrialFits};
 use super::{AffectedDwells, CommandFinding, EARTH, MistakeKind, Symptom};
 use crate::core::campaign::steps::decimal_step;
-use crate::core::campaign::{Campaign, Dwell, Phase, with_earth_rate};
+use crate::core::campaign::{Campaign, Dwell, Phase, Site, with_earth_rate};
 use crate::core::numerics::median::median_of;
 use crate::core::numerics::normal::{MEDIAN_ERROR, SD_OF_MEDIAN};
 
@@ -28,6 +28,9 @@ const COMMON_RATE: f64 = 0.03;
 
 /// Of the latter from here on where digits do not explain it: it is in D_I, whose budget is as much in deg/(h g0).
 const COMMON_VERTICAL: f64 = 0.01;
+
+/// A latitude whose last digit is a larger one, degrees, may end in noughts that are not written.
+const LATITUDE_STEP: f64 = 0.01;
 
 /// Largest share by which specific force may be off in most dwells without its unit being wrong.
 const FORCE_ROOM: f64 = 0.02;
@@ -53,7 +56,7 @@ pub fn findings(campaign: &Campaign) -> Vec<CommandFinding> {
             found.extend(look(campaign, &measures));
         }
     }
-    for look in [|campaign, _: &_| senses(campaign), turning_without_earth] {
+    for look in [|campaign, _: &_| senses(campaign), earth_rate_while_turning] {
         if found.is_empty() {
             found.extend(look(campaign, &measures));
         }
@@ -193,7 +196,7 @@ fn common_offset(campaign: &Campaign, measures: &Measures) -> Option<CommandFind
     let vertical = median_of(measures.still().map(|m| m.vertical))?;
     let rate_is_other = (rate - EARTH).abs() > COMMON_RATE;
     let shift = vertical - expected;
-    if !rate_is_other && shift.abs() <= by_digits(campaign, site.latitude).clamp(COMMON_VERTICAL, COMMON_RATE) {
+    if !rate_is_other && shift.abs() <= by_digits(campaign, latitude_step(site)).clamp(COMMON_VERTICAL, COMMON_RATE) {
         return None;
     }
     let shift = if rate_is_other { shift.abs().max((rate - EARTH).abs() * sin.abs()) } else { shift.abs() };
@@ -244,9 +247,9 @@ fn outputs(campaign: &Campaign, measures: &Measures) -> Option<CommandFinding> {
         .then(|| CommandFinding::of_all(Symptom::Output, causes, dwells, trial_fits.earth_is_above_noise()))
 }
 
-/// Turning rates without the Earth's break no rule by themselves. But in either sense they are then the same, where the
-/// vertical part of the Earth's rate makes one faster; and the outputs tell.
-fn turning_without_earth(campaign: &Campaign, measures: &Measures) -> Option<CommandFinding> {
+/// Turning rates without the Earth's, or with it reversed, break no rule by themselves. But the vertical part of the
+/// Earth's rate then makes no sense of rotation faster, or the wrong one; and the outputs tell.
+fn earth_rate_while_turning(campaign: &Campaign, measures: &Measures) -> Option<CommandFinding> {
     let turning = |sense: f64| {
         let rates = measures.dwells.iter().filter(|m| m.phase == Phase::Rate).map(|m| sense * m.vertical);
         median_of(rates.filter(|rate| *rate > 0.0))
@@ -256,10 +259,12 @@ fn turning_without_earth(campaign: &Campaign, measures: &Measures) -> Option<Com
     if (faster - vertical).abs() < 0.5 * vertical.abs() {
         return None;
     }
-    let right = with_earth_rate(campaign, AffectedDwells::Turning).ok()?;
+    let added = with_earth_rate(campaign, AffectedDwells::Turning).ok()?;
+    let reversed = with_earth_rate(&added, AffectedDwells::Turning).ok()?;
     let mut trial_fits = TrialFits::new(campaign);
     let left = trial_fits.left_beyond_noise()?;
-    let causes = trial_fits.best(vec![(MistakeKind::EarthRateLeftOut, TrialFit::of(&right))], BETTER);
+    let tried = [(MistakeKind::EarthRateLeftOut, &added), (MistakeKind::NedForEnu, &reversed)];
+    let causes = trial_fits.best(tried.map(|(cause, right)| (cause, TrialFit::of(right))).into(), BETTER);
     let turning = campaign.dwells.iter().enumerate().filter(|(_, dwell)| dwell.phase == Phase::Rate);
     let dwells = turning.map(|(k, _)| (k, left)).collect();
     (!causes.is_empty()).then(|| CommandFinding::of_all(Symptom::Output, causes, dwells, true))
@@ -298,16 +303,20 @@ pub fn latitude_of_rates(campaign: &Campaign) -> Option<(f64, f64)> {
     let (vertical, error) = median_and_error(|| measures.still().map(|m| m.vertical))?;
     let off = (vertical - measures.vertical?).abs();
     let MistakeKind::OtherLatitude { degrees } = other_latitude(vertical, rate) else { return None };
-    let least = by_digits(campaign, site.latitude).max(3.0 * error).max(LEAST_SHARE * EARTH);
+    let least = by_digits(campaign, latitude_step(site).min(LATITUDE_STEP)).max(3.0 * error).max(LEAST_SHARE * EARTH);
     (off > least).then_some((degrees, off))
 }
 
+/// Of the last digit of the site's latitude, degrees.
+fn latitude_step(site: Site) -> f64 {
+    decimal_step([site.latitude.to_degrees()].into_iter())
+}
+
 /// What the digits of static rates and of the latitude leave of the vertical part of the Earth's rate, arcsec/s.
-fn by_digits(campaign: &Campaign, latitude: f64) -> f64 {
+fn by_digits(campaign: &Campaign, latitude_step: f64) -> f64 {
     let still = campaign.dwells.iter().filter(|d| d.phase == Phase::Static);
     let of_rates = decimal_step(still.flat_map(|d| <[f64; 3]>::from(d.rate_arcsec_s)));
-    let of_latitude = decimal_step([latitude.to_degrees()].into_iter()).to_radians();
-    0.5 * (of_rates + EARTH * of_latitude)
+    0.5 * (of_rates + EARTH * latitude_step.to_radians())
 }
 
 /// Whether specific force has the length that gravity has.

@@ -177,6 +177,8 @@ fn turning_rates_that_are_the_tables_alone_are_told_by_the_outputs() {
     let finding = only(with_turning(&|dwell| dwell.rate_arcsec_s -= 0.5 * OMEGA * up(dwell)));
     assert_eq!((finding.symptom, finding.causes), (Symptom::Output, vec![MistakeKind::EarthRateLeftOut]));
     assert!(finding.matters && finding.dwells.len() == 12);
+    let reversed = only(with_turning(&|dwell| dwell.rate_arcsec_s -= OMEGA * up(dwell)));
+    assert_eq!((reversed.symptom, reversed.causes), (Symptom::Output, vec![MistakeKind::NedForEnu]));
     // A table that makes up for the Earth's rate is believed: the gyros measure what it says.
     let made_up_for = |dwell: &mut Dwell| {
         dwell.rate_arcsec_s -= 0.5 * OMEGA * up(dwell);

@@ -304,7 +304,8 @@ pub fn latitude_of_rates(campaign: &Campaign) -> Option<(f64, f64)> {
     let off = (vertical - measures.vertical?).abs();
     let MistakeKind::OtherLatitude { degrees } = other_latitude(vertical, rate) else { return None };
     let least = by_digits(campaign, latitude_step(site).min(LATITUDE_STEP)).max(3.0 * error).max(LEAST_SHARE * EARTH);
-    (off > least).then_some((degrees, off))
+    let is_earths = (rate - EARTH).abs() <= COMMON_RATE;
+    (is_earths && off > least).then_some((degrees, off))
 }
 
 /// Of the last digit of the site's latitude, degrees.

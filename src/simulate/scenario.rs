@@ -219,7 +219,8 @@ pub struct EffectChoice {
     /// The dwell of `outlier_dwell`, the first dwell after a `bias_step`, a `relevelling` or a `reseating` (which is
     /// between static and turning dwells where it is left out).
     pub dwell: Option<usize>,
-    /// The direction of `temperature_g`, `magnetic`, `axial_compliance` (D_II, D_SS), `cross_compliance` (k_IS, k_IO, k_OS), `levelling` (east, north).
+    /// The direction of `temperature_g`, `magnetic`, `axial_compliance` (D_II, D_SS), `cross_compliance` (k_IS, k_IO,
+    /// k_OS), `levelling` (east, north).
     pub direction: Option<[f64; 3]>,
 }
 

@@ -65,13 +65,9 @@ const MOST_DWELLS: usize = 1200;
 /// ```
 ///
 /// # Errors
-/// [`Refusal`] where no residual can be formed at all. What merely cannot be tested (no temperature, no
+/// [`Refusal`] where no residual can be formed at all, or there are more dwells than a search has memory for. What merely cannot be tested (no temperature, no
 /// attitude, no repeats) is said in `notes` and `not_identifiable`.
 pub fn diagnose(campaign: &Campaign, options: &Options) -> Result<Diagnosis, Refusal> {
-    let most = (MOST_DWELLS as f64 * (3.0 / campaign.gyros.len().max(1) as f64).sqrt()) as usize;
-    if campaign.dwells.len() > most {
-        return Err(Refusal::TooManyDwells { dwells: campaign.dwells.len(), most });
-    }
     let residuals = residuals(campaign, options)?;
     let searched = searched(residuals)?;
     let first = closed(names(campaign, &searched));
@@ -84,6 +80,11 @@ pub fn diagnose(campaign: &Campaign, options: &Options) -> Result<Diagnosis, Ref
 
 /// Stage 1: the campaign with the model in use taken out of it, over its noise.
 fn residuals(campaign: &Campaign, options: &Options) -> Result<Frame, Refusal> {
+    let (dwells, gyros) = (campaign.dwells.len(), campaign.gyros.len().max(1));
+    let most = (MOST_DWELLS as f64 * (3.0 / gyros as f64).sqrt()) as usize;
+    if dwells > most {
+        return Err(Refusal::TooManyDwells { dwells, most });
+    }
     Frame::of(campaign, options)
 }
 

@@ -1,5 +1,7 @@
 //! Which mistake explains what cannot be.
 
+use nalgebra::Vector3;
+
 use super::measure::{HEADING_ROOM, Measures, RATE_ROOM};
 use super::senses::senses;
 use super::transform::{Mistake, mistakes, other_headings, single_axes};
@@ -51,12 +53,8 @@ const GRAVITY_ON_EARTH: (f64, f64) = (0.995, 1.003);
 pub fn findings(campaign: &Campaign) -> Vec<CommandFinding> {
     let measures = Measures::of(campaign);
     let mut found: Vec<CommandFinding> = rates(campaign, &measures).into_iter().collect();
-    for look in [common_offset, headings, outputs] {
-        if found.is_empty() {
-            found.extend(look(campaign, &measures));
-        }
-    }
-    for look in [|campaign, _: &_| senses(campaign), earth_rate_while_turning] {
+    let axes = |campaign: &Campaign, _: &Measures| senses(campaign);
+    for look in [common_offset, headings, outputs, axes, earth_rate_while_turning] {
         if found.is_empty() {
             found.extend(look(campaign, &measures));
         }
@@ -177,9 +175,13 @@ fn of_all(measures: &Measures) -> Vec<MistakeKind> {
     }
 }
 
-/// That whose sine is the vertical part of the rate over the whole.
 fn other_latitude(vertical: f64, rate: f64) -> MistakeKind {
-    MistakeKind::OtherLatitude { degrees: (vertical / rate).clamp(-1.0, 1.0).asin().to_degrees() }
+    MistakeKind::OtherLatitude { degrees: latitude(vertical, rate) }
+}
+
+/// That whose sine is the vertical part of the rate over the whole, degrees.
+fn latitude(vertical: f64, rate: f64) -> f64 {
+    (vertical / rate).clamp(-1.0, 1.0).asin().to_degrees()
 }
 
 /// The static dwells, each with what it measures.
@@ -290,8 +292,7 @@ pub fn force_off_gravity(campaign: &Campaign) -> Option<(f64, bool)> {
     let (ratio, error) = force_ratio(&Measures::of(campaign), gravity)?;
     let share = ratio - 1.0;
     let least = (0.5 * decimal_step([gravity].into_iter()) / gravity).max(3.0 * error).max(LEAST_SHARE);
-    let still = campaign.dwells.iter().filter(|d| d.phase == Phase::Static);
-    let step = decimal_step(still.flat_map(|d| <[f64; 3]>::from(d.specific_force_g0)));
+    let step = step_at_rest(campaign, |d| d.specific_force_g0);
     (least..FORCE_ROOM).contains(&share.abs()).then_some((share, share.abs() * gravity < step))
 }
 
@@ -302,10 +303,9 @@ pub fn latitude_of_rates(campaign: &Campaign) -> Option<(f64, f64)> {
     let rate = median_of(measures.still().map(|m| m.rate))?;
     let (vertical, error) = median_and_error(|| measures.still().map(|m| m.vertical))?;
     let off = (vertical - measures.vertical?).abs();
-    let MistakeKind::OtherLatitude { degrees } = other_latitude(vertical, rate) else { return None };
     let least = by_digits(campaign, latitude_step(site).min(LATITUDE_STEP)).max(3.0 * error).max(LEAST_SHARE * EARTH);
     let is_earths = (rate - EARTH).abs() <= COMMON_RATE;
-    (is_earths && off > least).then_some((degrees, off))
+    (is_earths && off > least).then_some((latitude(vertical, rate), off))
 }
 
 /// Of the last digit of the site's latitude, degrees.
@@ -315,9 +315,13 @@ fn latitude_step(site: Site) -> f64 {
 
 /// What the digits of static rates and of the latitude leave of the vertical part of the Earth's rate, arcsec/s.
 fn by_digits(campaign: &Campaign, latitude_step: f64) -> f64 {
-    let still = campaign.dwells.iter().filter(|d| d.phase == Phase::Static);
-    let of_rates = decimal_step(still.flat_map(|d| <[f64; 3]>::from(d.rate_arcsec_s)));
-    0.5 * (of_rates + EARTH * latitude_step.to_radians())
+    0.5 * (step_at_rest(campaign, |d| d.rate_arcsec_s) + EARTH * latitude_step.to_radians())
+}
+
+/// Of the last digit of a vector of the static dwells.
+fn step_at_rest(campaign: &Campaign, of: fn(&Dwell) -> Vector3<f64>) -> f64 {
+    let still = campaign.dwells.iter().filter(|dwell| dwell.phase == Phase::Static);
+    decimal_step(still.flat_map(|dwell| <[f64; 3]>::from(of(dwell))))
 }
 
 /// Whether specific force has the length that gravity has.

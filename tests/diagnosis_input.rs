@@ -6,6 +6,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use crate::command::run;
 use crate::lab::effects;
 use crate::prelude::*;
+use gyrowatch::simulate::programme::{Positions, Programme};
 use gyrowatch::simulate::scenario::EffectChoice;
 use gyrowatch::simulate::{Scenario, simulate};
 use gyrowatch::wire::campaign::to_json;
@@ -299,4 +300,32 @@ fn nothing_is_named_that_no_gyro_can_have() {
         let implausible = |c: &&Value| c["why_not"] == "its size would be beyond what is plausible";
         assert!(answer["candidates"].as_array().unwrap().iter().filter(implausible).count() > 0, "{seed}: {answer}");
     }
+}
+
+#[rstest]
+#[case("axial_compliance")]
+#[case("cross_compliance")]
+fn compliance_along_the_axes_of_skewed_gyros_is_told_from_that_across_them(#[case] effect: &str) {
+    for seed in 1..6 {
+        let programme = Programme { positions: Positions::WithTilts, ..Programme::default() };
+        let hidden = vec![EffectChoice::detectable(effect, 20.0)];
+        let run = simulate(&Scenario { seed, programme, effects: hidden, ..Scenario::default() }).unwrap();
+        let answer = diagnosed(&serde_json::from_str(&to_json(&run.campaign)).unwrap()).unwrap();
+        assert_eq!(effects(&answer), [effect], "{seed}");
+    }
+}
+
+#[test]
+fn more_dwells_than_a_search_has_memory_for_are_refused() {
+    let mut campaign = clean();
+    let dwells = campaign["dwells"].as_array().unwrap().clone();
+    let span = 1e5;
+    let again = |k: usize| {
+        let mut dwell = dwells[k % dwells.len()].clone();
+        dwell["start_s"] = json!(dwell["start_s"].as_f64().unwrap() + span * (k / dwells.len()) as f64);
+        dwell
+    };
+    campaign["dwells"] = (0..1201).map(again).collect();
+    let refused = diagnosed(&campaign).unwrap_err();
+    assert!(refused.contains("1201 dwells are more than a diagnosis takes, 1200 of so many gyros"), "{refused}");
 }

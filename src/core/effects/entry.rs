@@ -96,6 +96,7 @@ effects! {
     TableRate,
     LeverArm,
     DriftingTable,
+    Misalignment,
 }
 
 /// The parameter of a regressor that is not linear, at one value.
@@ -218,6 +219,8 @@ pub struct Entry {
     pub confused_with: &'static [Effect],
     /// What is as good a name wherever this is one, because its columns hold all that the other's leave.
     pub never_told_from: &'static [Effect],
+    /// The entries that together are this one, each with some of its coefficients; empty where it is no such whole.
+    pub parts: &'static [Effect],
     pub scope: Scope,
     pub prior: Prior,
     /// Of the shapes that its regressors are made for. Competing hypotheses have shapes of any kind.
@@ -261,6 +264,12 @@ impl Debug for Entry {
 }
 
 impl Entry {
+    /// Whether two entries whose coefficients all gyros share can pass for this one, each gyro with its own.
+    pub fn may_be_two_shared(&self) -> bool {
+        let shared = self.confused_with.iter().filter(|other| other.entry().scope == Scope::Common);
+        self.scope == Scope::Gyro && shared.count() > 1
+    }
+
     /// Name and unit of each coefficient at one value of its non-linear parameter.
     pub fn coefficients(&self, shape: Shape) -> Vec<Coefficient> {
         (self.names)(shape).into_iter().map(|name| Coefficient { name, unit: self.unit }).collect()
@@ -392,6 +401,7 @@ pub(super) const PLAIN: Entry = Entry {
     plausible: f64::INFINITY,
     confused_with: &[],
     never_told_from: &[],
+    parts: &[],
     scope: Scope::Gyro,
     prior: Prior::Flat,
     parameter: Parameter::None,

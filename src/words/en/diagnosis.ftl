@@ -76,6 +76,7 @@ effect_settling_after_rate = settling after the table has turned
 effect_table_rate = a wrong rate of the table, in one sense or at one rate
 effect_lever_arm = a lever arm: the IMU sits off the table's axis
 effect_drifting_table = a tilt or azimuth of the table that changes
+effect_misalignment = a table that is neither level nor turned to the north
 
 ## What a campaign must hold for an effect to show
 

@@ -76,6 +76,7 @@ effect_settling_after_rate = 转台转动之后的稳定过程
 effect_table_rate = 转台角速度有误（某一转向或某一速率）
 effect_lever_arm = 杆臂：IMU不在转台轴线上
 effect_drifting_table = 转台的倾斜或方位发生变化
+effect_misalignment = 转台既未调平，方位也未对准
 
 ## What a campaign must hold for an effect to show
 

@@ -12,7 +12,7 @@ use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::diagnose::search::noise_models::{NoiseModels, WeightedModel};
 use crate::core::diagnose::search::null_distribution::Null;
 use crate::core::diagnose::search::projections::{Extra, Products, State, each_by_itself, from_one_another, state};
-use crate::core::effects::Effect;
+use crate::core::effects::{Effect, Shape};
 use crate::core::numerics::basis::dot;
 use crate::core::numerics::log_sum::LogSum;
 
@@ -43,7 +43,7 @@ const PAIR_STARTS: usize = 10;
 const PAIR_START: f64 = 1.0;
 const POLISH: f64 = 12.0;
 
-/// Hypotheses in the order of their adoption, and their members.
+/// Hypotheses and their members, in whatever order they were adopted.
 type Adopted = Vec<(usize, Vec<bool>)>;
 
 /// Scores that have been computed, by what had been adopted: over all that the noise may be, and under each model.
@@ -198,10 +198,10 @@ impl Search<'_> {
             found = self.grown(pair);
         }
         for _ in 0..MOST {
-            let Some(pair) = self.pair_for_a_competitor(&found) else { break };
+            let Some(pair) = self.pair_for_one(&found) else { break };
             found = self.grown(pair);
         }
-        let found = self.fewest(self.prune(found));
+        let found = self.fewest(self.prune(self.in_parts(found)));
         let found = self.fewest(self.contract_first(found));
         let count = found.len();
         let mut found = self.most_plausible_first(merged(found));
@@ -287,11 +287,12 @@ impl Search<'_> {
         best
     }
 
-    /// A pair of entries that, beside the other choices, explains what a competitor is held for: two laws of one
-    /// variable are a smooth function of it, which leads each of them alone.
-    fn pair_for_a_competitor(&self, held: &[Choice]) -> Option<Vec<Choice>> {
-        let competitors = (0..held.len()).filter(|&i| held.len() < MOST && held[i].is_competitor());
-        let beside = competitors.map(|i| without(held, i)).filter(|beside| !beside.is_empty());
+    /// A pair of entries that, beside the other choices, explains what one is held for: two laws of one variable are a
+    /// smooth function of it, which leads each of them alone, and two rotations of the table a field in each gyro.
+    fn pair_for_one(&self, held: &[Choice]) -> Option<Vec<Choice>> {
+        let may_be_two = |choice: &Choice| choice.is_competitor() || choice.kind.entry().may_be_two_shared();
+        let ones = (0..held.len()).filter(|&i| held.len() < MOST && may_be_two(&held[i]));
+        let beside = ones.map(|i| without(held, i)).filter(|beside| !beside.is_empty());
         beside.into_iter().find_map(|beside| self.better_pair(held, &beside))
     }
 
@@ -433,12 +434,56 @@ impl Search<'_> {
 
     /// Evidence of all choices together less what each further cause costs beforehand.
     pub(crate) fn worth(&self, choices: &[Choice]) -> f64 {
-        self.evidence_together(choices) - PER_CAUSE * choices.len() as f64
+        self.evidence_together(choices) - PER_CAUSE * self.as_wholes(choices).len() as f64
     }
 
     /// Evidence of all choices: each given those before it, in its own gyros.
     fn evidence_together(&self, choices: &[Choice]) -> f64 {
+        let choices = self.as_wholes(choices);
         (0..choices.len()).map(|i| self.in_members(&choices[..i], &choices[i])).sum()
+    }
+
+    /// `choices` with each whole as its parts, where each of them earns its place beside the others.
+    fn in_parts(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
+        let shape = |hypothesis: usize| self.bank.hypotheses[hypothesis].shape;
+        for i in (0..choices.len()).rev() {
+            let whole = &choices[i];
+            let range = |part: &Effect| self.bank.kinds.iter().find(|(kind, _)| kind == part).map(|(_, range)| range);
+            let part = |part: &Effect| {
+                let mut range = range(part)?.clone();
+                let first = range.start;
+                let hypothesis = range.find(|&i| shape(i) == shape(whole.hypothesis)).unwrap_or(first);
+                Some(Choice { kind: *part, hypothesis, ..whole.clone() })
+            };
+            let parts: Vec<Choice> = whole.kind.entry().parts.iter().filter_map(part).collect();
+            let count = choices.len() - 1;
+            let all = [without(&choices, i), parts].concat();
+            let each = (count..all.len()).all(|i| self.earned_beside_others(&all, i) > self.needed(&without(&all, i)));
+            if all.len() > count && each {
+                choices = all;
+            }
+        }
+        choices
+    }
+
+    /// `choices` with those that are the parts of one whole as that one: beside a part that each gyro takes as its own,
+    /// another shows less than both do where all gyros share them.
+    fn as_wholes(&self, choices: &[Choice]) -> Vec<Choice> {
+        let mut all = choices.to_vec();
+        for (kind, range) in &self.bank.kinds {
+            let parts = kind.entry().parts;
+            let of_it = |choice: &Choice| parts.contains(&choice.kind);
+            if parts.is_empty() || all.iter().filter(|choice| of_it(choice)).count() < parts.len() {
+                continue;
+            }
+            let shape = |hypothesis: usize| self.bank.hypotheses[hypothesis].shape;
+            let held: Vec<Shape> = all.iter().filter(|choice| of_it(choice)).map(|c| shape(c.hypothesis)).collect();
+            let Some(hypothesis) = range.clone().find(|&i| held.contains(&shape(i))) else { continue };
+            let members = vec![true; self.frame.gyros.len()];
+            all.retain(|choice| !of_it(choice));
+            all.push(Choice { kind: *kind, hypothesis, members, evidence: 0.0, rival: None });
+        }
+        all
     }
 
     /// Evidence of a choice in its own gyros and no others, given `before`. [`Search::scores`] average over all sets
@@ -461,7 +506,8 @@ impl Search<'_> {
                 total.add(log_weight + shared.in_members(bank, hypotheses, &choice.members, &state, &products));
             }
         }
-        let odds = if choice.kind.is_nameable() { 0.0 } else { SUSPECT_ODDS };
+        let may_be_named = choice.kind.is_nameable() || !choice.kind.entry().parts.is_empty();
+        let odds = if may_be_named { 0.0 } else { SUSPECT_ODDS };
         total.log() - weights.log() + odds
     }
 }
@@ -491,7 +537,8 @@ fn kept<T>(
     choices: &[Choice],
     compute: impl FnOnce() -> Vec<T>,
 ) -> Rc<[T]> {
-    let key: Adopted = choices.iter().map(|choice| (choice.hypothesis, choice.members.clone())).collect();
+    let mut key: Adopted = choices.iter().map(|choice| (choice.hypothesis, choice.members.clone())).collect();
+    key.sort();
     if let Some(known) = known.borrow().get(&key) {
         return Rc::clone(known);
     }

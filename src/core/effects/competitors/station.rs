@@ -4,12 +4,12 @@ use nalgebra::Vector3;
 
 use super::common::{mid, picked};
 use crate::core::campaign::Phase;
-use crate::core::effects::entry::{COMPETING, Effect, Entry, Scope, Shape};
+use crate::core::effects::entry::{COMPETING, Effect, Entry, Scope, Shape, no_attitude};
 use crate::core::effects::setting::Setting;
-use crate::core::effects::station::{afterwards, instants, tilted};
+use crate::core::effects::station::{AZIMUTH, LEVELLING, afterwards, instants, tilted};
 use crate::core::units::STANDARD_GRAVITY_M_S2;
 
-pub(super) const ENTRIES: &[&Entry] = &[&TABLE_RATE, &LEVER_ARM, &DRIFTING_TABLE];
+pub(super) const ENTRIES: &[&Entry] = &[&TABLE_RATE, &LEVER_ARM, &DRIFTING_TABLE, &MISALIGNMENT];
 
 pub const TABLE_RATE: Entry = Entry {
     effect: Effect::TableRate,
@@ -55,6 +55,23 @@ pub const LEVER_ARM: Entry = Entry {
         [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| s.column(|k| outwards(k, axis))).to_vec()
     },
     only_closer: true,
+    ..COMPETING
+};
+
+/// One rotation to all gyros, of which each takes its part in `levelling` and `azimuth` for one of its own.
+pub const MISALIGNMENT: Entry = Entry {
+    effect: Effect::Misalignment,
+    id: "misalignment",
+    cause: "the table is neither level nor turned to the north: one small rotation, the same to all gyros",
+    equation: "G.C(d x f)/|E| + E.C(d x w)/|E|, d = (d_E, d_N, d_U)",
+    unit: "rad",
+    typical: [5e-6, 3e-3], // levelling and north alignment of tables
+    confused_with: &[Effect::Levelling, Effect::Azimuth, Effect::Magnetic],
+    parts: &[Effect::Levelling, Effect::Azimuth],
+    scope: Scope::Common,
+    missing: &no_attitude,
+    shapes: LEVELLING.shapes,
+    columns: &|s, j, shape| [(LEVELLING.columns)(s, j, shape), (AZIMUTH.columns)(s, j, shape)].concat(),
     ..COMPETING
 };
 

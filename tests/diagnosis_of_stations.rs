@@ -93,6 +93,14 @@ fn an_imu_that_was_reseated_is_named_so_and_a_field_is_still_found() {
     assert!(row.found.hits + 1 >= row.found.trials, "{row:?}");
 }
 
+/// With something else beside them, every second one was taken for a field.
+#[test]
+fn a_table_that_is_neither_level_nor_turned_to_the_north_is_no_field() {
+    let row = of("misaligned");
+    assert!(row.found.trials >= COUNT / 2, "most can be seen: {row:?}");
+    assert!(row.confident_wrong.hits == 0 && row.found.hits + 2 >= row.found.trials, "{row:?}");
+}
+
 #[test]
 fn what_acts_for_a_part_of_the_time_is_not_explained_as_a_whole() {
     let row = of("third");

@@ -15,7 +15,7 @@ use super::run::{CampaignDiagnoser, timed};
 use super::score::{Closure, closures};
 use super::tally::Tally;
 use crate::core::units::radians_from_arcsec;
-use crate::simulate::cause::{ALWAYS, FIELD, IN_TIME, POWER_UP, SEAT, THROUGHOUT, TILT, TILT_FROM_A_DWELL};
+use crate::simulate::cause::{ALWAYS, FIELD, IN_TIME, NORTH, POWER_UP, SEAT, THROUGHOUT, TILT, TILT_FROM_A_DWELL};
 use crate::simulate::outside::{TILTED_FACES, depends_on, in_gyros};
 use crate::simulate::programme::DwellOrder;
 use crate::simulate::scenario::{EffectChoice, Scenario, StandardErrors};
@@ -55,7 +55,7 @@ use Hidden::{Effects, Nothing, Outside, PartOfTheTime};
 /// d from which on a test can be asked to see what is hidden, or that it acts for a part of the time only.
 const VISIBLE: f64 = 5.0;
 
-pub const KINDS: [CampaignKind; 29] = [
+pub const KINDS: [CampaignKind; 30] = [
     kind("clean", Nothing, |_, _| Some(())),
     kind("shared_noise_0.3", Nothing, |s, _| shared_noise(s, 0.3)),
     kind("shared_noise_0.5", Nothing, |s, _| shared_noise(s, 0.5)),
@@ -138,6 +138,13 @@ pub const KINDS: [CampaignKind; 29] = [
     }),
     kind("tilted_faces_5", Outside, |s, _| tilted_faces(s, 5.0)),
     kind("tilted_faces_20", Outside, |s, _| tilted_faces(s, 20.0)),
+    kind("misaligned", Effects, |s, rng| {
+        let d = one_of([12.0, 20.0], rng);
+        put(s, &[TILT], d, rng)?;
+        put(s, &[NORTH], d, rng)?;
+        let others: Vec<&str> = seen_by(s).into_iter().filter(|id| ![TILT, NORTH].contains(id)).collect();
+        if rng.random() { put(s, &others, d, rng) } else { Some(()) }
+    }),
 ];
 
 impl CampaignKind {

@@ -134,6 +134,7 @@ pub fn listed() -> String {
 /// power put on.
 pub const FIELD: &str = "magnetic";
 pub const TILT: &str = "levelling";
+pub const NORTH: &str = "azimuth";
 pub const TILT_FROM_A_DWELL: &str = "relevelling";
 pub const SEAT: &str = "reseating";
 pub const POWER_UP: &str = "warmup";

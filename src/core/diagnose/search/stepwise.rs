@@ -422,7 +422,7 @@ impl Search<'_> {
                 (all - self.evidence_together(&fewer), fewer)
             });
             match fewer.min_by(|(a, _), (b, _)| a.total_cmp(b)) {
-                Some((missed, mut fewer)) if missed <= self.needed(&fewer) => {
+                Some((missed, mut fewer)) if missed <= self.needed_beyond(&fewer, &choices) => {
                     self.polish(&mut fewer);
                     choices = self.prune(fewer);
                 }
@@ -430,6 +430,12 @@ impl Search<'_> {
             }
         }
         choices
+    }
+
+    /// What `more` than `fewer` have to show: nothing where they are but the parts of as many causes.
+    fn needed_beyond(&self, fewer: &[Choice], more: &[Choice]) -> f64 {
+        let as_many = self.as_wholes(fewer).len() == self.as_wholes(more).len();
+        if as_many { 0.0 } else { self.needed(fewer) }
     }
 
     /// Evidence of all choices together less what each further cause costs beforehand.

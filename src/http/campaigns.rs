@@ -13,7 +13,7 @@ use super::document_post::{DocumentPost, IdempotencyKey, PostOutcome};
 use super::notify_query::NotifyQuery;
 use super::prefer_header::{MinimalAnswer, Prefer};
 use crate::http::prelude::*;
-use crate::pipeline::{DiagnosisAnswer, NotSplit, ReadCampaign, StoredCampaign, Submission};
+use crate::pipeline::{DiagnosisAnswer, ReadCampaign, StoredCampaign, Submission};
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::diagnosis::DiagnosisBody;
@@ -171,11 +171,9 @@ pub struct DiagnosisQuery {
 
 async fn against(app: &App, id: Id, diagnosis: &DiagnosisBody, reference: &str) -> Answer<SplitBody> {
     let number = query::id(reference, Problem::no_such_reference)?;
-    app.pipeline.diagnoses.split(id, diagnosis, number).await.map_err(|why| match why {
-        NotSplit::NoSuchReference(_) => Problem::no_such_reference(reference),
-        NotSplit::NoReference(why) => Problem::new(422, "title_no_reference", why.message()),
-        NotSplit::Storage(error) => error.into(),
-    })
+    let split = app.pipeline.diagnoses.split(id, diagnosis, number).await?;
+    let split = split.ok_or_else(|| Problem::no_such_reference(reference))?;
+    split.map_err(|why| Problem::new(422, "title_no_reference", why.message()))
 }
 
 async fn stored(app: &App, id: Id) -> Answer<StoredCampaign> {

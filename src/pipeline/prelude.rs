@@ -3,7 +3,7 @@
 pub(super) use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 pub(super) use std::sync::Arc;
 
-pub(super) use super::error::{OrderError, StorageError, WriteError};
+pub(super) use super::error::{Refused, StorageError};
 pub(super) use super::{Accepted, Actor};
 pub(super) use crate::config::Config;
 pub(super) use crate::core::figures::Figures;
@@ -14,3 +14,4 @@ pub(super) use crate::core::time::{Span, UtcMicros};
 pub(super) use crate::message;
 pub(super) use crate::store::{self, Changes, Store, StoreError};
 pub(super) use crate::system::Clock;
+pub(super) use crate::wire::problem::Problem;

@@ -167,7 +167,7 @@ impl Alerts {
     }
 
     /// Acknowledges an alert or takes that back, or silences it; returns it once that is on disk.
-    pub async fn change(&self, order: AlertOrder) -> Result<AlertBody, OrderError> {
+    pub async fn change(&self, order: AlertOrder) -> Result<AlertBody, Refused> {
         let by = Actor::by_caller();
         self.queue.ask(|reply| Job::Alert { order, by, reply }).await
     }
@@ -184,7 +184,7 @@ impl Alerts {
     }
 
     /// Begins or ends a silence of many alerts; returns its identifier once that is on disk.
-    pub async fn order_silence(&self, order: SilenceOrder) -> Result<Id, OrderError> {
+    pub async fn order_silence(&self, order: SilenceOrder) -> Result<Id, Refused> {
         let by = Actor::by_caller();
         self.queue.ask(|reply| Job::Silence { order, by, reply }).await
     }

@@ -205,7 +205,7 @@ impl Diagnoser {
         let Some(queue) = self.queue.upgrade() else { return };
         let campaign = made.campaign;
         match queue.ask_in_turn(|reply| Job::Diagnosed { made, reply }).await {
-            Ok(()) | Err(WriteError::Stopping) => {}
+            Ok(()) | Err(Refused::Stopping) => {}
             Err(error) => tracing::warn!(%error, %campaign, "a diagnosis could not be kept"),
         }
     }

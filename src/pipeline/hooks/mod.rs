@@ -60,13 +60,13 @@ impl Hooks {
 
     /// Has the writer carry out an order. Returns once it is on disk, with the identifier of the hook or delivery that
     /// it is about.
-    pub async fn order(&self, order: Order) -> Result<Id, OrderError> {
+    pub async fn order(&self, order: Order) -> Result<Id, Refused> {
         let by = Actor::by_caller();
         self.queue.ask(|reply| Job::Hook { order, by, reply }).await
     }
 
     /// Writes down what a delivery queue has found out; waits for room with the writer.
-    pub(super) async fn write_down(&self, found: Found) -> Result<(), WriteError> {
+    pub(super) async fn write_down(&self, found: Found) -> Result<(), Refused> {
         self.queue.ask_in_turn(|reply| Job::Found { found, reply }).await
     }
 

@@ -5,7 +5,6 @@ use std::time::Duration;
 
 use super::homes::Homes;
 use super::state::{Item, WriterState};
-use crate::pipeline::error::WriteFailure;
 use crate::pipeline::prelude::*;
 use crate::pipeline::{Reader, Submission};
 use crate::store::{Cells, ChangeFeed, ChangeTopic, RemoteChanges};
@@ -45,10 +44,10 @@ pub(super) async fn another_try(error: &StoreError, tries: &mut u32) -> bool {
     worth_it
 }
 
-pub(super) async fn to_be_tried_again<T>(done: &Result<T, impl WriteFailure>, tries: &mut u32) -> bool {
-    match done.as_ref().err().and_then(WriteFailure::store_error) {
-        Some(error) => another_try(error, tries).await,
-        None => false,
+pub(super) async fn to_be_tried_again<T>(done: &Result<T, Refused>, tries: &mut u32) -> bool {
+    match done {
+        Err(Refused::Storage(error)) => another_try(error.store_error(), tries).await,
+        _ => false,
     }
 }
 

@@ -60,7 +60,7 @@ impl Prefer {
 }
 
 /// The parts of `text` between `separator`s that are not within quotation marks.
-fn outside_quotes(text: &str, separator: char) -> impl Iterator<Item = &str> {
+pub(super) fn outside_quotes(text: &str, separator: char) -> impl Iterator<Item = &str> {
     let (mut quoted, mut escaped) = (false, false);
     text.split(move |letter| {
         quoted ^= letter == '"' && !escaped;

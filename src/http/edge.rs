@@ -54,7 +54,7 @@ impl Edge {
         let way = ForwardedRequest::of(request.headers(), peer.ip(), &self.trusted);
         let encrypted = way.https.unwrap_or(self.encrypted);
         let trace = Trace::of(request.headers());
-        let span = tracing::info_span!("request", id = trace.id(), traceparent = trace.parent());
+        let span = tracing::info_span!("request", id = trace.id, traceparent = trace.parent);
         if way.is_forwarded {
             request.extensions_mut().insert(Forwarded);
         }
@@ -96,8 +96,8 @@ impl Edge {
 
     fn finish(&self, headers: &mut HeaderMap, encrypted: bool, trace: &Trace) {
         headers.insert(X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
-        headers.insert(REQUEST_ID, trace.id_header());
-        headers.insert(TRACEPARENT, trace.parent_header());
+        headers.insert(REQUEST_ID, trace::header(&trace.id));
+        headers.insert(TRACEPARENT, trace::header(&trace.parent));
         if encrypted {
             headers.insert(STRICT_TRANSPORT_SECURITY, HeaderValue::from_static(ONLY_TLS));
         }

@@ -79,6 +79,11 @@ impl WriterState {
             self.alerts.forget_settings();
             self.hooks.forget();
         }
+        self.read_again(remote_changes).await
+    }
+
+    /// Reads again the models and who may use the service, where somebody else has changed them.
+    async fn read_again(&self, remote_changes: &RemoteChanges) -> Result<(), StoreError> {
         if remote_changes.brings(ChangeTopic::Models) {
             self.after.models.read_again(&self.store).await?;
         }
@@ -181,14 +186,7 @@ impl WriterState {
         if remote_changes.brings(ChangeTopic::Diagnoses) {
             self.after.due.send_modify(|moved| *moved += 1);
         }
-        let models = if remote_changes.brings(ChangeTopic::Models) {
-            self.after.models.read_again(&self.store).await
-        } else {
-            Ok(())
-        };
-        let access =
-            if remote_changes.brings(ChangeTopic::Access) { self.after.guard.read_again().await } else { Ok(()) };
-        if let Err(error) = models.and(access) {
+        if let Err(error) = self.read_again(remote_changes).await {
             tracing::warn!(%error, "what another server has written cannot be read; its next change is");
         }
     }

@@ -8,7 +8,7 @@ use crate::core::fault::Faults;
 use crate::pipeline::Guard;
 use crate::pipeline::prelude::*;
 use crate::store::{AccessChanges, SessionRow, TokenDatabase, Writer};
-use crate::wire::time;
+use crate::wire::body::bodies;
 
 /// A token to be made.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -49,27 +49,19 @@ pub struct SignedIn {
     pub seconds: i64,
 }
 
+/// A token as the audit trail has it.
 #[derive(Serialize)]
-struct AuditedToken<'a> {
+struct AuditedToken {
     id: String,
-    name: &'a str,
+    name: String,
     role: &'static str,
-    station: Option<&'a str>,
+    station: Option<String>,
     expires_at: Option<String>,
     revoked_at: Option<String>,
 }
 
-impl<'a> From<&'a Token> for AuditedToken<'a> {
-    fn from(row: &'a Token) -> Self {
-        Self {
-            id: row.id.to_string(),
-            name: &row.name,
-            role: row.role.name(),
-            station: row.station.as_deref(),
-            expires_at: row.expires_at.map(time::format),
-            revoked_at: row.revoked_at.map(time::format),
-        }
-    }
+bodies! {
+    AuditedToken of Token: id, name, role, station, expires_at, revoked_at;
 }
 
 /// Carries out one order; on disk, and known to the guard, when this returns. A secret that was drawn comes back.

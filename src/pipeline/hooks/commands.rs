@@ -13,6 +13,7 @@ use crate::pipeline::alerts::AlertUpdate;
 use crate::pipeline::hooks::registry::{OutboxContext, Subscription, introduce};
 use crate::pipeline::prelude::*;
 use crate::store::{AttemptRow, DeadLetters, DeliverySubject, HookRow, NewDelivery, OutboxChanges, Progress, Writer};
+use crate::wire::body::bodies;
 use crate::wire::json;
 use crate::wire::message::to_stored;
 use crate::wire::time;
@@ -36,36 +37,29 @@ pub enum Order {
 /// A hook as the audit trail has it. Of what is secret it says whether it is there; the address may hold a token, so
 /// that only where it leads is said: of e-mail, to whom.
 #[derive(Serialize)]
-struct AuditedHook<'a> {
-    name: &'a str,
-    kind: &'a str,
+struct AuditedHook {
+    name: String,
+    kind: String,
     origin: String,
     authorized: bool,
     signed: bool,
-    filter: &'a str,
+    filter: String,
     enabled: bool,
     batch: bool,
-    expect: Option<&'a str>,
+    expect: Option<String>,
 }
 
-impl<'a> From<&'a HookRow> for AuditedHook<'a> {
-    fn from(hook: &'a HookRow) -> Self {
-        let origin = match url::Url::parse(&hook.url) {
-            Ok(url) if url.scheme() == "mailto" => hook.url.clone(),
-            Ok(url) => url.origin().ascii_serialization(),
-            Err(_) => String::new(),
-        };
-        Self {
-            name: &hook.name,
-            kind: &hook.kind,
-            origin,
-            authorized: hook.authorization.is_some(),
-            signed: hook.secret.is_some(),
-            filter: &hook.filter,
-            enabled: hook.enabled,
-            batch: hook.batch,
-            expect: hook.expect.as_deref(),
-        }
+bodies! {
+    AuditedHook of HookRow: name, kind, origin: |hook| origin(&hook.url),
+        authorized: |hook| hook.authorization.is_some(), signed: |hook| hook.secret.is_some(), filter, enabled, batch,
+        expect;
+}
+
+fn origin(url: &str) -> String {
+    match url::Url::parse(url) {
+        Ok(parsed) if parsed.scheme() == "mailto" => url.to_owned(),
+        Ok(parsed) => parsed.origin().ascii_serialization(),
+        Err(_) => String::new(),
     }
 }
 

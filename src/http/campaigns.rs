@@ -60,7 +60,7 @@ enum CampaignAsWanted {
         (status = 200, description = "was stored before with the same content", body = CampaignAsWanted),
         (status = 409, description = "the same IMU and time with other content"),
         (status = 422, description = "what cannot be stored; the places are named")))]
-pub async fn post_campaign(app: App, post: DocumentPost, body: Dwells) -> Answer<Response> {
+pub async fn post_campaign(app: App, mut post: DocumentPost, body: Dwells) -> Answer<Response> {
     let Dwells(bytes, form) = body;
     let key = post.key()?;
     let (pipeline, text) = (app.pipeline.clone(), bytes.clone());
@@ -70,7 +70,7 @@ pub async fn post_campaign(app: App, post: DocumentPost, body: Dwells) -> Answer
         Form::Csv => Problem::of_faults(422, "title_cannot_be_stored", faults),
         Form::Json => Document::refused_as(DocumentKind::Campaign, &bytes, faults),
     })?;
-    let post = post.noting(if form == Form::Csv { open_end(&bytes) } else { None });
+    post.noted = if form == Form::Csv { open_end(&bytes) } else { None };
     let is_bench = matches!(submission, Submission::Bench(_));
     let collection = if is_bench { "bench-results" } else { "campaigns" };
     let whole = |id: Id, notes: Vec<NoteBody>, verdicts| {

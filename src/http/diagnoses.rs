@@ -9,7 +9,7 @@ use crate::http::prelude::*;
 use crate::pipeline::{Accepted, DiagnosisOrder};
 use crate::wire::cursor::List;
 use crate::wire::diagnoses::{JobDetailBody, JobsBody, SummaryBody, WhichBody};
-use crate::wire::diagnoses_csv;
+use crate::wire::{diagnoses_csv, json};
 
 const MOST_ORDERS: usize = 100;
 const MOST_FAILURES: usize = 1000;
@@ -24,7 +24,7 @@ const MOST_FAILURES: usize = 1000;
         (status = 200, description = "the same is being worked off", body = JobDetailBody, headers(("Location" = String, description = "where its progress is"))),
         (status = 422, description = "an unknown IMU or station, no time …; the places are named")))]
 pub async fn post_diagnoses(app: App, body: Document) -> Answer<Response> {
-    let wanted = body.read(|bytes| app.pipeline.diagnoses.read_wanted(bytes))?;
+    let wanted = body.read(|bytes| app.pipeline.diagnoses.check_wanted(json::parse(bytes)?))?;
     let (status, id) = match app.pipeline.diagnoses.order(DiagnosisOrder::Start(wanted)).await? {
         Accepted::Stored { id, .. } => (StatusCode::ACCEPTED, id),
         Accepted::There { id, .. } => (StatusCode::OK, id),

@@ -44,7 +44,7 @@ use crate::wire::diagnosis::{DiagnosisBody, residuals};
 use crate::wire::message::from_stored;
 use crate::wire::record::parse_record;
 use crate::wire::split::SplitBody;
-use crate::wire::{campaign, json, text, time};
+use crate::wire::{campaign, text, time};
 use crate::words;
 
 pub(super) use diagnoser::Diagnoser;
@@ -156,11 +156,6 @@ impl Diagnoses {
         self.reader.models.competing().hypotheses.clone()
     }
 
-    pub fn read_wanted(&self, bytes: &[u8]) -> Result<WantedDiagnoses, Faults> {
-        self.check_wanted(json::parse(bytes)?)
-    }
-
-    /// As [`Diagnoses::read_wanted`], of what has been taken apart already.
     pub fn check_wanted(&self, asked: WhichBody) -> Result<WantedDiagnoses, Faults> {
         let mut faults = Faults::default();
         let which = self.campaign_filter(&asked, &mut faults);

@@ -130,7 +130,7 @@ impl WriterState {
 
     /// Gyros of which the clock may begin or end that they are overdue.
     pub(super) async fn may_be_overdue(&self, now: UtcMicros) -> Result<BTreeSet<u32>, StoreError> {
-        if !self.judge.has_intervals() {
+        if !self.config.judging.has_intervals() {
             return Ok(BTreeSet::new());
         }
         Ok(store::head::newly_overdue_or_not(&self.store, now).await?.into_iter().collect())

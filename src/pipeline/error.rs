@@ -9,6 +9,7 @@ use crate::message;
 use crate::store::StoreError;
 use crate::wire::differences::Differences;
 use crate::wire::problem::Problem;
+use crate::words;
 
 /// The database has failed. Cheap to clone; for logs it says what the database said.
 #[derive(Debug, Clone, thiserror::Error)]
@@ -53,6 +54,14 @@ impl From<StoreError> for StorageError {
     fn from(error: StoreError) -> Self {
         Self(Arc::new(error))
     }
+}
+
+/// Computes on a thread for that; where that panics, what it reads is damaged: `what` says so.
+pub(super) async fn computed<T: Send + 'static>(
+    what: String,
+    work: impl FnOnce() -> T + Send + 'static,
+) -> Result<T, StoreError> {
+    words::spawn_blocking(work).await.map_err(|error| StoreError::damaged(format_args!("{what}: {error}")))
 }
 
 /// A failure to read: logged here, once.

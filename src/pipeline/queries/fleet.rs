@@ -25,7 +25,6 @@ use crate::pipeline::prelude::*;
 use crate::store::head::{CalibratedRow, HeadFilter, HeadStatusFilter, Ranks, SerialSearch, StationTally, Tally};
 use crate::store::{Stretch, Table};
 use crate::wire::answer::VerdictBody;
-use crate::words;
 
 /// The gyros whose newest calibration was made in one IMU.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -385,9 +384,8 @@ impl Fleet {
     async fn find_stations(&self) -> Result<(Option<Arc<FleetStations>>, UtcMicros), StorageError> {
         let began = Instant::now();
         let histories = fleet_histories(&self.store, self.config.judging.method).await?;
-        let figures = words::spawn_blocking(move || changes::stations(&histories)).await;
-        let failed = |error| StoreError::damaged(format_args!("the stations could not be compared: {error}"));
-        let mut figures = figures.map_err(failed)?;
+        let failed = "the stations could not be compared".to_owned();
+        let mut figures = computed(failed, move || changes::stations(&histories)).await?;
         if let Some(figures) = &mut figures {
             self.count_all(figures).await?;
         }

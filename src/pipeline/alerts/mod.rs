@@ -141,8 +141,8 @@ impl Alerts {
     pub async fn firing(&self) -> Result<[u64; Severity::ALL.len()], StorageError> {
         let counts = store::alerts::firing_by_severity(&self.store).await?;
         Ok(Severity::ALL.map(|severity| {
-            let count = counts.iter().find(|(name, _)| name == severity.name());
-            count.map_or(0, |(_, count)| count.unsigned_abs())
+            let count = counts.iter().find(|(of, _)| *of == severity);
+            count.map_or(0, |(_, count)| *count)
         }))
     }
 

@@ -11,7 +11,7 @@ mod show;
 
 pub use crate::pipeline::hooks::commands::Order;
 pub(super) use crate::pipeline::hooks::commands::{Attempted, Found, HookHandler};
-pub(super) use crate::pipeline::hooks::registry::{HookCache, OutboxContext, heard_by};
+pub(super) use crate::pipeline::hooks::registry::{HookCache, OutboxContext};
 pub use delivery::Outbox;
 pub use read::{HookPatch, NewHook};
 pub(super) use show::webhook_id;

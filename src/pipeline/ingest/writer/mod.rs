@@ -24,7 +24,7 @@ use super::admit::RecentRecords;
 use crate::pipeline::access::{Secret, order_access};
 use crate::pipeline::alerts::AlertCache;
 use crate::pipeline::diagnoses::{order_diagnoses, order_hypothesis};
-use crate::pipeline::hooks::{Found, HookCache, HookHandler, heard_by};
+use crate::pipeline::hooks::{Found, HookCache, HookHandler};
 use crate::pipeline::ingest::judge::Judge;
 use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::{Job, ReplyTo, StoreJob};
@@ -262,7 +262,9 @@ impl Task {
         let now = self.state.clock.now();
         let (alerts, heard) = match order {
             Order::Create(_) => (self.state.standings(now).await?, HashMap::new()),
-            Order::Change(hook, _) => (self.state.standings(now).await?, heard_by(&self.state.store, *hook).await?),
+            Order::Change(hook, _) => {
+                (self.state.standings(now).await?, store::hook::heard_by(&self.state.store, *hook).await?)
+            }
             Order::Delete(_) | Order::Test(_) | Order::Redeliver(_) => Default::default(),
         };
         let old_secret_until = self.state.config.hooks.old_secret_until(now);

@@ -14,7 +14,6 @@ use axum::middleware::Next;
 
 use super::edge::{Forwarded, NO_STORE};
 use crate::cookies;
-use crate::core::access::Role;
 use crate::http::prelude::*;
 use crate::pipeline::{Caller, Credential, Denied, SESSION_COOKIE};
 use crate::routes::{ADMIN, ANYONE, Rules, VIEWER};
@@ -65,7 +64,9 @@ pub async fn admit(Gate { app, rules }: &Gate, mut request: Request, next: Next)
             return (StatusCode::SEE_OTHER, [(LOCATION, place)]).into_response();
         }
         if matches!(caller.by, Credential::Presence) {
-            return unproven(role).into_response();
+            // Nobody has shown who they are, and a proxy on this machine lets everybody in.
+            let detail = message!("first_token_needed", role = role.name());
+            return challenged(Problem::new(401, "title_token_needed", detail), "Bearer realm=\"gyrowatch\"");
         }
         let detail = message!("role_needed", needed = role.name(), role = caller.role.name());
         return challenged(Problem::new(403, "title_not_allowed", detail), "Bearer error=\"insufficient_scope\"");
@@ -126,12 +127,6 @@ fn names_this_machine(headers: &HeaderMap) -> bool {
     let name = authority.host().trim_start_matches('[').trim_end_matches(']');
     let is_loopback = |address: IpAddr| address.to_canonical().is_loopback();
     name.eq_ignore_ascii_case("localhost") || name.parse().is_ok_and(is_loopback)
-}
-
-/// Nobody has shown who they are, and this takes more than being on this machine: a proxy on it lets everybody in.
-fn unproven(role: Role) -> Response {
-    let detail = message!("first_token_needed", role = role.name());
-    challenged(Problem::new(401, "title_token_needed", detail), "Bearer realm=\"gyrowatch\"")
 }
 
 /// The token of `Authorization: Bearer`.

@@ -1,7 +1,6 @@
 //! What foretells a stored campaign: the model in force when it came in, and the campaigns before it.
 
 use super::models::{InForce, read};
-use crate::config::Config;
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::imu_model::{CampaignSample, Identified, changed, compare, identify, ladder, promised};
 use crate::core::judge::Limit;

@@ -4,12 +4,10 @@ use axum::http::header::CONTENT_TYPE;
 
 use super::signed::Signed;
 use crate::core::alert_filter::AlertFilter;
-use crate::core::time::UtcMicros;
 use crate::http::prelude::*;
 use crate::pipeline::{AlertChange, AlertOrder, AlertStep};
 use crate::wire::alert::AlertBody;
-use crate::wire::cursor::List;
-use crate::wire::{alert_csv, json, text, time};
+use crate::wire::alert_csv;
 use crate::words::asked;
 
 const DEFAULT_ALERTS: usize = 100;

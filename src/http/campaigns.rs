@@ -22,7 +22,6 @@ use crate::wire::note::{self, NoteBody};
 use crate::wire::sender::SenderBody;
 use crate::wire::split::SplitBody;
 use crate::wire::table::open_end;
-use crate::wire::time;
 use crate::words::{self, asked};
 
 /// A campaign as JSON or CSV.

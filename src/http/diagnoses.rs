@@ -1,15 +1,14 @@
 //! `/v1/diagnoses`: diagnoses of many campaigns, ordered, followed, canceled; and what they say together.
 
-use axum::http::header::{CONTENT_TYPE, LOCATION};
+use axum::http::header::CONTENT_TYPE;
 
 use super::query::{bad, with_sign};
 use crate::core::fault::Fault;
 use crate::core::message::list;
 use crate::http::prelude::*;
 use crate::pipeline::{Accepted, DiagnosisOrder};
-use crate::wire::cursor::List;
 use crate::wire::diagnoses::{JobDetailBody, JobsBody, SummaryBody, WhichBody};
-use crate::wire::{diagnoses_csv, json};
+use crate::wire::diagnoses_csv;
 
 const MOST_ORDERS: usize = 100;
 const MOST_FAILURES: usize = 1000;

@@ -2,7 +2,6 @@
 
 use axum::Extension;
 use axum::extract::FromRequestParts;
-use axum::http::header::LOCATION;
 use axum::http::request::Parts;
 
 use super::corrections::{Standing, StandingBody};

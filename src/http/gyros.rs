@@ -18,10 +18,9 @@ use crate::pipeline::{
 };
 use crate::wire::answer::{FigureBody, VerdictBody};
 use crate::wire::body::{ToBody, bodies};
-use crate::wire::cursor::List;
+use crate::wire::gyro_table;
 use crate::wire::gyro_table::GyroRow;
 use crate::wire::json::present;
-use crate::wire::{gyro_table, json, text, time};
 
 const MOST_GYROS: usize = 10_000;
 

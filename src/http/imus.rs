@@ -4,8 +4,6 @@ use super::gyros::Gyro;
 use crate::core::judge::Status;
 use crate::http::prelude::*;
 use crate::pipeline::{GyroStatus, Seats};
-use crate::wire::cursor::List;
-use crate::wire::time;
 
 const DEFAULT_IMUS: usize = 100;
 const MOST_IMUS: usize = 1000;

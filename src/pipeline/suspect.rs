@@ -1,6 +1,5 @@
 //! A window of time in which what a station measured is suspect: its records are set aside, and trusted again.
 
-use crate::core::alert_decision::Late;
 use crate::core::suspect_window::{Mark, SuspectWindow};
 use crate::pipeline::Pipeline;
 use crate::pipeline::prelude::*;

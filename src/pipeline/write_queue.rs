@@ -2,7 +2,6 @@
 
 use tokio::sync::{mpsc, oneshot};
 
-use crate::core::alert_decision::Late;
 use crate::pipeline::access::Secret;
 use crate::pipeline::diagnoses::FinishedDiagnosis;
 use crate::pipeline::hooks::Found;

@@ -3,7 +3,7 @@
 use super::request::{PointMethod, Request, TrendText};
 use crate::config::JudgedMethod;
 use crate::core::period::{Period, Summary, SummaryBuilder};
-use crate::core::time::{Span, UtcMicros};
+use crate::core::time::Span;
 use crate::http::events::EventBody;
 use crate::http::prelude::*;
 use crate::pipeline::sample_of;

@@ -7,11 +7,11 @@ use crate::core::bench::{BenchItem, BenchMethod};
 use crate::core::figures::Figures;
 use crate::core::judge::Coefficient;
 use crate::core::period::Period;
-use crate::core::time::{Span, UtcMicros};
+use crate::core::time::Span;
 use crate::http::prelude::*;
 use crate::http::query::{bad, not_one_of};
 use crate::pipeline::Levels;
-use crate::wire::cursor::{self, List};
+use crate::wire::cursor;
 
 /// Points of one JSON answer unless `limit` says otherwise, and at the most.
 const DEFAULT_POINTS: usize = 1000;

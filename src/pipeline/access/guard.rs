@@ -3,14 +3,13 @@
 use std::net::IpAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, Weak};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use super::audit::{Caller, Credential, SETUP};
 use super::limits::{Allowance, Failures};
 use super::secret::Secret;
 use crate::config::AccessConfig;
 use crate::core::access::{Role, Token};
-use crate::core::message::Message;
 use crate::pipeline::prelude::*;
 use crate::store::SessionRow;
 

@@ -4,7 +4,6 @@ use serde::Serialize;
 
 use super::secret::Secret;
 use crate::core::access::{AuditEntry, Role, Token};
-use crate::core::fault::Faults;
 use crate::pipeline::Guard;
 use crate::pipeline::prelude::*;
 use crate::store::{AccessChanges, SessionRow, TokenDatabase, Writer};

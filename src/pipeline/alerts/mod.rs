@@ -17,7 +17,6 @@ use crate::core::alert_decision::AlertState;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::history_note::{EARLIER_IN_DOUBT, SERVICE};
 use crate::core::judge::Severity;
-use crate::core::message::Message;
 use crate::pipeline::cached_answer::CachedAnswer;
 use crate::pipeline::prelude::*;
 use crate::store::{AlertRow, StepRow};

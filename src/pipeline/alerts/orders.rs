@@ -5,7 +5,6 @@ use super::silences::{MOST_SILENCES, body};
 use crate::core::access::AuditEntry;
 use crate::core::alert_decision;
 use crate::core::alert_filter::Matchers;
-use crate::core::message::text;
 use crate::pipeline::prelude::*;
 use crate::store::{AlertOf, AlertRow, Remark, SilenceRow};
 

@@ -1,7 +1,7 @@
 //! Makes diagnoses, one for all who ask, and has them kept.
 
 use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use tokio::sync::{Semaphore, watch};
 

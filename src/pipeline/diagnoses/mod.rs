@@ -19,14 +19,11 @@ mod orders;
 mod queue;
 mod summary;
 
-use std::time::Duration;
-
 use super::write_queue::{Job, WriteQueue};
 use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{NoReference, Reference, split};
 use crate::core::effects::{self, Effect};
-use crate::core::fault::Faults;
 use crate::core::imu_model::{NoForecast, forecast};
 use crate::core::message::text as shown_text;
 use crate::pipeline::Reader;

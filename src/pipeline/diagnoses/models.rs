@@ -6,7 +6,6 @@ use std::sync::{PoisonError, RwLock};
 use crate::core::augmented::AugmentedModel;
 use crate::core::diagnose::METHOD;
 use crate::core::effects::Effect;
-use crate::core::fault::Faults;
 use crate::pipeline::prelude::*;
 use crate::store::{HypothesisRow, ModelRow, Writer};
 use crate::wire::hypothesis::HypothesisBody;

@@ -4,7 +4,7 @@ use serde_json::json;
 
 use super::models::{Competing, ModelCache};
 use crate::core::effects::Effect;
-use crate::core::message::{sent, text};
+use crate::core::message::sent;
 use crate::pipeline::prelude::*;
 use crate::store::{CampaignFilter, HypothesisRow, JobChanges, NewJob, Writer};
 use crate::wire::diagnoses::WhichBody;

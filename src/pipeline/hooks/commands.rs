@@ -8,7 +8,6 @@ use crate::core::access::AuditEntry;
 use crate::core::alert_decision::Status;
 use crate::core::delivery::DeliveryState;
 use crate::core::judge::Severity;
-use crate::core::message::text;
 use crate::pipeline::alerts::AlertUpdate;
 use crate::pipeline::hooks::registry::{OutboxContext, Subscription, introduce};
 use crate::pipeline::prelude::*;

@@ -21,8 +21,6 @@ use tokio::sync::watch;
 use super::write_queue::{Job, WriteQueue};
 use crate::alert::sign::Secret;
 use crate::core::delivery::{DeliveryState, QueueState};
-use crate::core::fault::Faults;
-use crate::core::message::Message;
 use crate::pipeline::prelude::*;
 use crate::wire::hook::{DeliveryBody, HookBody, HookPatchBody, NewHookBody};
 use crate::wire::message::from_stored;

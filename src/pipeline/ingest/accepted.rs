@@ -1,6 +1,5 @@
 //! What has become of a submission.
 
-use crate::core::note::Note;
 use crate::pipeline::prelude::*;
 
 /// The answer to one submission.

@@ -4,7 +4,7 @@ use crate::config::Stations;
 use crate::core::augmented::AugmentedModel;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::campaign::{Campaign, Temperatures};
-use crate::core::fault::{Fault, Faults};
+use crate::core::fault::Fault;
 use crate::pipeline::diagnoses::models::{self, InForce};
 use crate::pipeline::ingest::submission::{BenchTest, anything, check_names, kept};
 use crate::pipeline::prelude::*;

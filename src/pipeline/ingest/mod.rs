@@ -15,8 +15,6 @@ use tokio::sync::oneshot;
 
 use super::diagnoses::background::IdleDetector;
 use super::write_queue::{Job, StoreJob, WriteQueue};
-use crate::core::alert_decision::Late;
-use crate::core::note::Note;
 use crate::pipeline::prelude::*;
 use crate::store::IdSource;
 use admit::{Admission, Group, Prefetched, RecentRecords};

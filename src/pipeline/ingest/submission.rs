@@ -2,10 +2,8 @@
 
 use crate::core::bench::BenchResult;
 use crate::core::effects::Effect;
-use crate::core::fault::Faults;
 use crate::core::gyro_attributes::GyroAttributesPatch;
 use crate::core::gyro_event::GyroEvent;
-use crate::core::message::text;
 use crate::core::mounting::Slot;
 use crate::core::name::normal_form;
 use crate::core::record::{Name, Plausibility};

@@ -2,7 +2,6 @@
 
 use std::cmp::Reverse;
 use std::sync::{Mutex, PoisonError};
-use std::time::Duration;
 
 use tokio::time::Instant;
 

@@ -15,8 +15,6 @@ pub(super) mod heartbeat;
 pub(crate) mod message;
 mod queue;
 
-use std::time::Duration;
-
 use tokio::sync::watch;
 use tokio::task::{Id as TaskId, JoinError, JoinHandle, JoinSet};
 

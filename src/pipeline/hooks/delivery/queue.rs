@@ -1,7 +1,7 @@
 //! The deliveries of one hook, a few at a time.
 
 use std::collections::VecDeque;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use futures::StreamExt;
 use futures::future::BoxFuture;

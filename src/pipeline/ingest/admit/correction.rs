@@ -8,8 +8,6 @@ use super::lookup::Admission;
 use super::rows_as_stated;
 use crate::core::correction::CorrectionItem;
 use crate::core::history_note::HistoryNote;
-use crate::core::message::text;
-use crate::core::note::Note;
 use crate::core::suspect_window::{Mark, SuspectWindow, in_force};
 use crate::pipeline::prelude::*;
 use crate::pipeline::{Calibration, Confirmation, Corrected, Correction, SetAsideOrder, WindowMark};

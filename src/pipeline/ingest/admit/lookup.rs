@@ -5,7 +5,6 @@ use super::prefetched::Prefetched;
 use super::recent_records::RecentRecords;
 use crate::core::correction::CorrectionItem;
 use crate::core::history_note::{HistoryNote, NameKind};
-use crate::core::message::text;
 use crate::core::mounting::Slot;
 use crate::core::name::distance;
 use crate::core::suspect_window::{Mark, SuspectWindow, in_force};

@@ -13,7 +13,6 @@ use crate::core::bench::BenchItem;
 use crate::core::figures::{PublishedFigures, States};
 use crate::core::gyro_attributes::GyroAttributes;
 use crate::core::history_note::{HistoryNote, NameKind};
-use crate::core::note::Note;
 use crate::core::record::Name;
 use crate::core::separate::{Branch, Separation};
 use crate::pipeline::ingest::same_content::says_the_same;

@@ -3,7 +3,7 @@
 use super::heads::{self, touched};
 use super::shared_shifts::{SharedLook, SharedShifts};
 use super::state::WriterState;
-use crate::core::alert_decision::{Action, Alert, Late};
+use crate::core::alert_decision::{Action, Alert};
 use crate::pipeline::alerts::{AlertCache, AlertContext, AlertUpdate, Causes, NameLookup, follow_clock, follow_group};
 use crate::pipeline::hooks::OutboxContext;
 use crate::pipeline::ingest::judge::Judged;

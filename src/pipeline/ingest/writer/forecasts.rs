@@ -3,7 +3,6 @@
 //! rest on.
 
 use super::state::{Tally, WriterState};
-use crate::core::alert_decision::Late;
 use crate::core::judge::Finding;
 use crate::core::kind::RecordEntry;
 use crate::pipeline::Adoption;

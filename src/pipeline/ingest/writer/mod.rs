@@ -14,7 +14,7 @@ mod state;
 pub(crate) mod turn;
 
 use std::ops::RangeInclusive;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use tokio::sync::mpsc;
 use tokio::task::JoinSet;

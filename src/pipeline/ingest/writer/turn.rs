@@ -1,8 +1,6 @@
 //! A writer among others: it holds the cells of what it writes, learns what others have written there, and tries again
 //! what the database has broken off. Alone on a file it holds everything, and nothing is missed.
 
-use std::time::Duration;
-
 use super::homes::Homes;
 use super::state::{Item, WriterState};
 use crate::pipeline::prelude::*;

@@ -1,7 +1,5 @@
 //! Alerts, and the steps by which they came to be what they are.
 
-use std::collections::{BTreeSet, HashMap};
-
 use super::*;
 use crate::core::alert_decision::{Alert, AlertState, LastNotification, Suppressed};
 use crate::core::alert_filter::AlertFilter;

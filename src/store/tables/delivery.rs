@@ -4,8 +4,6 @@
 //! `behind`. One that tells of many alerts stands in the line of each, and waits when it is the first in all of them.
 //! Whatever ends one moves the next up, in the same transaction.
 
-use std::collections::BTreeMap;
-
 use super::*;
 use crate::core::delivery::{DeliveryState, QueueState};
 use crate::core::judge::Severity;

@@ -1,7 +1,5 @@
 //! Hooks: whom to tell.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
-
 use super::*;
 use crate::core::judge::Severity;
 use crate::store::Secrets;

@@ -73,8 +73,7 @@ pub async fn get_alerts(
     let before = query::position(List::Alerts, asked.cursor.as_deref())?.map(Id);
     let filter = filter(&app, &asked)?;
     let found = app.pipeline.alerts.find(&filter, before, limit as u32 + 1).await?;
-    let (found, next) = query::page(List::Alerts, found, limit, |(id, _)| Some(*id));
-    let alerts: Vec<AlertBody> = found.into_iter().map(|(_, alert)| alert).collect();
+    let (alerts, next) = query::page(List::Alerts, found, limit, |last| last.id.parse().ok());
     let link = query::link(&uri, next.as_deref());
     if csv {
         let text = alert_csv::to_csv(&alerts);

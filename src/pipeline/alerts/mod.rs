@@ -66,16 +66,15 @@ pub struct Alerts {
 }
 
 impl Alerts {
-    /// Alerts that a filter lets through, newest first, each with its identifier.
+    /// Alerts that a filter lets through, newest first.
     pub async fn find(
         &self,
         filter: &AlertFilter,
         before: Option<Id>,
         limit: u32,
-    ) -> Result<Vec<(Id, AlertBody)>, StorageError> {
+    ) -> Result<Vec<AlertBody>, StorageError> {
         let now = self.clock.now();
-        let rows = store::alerts::find(&self.store, filter, now, before, limit).await?;
-        Ok(rows.iter().map(|row| row.id).zip(self.bodies(&rows, now)?).collect())
+        self.bodies(&store::alerts::find(&self.store, filter, now, before, limit).await?, now)
     }
 
     fn bodies<'a>(
@@ -116,13 +115,11 @@ impl Alerts {
 
     /// Alerts of gyros that the alert of a station, batch or IMU explains.
     pub async fn inhibited_by(&self, station: Id) -> Result<Vec<AlertBody>, StorageError> {
-        let (now, rows) = (self.clock.now(), store::alerts::inhibited_by(&self.store, station).await?);
-        self.bodies(&rows, now)
+        self.bodies(&store::alerts::inhibited_by(&self.store, station).await?, self.clock.now())
     }
 
     pub async fn of(&self, ids: &[Id]) -> Result<Vec<AlertBody>, StorageError> {
-        let (now, rows) = (self.clock.now(), store::alerts::of_ids(&self.store, ids).await?);
-        self.bodies(&rows, now)
+        self.bodies(&store::alerts::of_ids(&self.store, ids).await?, self.clock.now())
     }
 
     /// How many alerts stand how, among those that a filter lets through.

@@ -147,30 +147,21 @@ fn refuse(denied: &Denied, request: &Request) -> Response {
     if wants_page(request) && could_sign_in && bearer(request.headers()).is_none() {
         return (StatusCode::SEE_OTHER, [(LOCATION, sign_in_for(request.uri()))]).into_response();
     }
-    denied_response(denied)
+    let problem = denied.problem();
+    match denied {
+        Denied::NoToken | Denied::SignedOut => challenged(problem, "Bearer realm=\"gyrowatch\""),
+        Denied::Wrong | Denied::Revoked | Denied::Expired => {
+            challenged(problem, "Bearer realm=\"gyrowatch\", error=\"invalid_token\"")
+        }
+        Denied::TooManyFailures { wait } | Denied::TooManyRequests { wait } => later(problem, *wait),
+        Denied::NotHere | Denied::Proxied | Denied::Unreadable => problem.into_response(),
+    }
 }
 
 fn sign_in_for(uri: &Uri) -> String {
     let here = uri.path_and_query().map_or("/", |here| here.as_str());
     let back = url::form_urlencoded::byte_serialize(here.as_bytes()).collect::<String>();
     format!("/sign-in?back={back}")
-}
-
-fn denied_response(denied: &Denied) -> Response {
-    let detail = denied.message();
-    match denied {
-        Denied::NoToken | Denied::SignedOut => {
-            challenged(Problem::new(401, "title_token_needed", detail), "Bearer realm=\"gyrowatch\"")
-        }
-        Denied::Wrong | Denied::Revoked | Denied::Expired => challenged(
-            Problem::new(401, "title_token_not_valid", detail),
-            "Bearer realm=\"gyrowatch\", error=\"invalid_token\"",
-        ),
-        Denied::NotHere | Denied::Proxied => Problem::new(403, "title_not_allowed", detail).into_response(),
-        Denied::TooManyFailures { wait } => later(Problem::new(429, "title_too_many_wrong_tokens", detail), *wait),
-        Denied::TooManyRequests { wait } => later(Problem::new(429, "title_too_many_requests", detail), *wait),
-        Denied::Unreadable => Problem::new(503, "title_try_again", detail).into_response(),
-    }
 }
 
 fn challenged(problem: Problem, challenge: &'static str) -> Response {

@@ -89,7 +89,7 @@ pub struct Courier {
     /// A proxy resolves the names of targets.
     proxied: bool,
     /// None where the configuration names no mail server.
-    mailer: Option<Mailer>,
+    pub mailer: Option<Mailer>,
 }
 
 impl Courier {
@@ -120,11 +120,6 @@ impl Courier {
             .tls_certs_merge(roots)
             .build()?;
         Ok(Self { client, policy, limits, proxied: *proxies != Proxies::None, mailer: None })
-    }
-
-    /// The same, with somebody to hand e-mail to.
-    pub fn with_mailer(self, mailer: Option<Mailer>) -> Self {
-        Self { mailer, ..self }
     }
 
     /// One e-mail, under the identifier of the message. The limits hold for each recipient.

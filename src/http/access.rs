@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use axum::extract::{ConnectInfo, MatchedPath, Request};
 use axum::http::header::{
-    ACCEPT, AUTHORIZATION, CACHE_CONTROL, HOST, LOCATION, ORIGIN, RETRY_AFTER, USER_AGENT, WWW_AUTHENTICATE,
+    ACCEPT, AUTHORIZATION, CACHE_CONTROL, HOST, ORIGIN, RETRY_AFTER, USER_AGENT, WWW_AUTHENTICATE,
 };
 use axum::http::uri::Authority;
 use axum::http::{HeaderName, HeaderValue, Method};
@@ -14,7 +14,6 @@ use axum::middleware::Next;
 
 use super::edge::{Forwarded, NO_STORE};
 use crate::cookies;
-use crate::core::access::Role;
 use crate::http::prelude::*;
 use crate::pipeline::{Caller, Credential, Denied, SESSION_COOKIE};
 use crate::routes::{ADMIN, ANYONE, Rules, VIEWER};
@@ -65,7 +64,9 @@ pub async fn admit(Gate { app, rules }: &Gate, mut request: Request, next: Next)
             return (StatusCode::SEE_OTHER, [(LOCATION, place)]).into_response();
         }
         if matches!(caller.by, Credential::Presence) {
-            return unproven(role).into_response();
+            // Nobody has shown who they are, and a proxy on this machine lets everybody in.
+            let detail = message!("first_token_needed", role = role.name());
+            return challenged(Problem::new(401, "title_token_needed", detail), "Bearer realm=\"gyrowatch\"");
         }
         let detail = message!("role_needed", needed = role.name(), role = caller.role.name());
         return challenged(Problem::new(403, "title_not_allowed", detail), "Bearer error=\"insufficient_scope\"");
@@ -128,12 +129,6 @@ fn names_this_machine(headers: &HeaderMap) -> bool {
     name.eq_ignore_ascii_case("localhost") || name.parse().is_ok_and(is_loopback)
 }
 
-/// Nobody has shown who they are, and this takes more than being on this machine: a proxy on it lets everybody in.
-fn unproven(role: Role) -> Response {
-    let detail = message!("first_token_needed", role = role.name());
-    challenged(Problem::new(401, "title_token_needed", detail), "Bearer realm=\"gyrowatch\"")
-}
-
 /// The token of `Authorization: Bearer`.
 fn bearer(headers: &HeaderMap) -> Option<&str> {
     let (scheme, token) = headers.get(AUTHORIZATION)?.to_str().ok()?.split_once(' ')?;
@@ -152,30 +147,21 @@ fn refuse(denied: &Denied, request: &Request) -> Response {
     if wants_page(request) && could_sign_in && bearer(request.headers()).is_none() {
         return (StatusCode::SEE_OTHER, [(LOCATION, sign_in_for(request.uri()))]).into_response();
     }
-    denied_response(denied)
+    let problem = denied.problem();
+    match denied {
+        Denied::NoToken | Denied::SignedOut => challenged(problem, "Bearer realm=\"gyrowatch\""),
+        Denied::Wrong | Denied::Revoked | Denied::Expired => {
+            challenged(problem, "Bearer realm=\"gyrowatch\", error=\"invalid_token\"")
+        }
+        Denied::TooManyFailures { wait } | Denied::TooManyRequests { wait } => later(problem, *wait),
+        Denied::NotHere | Denied::Proxied | Denied::Unreadable => problem.into_response(),
+    }
 }
 
 fn sign_in_for(uri: &Uri) -> String {
     let here = uri.path_and_query().map_or("/", |here| here.as_str());
     let back = url::form_urlencoded::byte_serialize(here.as_bytes()).collect::<String>();
     format!("/sign-in?back={back}")
-}
-
-fn denied_response(denied: &Denied) -> Response {
-    let detail = denied.message();
-    match denied {
-        Denied::NoToken | Denied::SignedOut => {
-            challenged(Problem::new(401, "title_token_needed", detail), "Bearer realm=\"gyrowatch\"")
-        }
-        Denied::Wrong | Denied::Revoked | Denied::Expired => challenged(
-            Problem::new(401, "title_token_not_valid", detail),
-            "Bearer realm=\"gyrowatch\", error=\"invalid_token\"",
-        ),
-        Denied::NotHere | Denied::Proxied => Problem::new(403, "title_not_allowed", detail).into_response(),
-        Denied::TooManyFailures { wait } => later(Problem::new(429, "title_too_many_wrong_tokens", detail), *wait),
-        Denied::TooManyRequests { wait } => later(Problem::new(429, "title_too_many_requests", detail), *wait),
-        Denied::Unreadable => Problem::new(503, "title_try_again", detail).into_response(),
-    }
 }
 
 fn challenged(problem: Problem, challenge: &'static str) -> Response {

@@ -4,12 +4,10 @@ use axum::http::header::CONTENT_TYPE;
 
 use super::signed::Signed;
 use crate::core::alert_filter::AlertFilter;
-use crate::core::time::UtcMicros;
 use crate::http::prelude::*;
 use crate::pipeline::{AlertChange, AlertOrder, AlertStep};
 use crate::wire::alert::AlertBody;
-use crate::wire::cursor::List;
-use crate::wire::{alert_csv, json, text, time};
+use crate::wire::alert_csv;
 use crate::words::asked;
 
 const DEFAULT_ALERTS: usize = 100;
@@ -75,8 +73,7 @@ pub async fn get_alerts(
     let before = query::position(List::Alerts, asked.cursor.as_deref())?.map(Id);
     let filter = filter(&app, &asked)?;
     let found = app.pipeline.alerts.find(&filter, before, limit as u32 + 1).await?;
-    let (found, next) = query::page(List::Alerts, found, limit, |(id, _)| Some(*id));
-    let alerts: Vec<AlertBody> = found.into_iter().map(|(_, alert)| alert).collect();
+    let (alerts, next) = query::page(List::Alerts, found, limit, |last| last.id.parse().ok());
     let link = query::link(&uri, next.as_deref());
     if csv {
         let text = alert_csv::to_csv(&alerts);

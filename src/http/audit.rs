@@ -6,8 +6,6 @@ use serde_json::value::RawValue;
 use crate::core::access::{AuditEntry, AuditFilter};
 use crate::http::prelude::*;
 use crate::wire::csv_text::csv_text;
-use crate::wire::cursor::List;
-use crate::wire::time;
 
 const MOST_LINES: usize = 10_000;
 

@@ -5,7 +5,6 @@ use crate::core::gyro_event::GyroEvent;
 use crate::core::judge::{Event, FixedLevels, Measured};
 use crate::core::message::text;
 use crate::http::prelude::*;
-use crate::wire::{json, text, time};
 
 /// Why and from when on a new baseline counts.
 #[derive(Deserialize, ToSchema)]

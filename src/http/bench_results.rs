@@ -1,6 +1,5 @@
 //! `/v1/bench-results`: what single-gyro benches measured.
 
-use axum::http::header::LOCATION;
 use serde_json::value::{RawValue, to_raw_value};
 
 use super::corrections::{StandingBody, standing};
@@ -14,7 +13,6 @@ use crate::wire::campaign::CampaignBody;
 use crate::wire::document::DocumentKind;
 use crate::wire::note::NoteBody;
 use crate::wire::sender::SenderBody;
-use crate::wire::time;
 
 /// The answer to a bench result.
 #[derive(Serialize, ToSchema)]

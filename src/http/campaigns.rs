@@ -13,7 +13,7 @@ use super::document_post::{DocumentPost, IdempotencyKey, PostOutcome};
 use super::notify_query::NotifyQuery;
 use super::prefer_header::{MinimalAnswer, Prefer};
 use crate::http::prelude::*;
-use crate::pipeline::{DiagnosisAnswer, NotSplit, ReadCampaign, StoredCampaign, Submission};
+use crate::pipeline::{DiagnosisAnswer, ReadCampaign, StoredCampaign, Submission};
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::diagnosis::DiagnosisBody;
@@ -22,7 +22,6 @@ use crate::wire::note::{self, NoteBody};
 use crate::wire::sender::SenderBody;
 use crate::wire::split::SplitBody;
 use crate::wire::table::open_end;
-use crate::wire::time;
 use crate::words::{self, asked};
 
 /// A campaign as JSON or CSV.
@@ -60,7 +59,7 @@ enum CampaignAsWanted {
         (status = 200, description = "was stored before with the same content", body = CampaignAsWanted),
         (status = 409, description = "the same IMU and time with other content"),
         (status = 422, description = "what cannot be stored; the places are named")))]
-pub async fn post_campaign(app: App, post: DocumentPost, body: Dwells) -> Answer<Response> {
+pub async fn post_campaign(app: App, mut post: DocumentPost, body: Dwells) -> Answer<Response> {
     let Dwells(bytes, form) = body;
     let key = post.key()?;
     let (pipeline, text) = (app.pipeline.clone(), bytes.clone());
@@ -70,7 +69,7 @@ pub async fn post_campaign(app: App, post: DocumentPost, body: Dwells) -> Answer
         Form::Csv => Problem::of_faults(422, "title_cannot_be_stored", faults),
         Form::Json => Document::refused_as(DocumentKind::Campaign, &bytes, faults),
     })?;
-    let post = post.noting(if form == Form::Csv { open_end(&bytes) } else { None });
+    post.noted = if form == Form::Csv { open_end(&bytes) } else { None };
     let is_bench = matches!(submission, Submission::Bench(_));
     let collection = if is_bench { "bench-results" } else { "campaigns" };
     let whole = |id: Id, notes: Vec<NoteBody>, verdicts| {
@@ -171,11 +170,9 @@ pub struct DiagnosisQuery {
 
 async fn against(app: &App, id: Id, diagnosis: &DiagnosisBody, reference: &str) -> Answer<SplitBody> {
     let number = query::id(reference, Problem::no_such_reference)?;
-    app.pipeline.diagnoses.split(id, diagnosis, number).await.map_err(|why| match why {
-        NotSplit::NoSuchReference(_) => Problem::no_such_reference(reference),
-        NotSplit::NoReference(why) => Problem::new(422, "title_no_reference", why.message()),
-        NotSplit::Storage(error) => error.into(),
-    })
+    let split = app.pipeline.diagnoses.split(id, diagnosis, number).await?;
+    let split = split.ok_or_else(|| Problem::no_such_reference(reference))?;
+    split.map_err(|why| Problem::new(422, "title_no_reference", why.message()))
 }
 
 async fn stored(app: &App, id: Id) -> Answer<StoredCampaign> {

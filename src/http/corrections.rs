@@ -1,6 +1,5 @@
 //! `…/void` and `…/revise`: what was stored counts no more, or another stands in its place. Nothing is deleted.
 
-use axum::http::header::LOCATION;
 use serde_json::value::RawValue;
 
 use super::document::outcome;
@@ -14,7 +13,6 @@ use crate::wire::body::bodies;
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::record::RecordBody;
-use crate::wire::{json, text, time};
 use crate::words;
 
 /// How a record, campaign or bench result stands.

@@ -1,13 +1,12 @@
 //! `/v1/diagnoses`: diagnoses of many campaigns, ordered, followed, canceled; and what they say together.
 
-use axum::http::header::{CONTENT_TYPE, LOCATION};
+use axum::http::header::CONTENT_TYPE;
 
 use super::query::{bad, with_sign};
 use crate::core::fault::Fault;
 use crate::core::message::list;
 use crate::http::prelude::*;
 use crate::pipeline::{Accepted, DiagnosisOrder};
-use crate::wire::cursor::List;
 use crate::wire::diagnoses::{JobDetailBody, JobsBody, SummaryBody, WhichBody};
 use crate::wire::diagnoses_csv;
 
@@ -24,7 +23,7 @@ const MOST_FAILURES: usize = 1000;
         (status = 200, description = "the same is being worked off", body = JobDetailBody, headers(("Location" = String, description = "where its progress is"))),
         (status = 422, description = "an unknown IMU or station, no time …; the places are named")))]
 pub async fn post_diagnoses(app: App, body: Document) -> Answer<Response> {
-    let wanted = body.read(|bytes| app.pipeline.diagnoses.read_wanted(bytes))?;
+    let wanted = body.read(|bytes| app.pipeline.diagnoses.check_wanted(json::parse(bytes)?))?;
     let (status, id) = match app.pipeline.diagnoses.order(DiagnosisOrder::Start(wanted)).await? {
         Accepted::Stored { id, .. } => (StatusCode::ACCEPTED, id),
         Accepted::There { id, .. } => (StatusCode::OK, id),

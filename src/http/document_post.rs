@@ -2,7 +2,6 @@
 
 use axum::Extension;
 use axum::extract::FromRequestParts;
-use axum::http::header::LOCATION;
 use axum::http::request::Parts;
 
 use super::corrections::{Standing, StandingBody};
@@ -24,7 +23,7 @@ pub struct DocumentPost {
     pub wanted: Prefer,
     notify_query: NotifyQuery,
     /// What the document itself shows, beside what is found of it.
-    noted: Option<Note>,
+    pub noted: Option<Note>,
 }
 
 /// What has become of a calibration.
@@ -52,11 +51,6 @@ impl DocumentPost {
         self.key.clone().map(|key| key.0)
     }
 
-    /// Has the answer say something of the document as it was sent.
-    pub fn noting(self, noted: Option<Note>) -> Self {
-        Self { noted, ..self }
-    }
-
     /// Stores it.
     pub async fn submit(&self, app: &App, item: Submission) -> Answer<Accepted> {
         item.may_be_sent_by(&self.caller)?;
@@ -82,7 +76,10 @@ impl DocumentPost {
         let notes = self.noted.iter().chain(notes.iter()).map(NoteBody::of).collect();
         let answer = match self.wanted {
             Prefer::Whole => Json(whole(*id, notes, verdicts_of(judged))).into_response(),
-            Prefer::Minimal => Json(MinimalAnswer::just_judged(*id, judged, notes)).into_response(),
+            Prefer::Minimal => {
+                let states = judged.iter().flat_map(|gyro| &gyro.verdicts).map(|verdict| verdict.state);
+                Json(MinimalAnswer::of(*id, states, notes)).into_response()
+            }
         };
         Ok(PostOutcome::New((StatusCode::CREATED, self.located(collection, *id), answer).into_response()))
     }

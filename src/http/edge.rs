@@ -13,9 +13,7 @@ use std::time::Instant;
 
 use axum::Router;
 use axum::extract::{ConnectInfo, Request};
-use axum::http::header::{
-    CACHE_CONTROL, HOST, LINK, LOCATION, SET_COOKIE, STRICT_TRANSPORT_SECURITY, X_CONTENT_TYPE_OPTIONS,
-};
+use axum::http::header::{CACHE_CONTROL, HOST, LINK, SET_COOKIE, STRICT_TRANSPORT_SECURITY, X_CONTENT_TYPE_OPTIONS};
 use axum::http::uri::PathAndQuery;
 use axum::http::{HeaderName, HeaderValue};
 use ipnet::IpNet;
@@ -54,7 +52,7 @@ impl Edge {
         let way = ForwardedRequest::of(request.headers(), peer.ip(), &self.trusted);
         let encrypted = way.https.unwrap_or(self.encrypted);
         let trace = Trace::of(request.headers());
-        let span = tracing::info_span!("request", id = trace.id(), traceparent = trace.parent());
+        let span = tracing::info_span!("request", id = trace.id, traceparent = trace.parent);
         if way.is_forwarded {
             request.extensions_mut().insert(Forwarded);
         }
@@ -96,8 +94,8 @@ impl Edge {
 
     fn finish(&self, headers: &mut HeaderMap, encrypted: bool, trace: &Trace) {
         headers.insert(X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
-        headers.insert(REQUEST_ID, trace.id_header());
-        headers.insert(TRACEPARENT, trace.parent_header());
+        headers.insert(REQUEST_ID, trace::header(&trace.id));
+        headers.insert(TRACEPARENT, trace::header(&trace.parent));
         if encrypted {
             headers.insert(STRICT_TRANSPORT_SECURITY, HeaderValue::from_static(ONLY_TLS));
         }

@@ -6,7 +6,6 @@ use crate::core::gyro_event::GyroEvent;
 use crate::core::judge::{Event, Rule};
 use crate::http::prelude::*;
 use crate::wire::event::read_test;
-use crate::wire::{json, text, time};
 
 /// What was done to a gyro.
 #[derive(Serialize, ToSchema)]

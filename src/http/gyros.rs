@@ -18,10 +18,9 @@ use crate::pipeline::{
 };
 use crate::wire::answer::{FigureBody, VerdictBody};
 use crate::wire::body::{ToBody, bodies};
-use crate::wire::cursor::{self, List};
+use crate::wire::gyro_table;
 use crate::wire::gyro_table::GyroRow;
 use crate::wire::json::present;
-use crate::wire::{gyro_table, json, text, time};
 
 const MOST_GYROS: usize = 10_000;
 
@@ -254,8 +253,8 @@ pub async fn get_gyros(app: App, Parameters(asked): Parameters<GyrosQuery>, uri:
     let (of_status, of_fleet) = (filter_of(&asked)?, fleet_filter(&asked)?);
     let list = List::Gyros(of_fleet.order.unwrap_or(FleetOrder::Serial));
     let after = query::number_before(list, asked.cursor.as_deref())?;
-    let (standings, more) = app.pipeline.queries.fleet.listed(after, limit as u32, of_status, &of_fleet).await?;
-    let next = standings.last().filter(|_| more).map(|standing| cursor::encode(list, i64::from(standing.number)));
+    let standings = app.pipeline.queries.fleet.listed(after, limit as u32 + 1, of_status, &of_fleet).await?;
+    let (standings, next) = query::page(list, standings, limit, |standing| Some(Id(i64::from(standing.number))));
     let names = app.pipeline.queries.names();
     let gyros = standings.iter().map(|standing| Gyro::of(standing, app.config.judging.method, &names));
     Ok((query::link(&uri, next.as_deref()), Json(Gyros { gyros: gyros.collect(), next })).into_response())

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use crate::core::message::Message;
 use crate::http::prelude::*;
-use crate::pipeline::WriteError;
+use crate::pipeline::Refused;
 
 /// How long the writer may take to answer: a group commit on a slow disk, and one before it.
 const PATIENCE: Duration = Duration::from_secs(8);
@@ -24,9 +24,9 @@ pub async fn healthz() -> Json<Health> {
 }
 
 /// What the operator is told of a write that failed, in the store's own words.
-fn unwritten(error: &WriteError) -> Message {
+fn unwritten(error: &Refused) -> Message {
     match error {
-        WriteError::Storage(error) => error.store_error().message(),
+        Refused::Storage(error) => error.store_error().message(),
         other => other.message(),
     }
 }

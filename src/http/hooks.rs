@@ -1,12 +1,8 @@
 //! `/v1/hooks` and `/v1/deliveries`: whom to tell, and what has become of what they were told.
 
-use axum::http::header::LOCATION;
-
 use crate::http::prelude::*;
 use crate::pipeline::Order;
-use crate::wire::cursor::List;
 use crate::wire::hook::{DeliveryBody, HookBody, HookPatchBody, NewHookBody};
-use crate::wire::json;
 
 const MOST_DELIVERIES: usize = 1000;
 

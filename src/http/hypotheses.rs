@@ -1,12 +1,10 @@
 //! `/v1/hypotheses`: equations of one's own that compete with the catalogue in every diagnosis.
 
-use axum::http::header::LOCATION;
-
 use super::document::outcome;
 use crate::http::prelude::*;
 use crate::pipeline::{HypothesisOrder, StoredHypothesis};
 use crate::wire::hypothesis::HypothesisBody;
-use crate::wire::{json, text, time, unit};
+use crate::wire::unit;
 
 /// A hypothesis that is to compete, who says so, and why.
 #[derive(Deserialize, ToSchema)]

@@ -4,8 +4,6 @@ use super::gyros::Gyro;
 use crate::core::judge::Status;
 use crate::http::prelude::*;
 use crate::pipeline::{GyroStatus, Seats};
-use crate::wire::cursor::{self, List};
-use crate::wire::time;
 
 const DEFAULT_IMUS: usize = 100;
 const MOST_IMUS: usize = 1000;
@@ -63,8 +61,8 @@ pub struct ImuDetail {
 pub async fn get_imus(app: App, Parameters(asked): Parameters<ImusQuery>, uri: Uri) -> Answer<Response> {
     let limit = query::limit(asked.limit, DEFAULT_IMUS, MOST_IMUS)?;
     let after = query::number_before(List::Imus, asked.cursor.as_deref())?;
-    let (found, more) = app.pipeline.queries.fleet.imus(after, limit as u32).await?;
-    let next = found.last().filter(|_| more).map(|last| cursor::encode(List::Imus, i64::from(last.number)));
+    let found = app.pipeline.queries.fleet.imus(after, limit as u32 + 1).await?;
+    let (found, next) = query::page(List::Imus, found, limit, |imu| Some(Id(i64::from(imu.number))));
     let imus = found.into_iter().map(|found| ListedImuBody {
         imu: found.name,
         status: worst(&found.seats),

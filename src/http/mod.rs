@@ -41,7 +41,6 @@ pub mod problem;
 mod query;
 mod record_list;
 mod records;
-mod refusal;
 mod remark;
 pub mod server;
 mod signed;

@@ -8,7 +8,6 @@ use crate::http::prelude::*;
 use crate::pipeline::{AdoptedModel, Adoption};
 use crate::wire::body::{ToBody, bodies};
 use crate::wire::forecast::ForecastSeriesBody;
-use crate::wire::json;
 use crate::wire::model::{AdoptionBody, ModelBody};
 
 /// The model in force, and every one before it.

@@ -11,7 +11,6 @@ use utoipa::openapi::path::{Parameter, ParameterIn};
 
 use crate::core::judge::State;
 use crate::http::prelude::*;
-use crate::pipeline::Judged;
 use crate::wire::note::NoteBody;
 
 /// What `Prefer` says of the answer to something that was sent; all that is not understood is passed over.
@@ -60,7 +59,7 @@ impl Prefer {
 }
 
 /// The parts of `text` between `separator`s that are not within quotation marks.
-fn outside_quotes(text: &str, separator: char) -> impl Iterator<Item = &str> {
+pub(super) fn outside_quotes(text: &str, separator: char) -> impl Iterator<Item = &str> {
     let (mut quoted, mut escaped) = (false, false);
     text.split(move |letter| {
         quoted ^= letter == '"' && !escaped;
@@ -88,11 +87,7 @@ struct VerdictCounts {
 }
 
 impl MinimalAnswer {
-    pub fn just_judged(id: Id, judged: &[Judged], notes: Vec<NoteBody>) -> Self {
-        Self::of(id, judged.iter().flat_map(|gyro| &gyro.verdicts).map(|verdict| verdict.state), notes)
-    }
-
-    fn of(id: Id, states: impl Iterator<Item = State>, notes: Vec<NoteBody>) -> Self {
+    pub fn of(id: Id, states: impl Iterator<Item = State>, notes: Vec<NoteBody>) -> Self {
         let mut counts = VerdictCounts::default();
         for state in states {
             *match state {

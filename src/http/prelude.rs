@@ -2,6 +2,7 @@
 
 pub(super) use axum::Json;
 pub(super) use axum::extract::Path;
+pub(super) use axum::http::header::LOCATION;
 pub(super) use axum::http::{HeaderMap, StatusCode, Uri};
 pub(super) use axum::response::{IntoResponse, Response};
 pub(super) use serde::{Deserialize, Serialize};
@@ -13,5 +14,8 @@ pub(super) use super::problem::Answer;
 pub(super) use super::query::{self, Parameters};
 pub(super) use crate::core::fault::Faults;
 pub(super) use crate::core::id::Id;
+pub(super) use crate::core::time::UtcMicros;
 pub(super) use crate::message;
+pub(super) use crate::wire::cursor::List;
 pub(super) use crate::wire::problem::Problem;
+pub(super) use crate::wire::{json, text, time};

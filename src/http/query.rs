@@ -10,11 +10,11 @@ use serde::de::DeserializeOwned;
 use url::form_urlencoded;
 
 use crate::core::message::{Message, list};
-use crate::core::time::{Span, UtcMicros};
+use crate::core::time::Span;
 use crate::http::prelude::*;
 use crate::routes::AcceptedInputs;
-use crate::wire::cursor::{self, List};
-use crate::wire::{time, unreadable};
+use crate::wire::cursor;
+use crate::wire::unreadable;
 
 pub use crate::wire::problem::{named, not_one_of};
 

@@ -3,8 +3,6 @@
 use crate::core::kind::{Kind, RecordEntry};
 use crate::http::prelude::*;
 use crate::pipeline::{ListFilter, Names};
-use crate::wire::cursor::List;
-use crate::wire::time;
 
 const DEFAULT_RECORDS: usize = 100;
 const MOST_RECORDS: usize = 1000;

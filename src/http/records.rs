@@ -13,10 +13,10 @@ use crate::pipeline::{StoredRecord, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::closure::ClosureBody;
 use crate::wire::document::DocumentKind;
+use crate::wire::note;
 use crate::wire::note::NoteBody;
 use crate::wire::record::RecordBody;
 use crate::wire::sender::SenderBody;
-use crate::wire::{note, time};
 
 /// As much of the answer as was wanted.
 #[derive(ToSchema)]

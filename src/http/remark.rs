@@ -3,10 +3,8 @@
 use crate::core::gyro_event::GyroEvent;
 use crate::core::message::Message;
 use crate::core::record::Name;
-use crate::core::time::UtcMicros;
 use crate::http::prelude::*;
 use crate::pipeline::{Accepted, EventOrder, Submission};
-use crate::wire::text;
 
 /// Why, when and who, as they were sent.
 pub struct SentRemark {

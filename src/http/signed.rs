@@ -1,7 +1,6 @@
 //! Who does something, and why: the whole body of many requests.
 
 use crate::http::prelude::*;
-use crate::wire::{json, text};
 
 /// Who does it, and why.
 #[derive(Deserialize, ToSchema)]

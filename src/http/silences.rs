@@ -1,18 +1,14 @@
 //! `/v1/silences`: nobody is told of the alerts that match, for a time.
 
-use axum::http::header::LOCATION;
-
 use super::alerts::future;
 use super::query::not_one_of;
 use super::signed::Signed;
 use crate::core::alert_filter::Matchers;
 use crate::core::judge::Rule;
 use crate::core::message::sent;
-use crate::core::time::UtcMicros;
 use crate::http::prelude::*;
 use crate::pipeline::SilenceOrder;
 use crate::wire::silence::{MatchersBody, MatchingSilenceBody, NewSilenceBody};
-use crate::wire::{json, text};
 
 #[derive(Debug, Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]

@@ -4,7 +4,6 @@ use crate::core::suspect_window::{Mark, SuspectWindow};
 use crate::http::prelude::*;
 use crate::pipeline::{Refused, WindowMark, WindowOutcome};
 use crate::wire::stations::{StationBody, StationsBody, SuspectWindowBody};
-use crate::wire::{json, text};
 
 /// Every station: repeatability, offset, drift and steps as the gyros of the fleet share them, gyro x station, and how
 /// the stations spread (gauge repeatability and reproducibility), each with its uncertainty.

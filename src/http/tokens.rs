@@ -1,12 +1,9 @@
 //! `/v1/tokens`: who may use the service.
 
-use axum::http::header::LOCATION;
-
 use crate::core::access::{Role, Token};
 use crate::http::prelude::*;
 use crate::pipeline::{AccessOrder, NewToken};
 use crate::wire::body::{ToBody, bodies};
-use crate::wire::{json, text};
 
 /// A token. Its secret is in the answer to its making, and nowhere else.
 #[derive(Serialize, ToSchema)]

@@ -4,7 +4,7 @@
 use super::figure::short;
 use super::prelude::*;
 use crate::core::kind::{Kind, RecordEntry};
-use crate::pipeline::{NotSplit, StoredCampaign};
+use crate::pipeline::StoredCampaign;
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::split::{MovedBody, PartsBody, SplitBody};
 
@@ -38,16 +38,14 @@ impl ReferenceComparison {
         offered.retain(|head| head.id != stored.item.id);
         let newest_before = offered.iter().find(|head| head.calibrated_at < stored.item.calibrated_at);
         let chosen = match asked.reference.as_deref().filter(|text| !text.is_empty()) {
-            Some(text) => Some(text.parse::<Id>().map_err(|_| unknown(text))?),
+            Some(text) => Some(text.parse::<Id>().map_err(|_| Problem::no_such_reference(text))?),
             None => newest_before.map(|head| head.id),
         };
         let split = match chosen {
-            Some(id) => Some(match pages.pipeline.diagnoses.split(stored.item.id, diagnosis, id).await {
-                Ok(split) => Ok(split),
-                Err(NotSplit::NoSuchReference(id)) => return Err(unknown(&id.to_string())),
-                Err(NotSplit::NoReference(why)) => Err(why.message()),
-                Err(NotSplit::Storage(error)) => return Err(error.into()),
-            }),
+            Some(id) => {
+                let split = pages.pipeline.diagnoses.split(stored.item.id, diagnosis, id).await?;
+                Some(split.ok_or_else(|| Problem::no_such_reference(id))?.map_err(|why| why.message()))
+            }
             None => None,
         };
         Ok(Self { offered, chosen, split })
@@ -86,10 +84,6 @@ impl ReferenceComparison {
             }
         }
     }
-}
-
-fn unknown(id: &str) -> Problem {
-    Problem::no_such_reference(id)
 }
 
 pub(super) fn parts(t: &Text, split: &SplitBody) -> Markup {

@@ -1,68 +1,52 @@
-//! Why something is not done: the database may fail, the writer may be busy or gone, an order may make no sense.
+//! Why something is not done: the database may fail, the writer may be busy or gone, what is asked for may make no sense;
+//! and as which status each of it leaves.
 
 use std::sync::Arc;
 
-use crate::core::diagnose::NoReference;
 use crate::core::id::Id;
-use crate::core::imu_model::NoForecast;
-use crate::core::message::{Message, sent, text};
+use crate::core::message::{Message, list, text};
 use crate::message;
 use crate::store::StoreError;
+use crate::wire::differences::Differences;
+use crate::wire::problem::Problem;
+use crate::words;
 
 /// The database has failed. Cheap to clone; for logs it says what the database said.
 #[derive(Debug, Clone, thiserror::Error)]
 #[error(transparent)]
 pub struct StorageError(Arc<StoreError>);
 
-/// What a failure of the database means to whoever asked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StorageFault {
-    /// There is no room.
-    Full,
-    /// Nothing was stored, and another try may do better.
-    Unwritable,
-    /// What was sent may be stored or not.
-    Unanswered,
-    /// It cannot be read.
-    Damaged,
-    /// Anything else: a fault of the service.
-    Internal,
-}
-
 impl StorageError {
-    pub fn fault(&self) -> StorageFault {
-        match &*self.0 {
-            StoreError::Full => StorageFault::Full,
-            StoreError::ReadOnly(_)
-            | StoreError::Busy
-            | StoreError::Unreachable(_)
-            | StoreError::Overtaken(_)
-            | StoreError::NotDurable(_) => StorageFault::Unwritable,
-            StoreError::Unanswered(_) => StorageFault::Unanswered,
-            StoreError::Damaged(_) | StoreError::NoDatabase(_) => StorageFault::Damaged,
+    /// What the database said.
+    pub fn store_error(&self) -> &StoreError {
+        &self.0
+    }
+
+    /// Whether what was sent may be stored or not.
+    pub fn is_unanswered(&self) -> bool {
+        matches!(*self.0, StoreError::Unanswered(_))
+    }
+
+    /// What a client is told. The log has the rest.
+    fn problem(&self) -> Problem {
+        let (status, title, message) = match &*self.0 {
+            StoreError::Full => (507, "title_no_room", message!("disk_full")),
+            StoreError::NotDurable(_) => (503, "title_cannot_store", message!("disk_failed")),
+            StoreError::ReadOnly(_) | StoreError::Busy | StoreError::Unreachable(_) | StoreError::Overtaken(_) => {
+                (503, "title_cannot_store", message!("cannot_write"))
+            }
+            StoreError::Unanswered(_) => (503, "title_perhaps_stored", message!("perhaps_stored")),
+            StoreError::Damaged(what) => {
+                (500, "title_damaged_database", message!("database_damaged", what = what.clone()))
+            }
+            StoreError::NoDatabase(_) => (500, "title_damaged_database", message!("service_failed")),
             StoreError::Refused(_)
             | StoreError::InUse(_)
             | StoreError::File(_)
             | StoreError::Key(_)
-            | StoreError::Other(_) => StorageFault::Internal,
-        }
-    }
-
-    /// What a client is told. The log has the rest.
-    pub fn message(&self) -> Message {
-        match (&*self.0, self.fault()) {
-            (StoreError::NotDurable(_), _) => message!("disk_failed"),
-            (StoreError::Damaged(what), _) => message!("database_damaged", what = what.clone()),
-            (_, StorageFault::Full) => message!("disk_full"),
-            (_, StorageFault::Unwritable) => message!("cannot_write"),
-            (_, StorageFault::Unanswered) => message!("perhaps_stored"),
-            (_, StorageFault::Damaged | StorageFault::Internal) => message!("service_failed"),
-        }
-    }
-
-    /// What the database said.
-    pub fn store_error(&self) -> &StoreError {
-        &self.0
+            | StoreError::Other(_) => (500, "title_internal_error", message!("service_failed")),
+        };
+        Problem::new(status, title, message)
     }
 }
 
@@ -72,144 +56,102 @@ impl From<StoreError> for StorageError {
     }
 }
 
-/// Nothing was written; after [`StorageFault::Unanswered`] that is not known.
-#[derive(Debug, Clone, thiserror::Error)]
-pub enum WriteError {
-    #[error("{}", self.message())]
-    Busy,
-    #[error("{}", self.message())]
-    Stopping,
-    #[error(transparent)]
-    Storage(#[from] StorageError),
+/// Computes on a thread for that; where that panics, what it reads is damaged: `what` says so.
+pub(super) async fn computed<T: Send + 'static>(
+    what: String,
+    work: impl FnOnce() -> T + Send + 'static,
+) -> Result<T, StoreError> {
+    words::spawn_blocking(work).await.map_err(|error| StoreError::damaged(format_args!("{what}: {error}")))
 }
 
-impl WriteError {
-    pub fn message(&self) -> Message {
-        match self {
-            Self::Busy => message!("busy"),
-            Self::Stopping => message!("stopping"),
-            Self::Storage(error) => error.message(),
-        }
+/// A failure to read: logged here, once.
+impl From<StorageError> for Problem {
+    fn from(error: StorageError) -> Self {
+        tracing::error!(%error, "a query failed");
+        error.problem()
     }
 }
 
-/// An error behind which a failed write may be.
-pub(super) trait WriteFailure: From<StoreError> {
-    /// What the database said, if it was the database.
-    fn store_error(&self) -> Option<&StoreError>;
-}
-
-impl From<StoreError> for WriteError {
-    fn from(error: StoreError) -> Self {
-        Self::Storage(error.into())
-    }
-}
-
-impl WriteFailure for WriteError {
-    fn store_error(&self) -> Option<&StoreError> {
-        match self {
-            Self::Storage(error) => Some(error.store_error()),
-            Self::Busy | Self::Stopping => None,
-        }
-    }
-}
-
-/// Why an order is not carried out. Nothing has changed then; after [`StorageFault::Unanswered`] that is not known.
+/// Why what was submitted or ordered is not taken. Nothing has changed then; where [`StorageError::is_unanswered`], that
+/// is not known.
 #[derive(Debug, Clone, thiserror::Error)]
 #[error("{}", self.message())]
-pub enum OrderError {
-    NoSuchToken(Id),
-    SetupOver,
-    NoRandomNumbers,
-    UnknownAlert(Id),
-    AlertResolved(Id),
-    UnknownSilence(Id),
-    TooManySilences(usize),
-    NoSuchHook(Id),
-    NoSuchDelivery(Id),
-    HookDisabled(Id),
-    StillBehind(Id),
-    Dropped(Id),
-    SecretNeeded,
-    /// A `mailto:` address for a hook that is no e-mail, or another for one that is.
-    OtherKind,
-    TooManyHooks(usize),
-    NoSuchDiagnoses(Id),
-    DiagnosesEnded(Id),
-    UnknownImu(String),
-    /// A model of other gyros, or another geometry, than the IMU's newest campaign has.
-    OtherGyros(NoForecast),
-    NoSuchHypothesis(String),
-    HypothesisTaken(String),
-    TooManyHypotheses(usize),
-    #[error(transparent)]
-    Write(#[from] WriteError),
-}
-
-impl OrderError {
-    pub fn message(&self) -> Message {
-        match self {
-            Self::NoSuchToken(id) => message!("no_such_token", id = text(id)),
-            Self::SetupOver => message!("setup_over"),
-            Self::NoRandomNumbers => message!("no_random_numbers"),
-            Self::UnknownAlert(id) => message!("unknown_alert", id = text(id)),
-            Self::AlertResolved(id) => message!("alert_resolved", id = text(id)),
-            Self::UnknownSilence(id) => message!("unknown_silence", id = text(id)),
-            Self::TooManySilences(most) => message!("too_many_silences", most = *most),
-            Self::NoSuchHook(id) => message!("no_such_hook", id = text(id)),
-            Self::NoSuchDelivery(id) => message!("no_such_delivery", id = text(id)),
-            Self::HookDisabled(id) => message!("hook_disabled", id = text(id)),
-            Self::StillBehind(id) => message!("still_behind", id = text(id)),
-            Self::Dropped(id) => message!("delivery_dropped", id = text(id)),
-            Self::SecretNeeded => message!("secret_needed"),
-            Self::OtherKind => message!("target_of_other_kind"),
-            Self::TooManyHooks(most) => message!("too_many_hooks", most = *most),
-            Self::NoSuchDiagnoses(id) => message!("no_such_diagnoses", id = text(id)),
-            Self::DiagnosesEnded(id) => message!("diagnoses_ended", id = text(id)),
-            Self::UnknownImu(imu) => message!("unknown_imu", imu = imu.clone()),
-            Self::OtherGyros(why) => message!("model_of_other_gyros", why = why.message()),
-            Self::NoSuchHypothesis(name) => message!("no_such_hypothesis", name = sent(name)),
-            Self::HypothesisTaken(name) => message!("hypothesis_taken", name = sent(name)),
-            Self::TooManyHypotheses(most) => message!("hypotheses_too_many", most = *most),
-            Self::Write(error) => error.message(),
-        }
-    }
-}
-
-/// Makes an error with a variant `Write` one behind which a failed write may be.
-macro_rules! unwritten {
-    ($error:ty) => {
-        impl From<$crate::store::StoreError> for $error {
-            fn from(error: $crate::store::StoreError) -> Self {
-                Self::Write(error.into())
-            }
-        }
-
-        impl $crate::pipeline::error::WriteFailure for $error {
-            fn store_error(&self) -> Option<&$crate::store::StoreError> {
-                if let Self::Write(error) = self { error.store_error() } else { None }
-            }
-        }
-    };
-}
-
-pub(super) use unwritten;
-
-unwritten!(OrderError);
-
-/// Why a diagnosis cannot be held against a reference.
-#[derive(Debug, thiserror::Error)]
-pub enum NotSplit {
-    #[error("there is no campaign or record {0}")]
-    NoSuchReference(Id),
-    #[error(transparent)]
-    NoReference(#[from] NoReference),
+pub enum Refused {
+    /// It makes no sense, or something stands in its way.
+    Problem(Box<Problem>),
+    /// It is there with other content.
+    Differs { existing: Id, differences: Differences },
+    /// Another record holds this gyro at that instant; its place among the gyros that were sent.
+    GyroElsewhere { existing: Id, index: usize, serial: String },
+    /// The writer has too much to do.
+    Busy,
+    /// The writer is gone.
+    Stopping,
+    /// It could not be read or written.
     #[error(transparent)]
     Storage(#[from] StorageError),
 }
 
-impl From<StoreError> for NotSplit {
+impl Refused {
+    /// Something stored stands in its way.
+    pub(super) fn conflict(title: &'static str, message: Message) -> Self {
+        Problem::new(409, title, message).into()
+    }
+
+    /// What it says at this place cannot be stored.
+    pub(super) fn not_storable(pointer: &str, message: Message) -> Self {
+        Problem::new(422, "title_cannot_be_stored", message).at(pointer).into()
+    }
+
+    pub fn message(&self) -> Message {
+        self.problem().message
+    }
+
+    fn problem(&self) -> Problem {
+        match self {
+            Self::Problem(problem) => Problem::clone(problem),
+            Self::Differs { existing, differences } => {
+                let problem = Problem::new(409, "title_differs", differs(*existing, differences));
+                let places = differences.pointers.iter();
+                let place = |problem: Problem, pointer| problem.with_place(pointer, message!("differs_here"));
+                places.fold(problem.with_existing(existing), place)
+            }
+            Self::GyroElsewhere { existing, index, serial } => {
+                let message = message!("gyro_elsewhere", serial = serial.clone(), id = text(existing));
+                let problem = Problem::new(409, "title_gyro_elsewhere", message).with_existing(existing);
+                problem.at(format!("/gyros/{index}/serial"))
+            }
+            Self::Busy => Problem::new(503, "title_try_again", message!("busy")),
+            Self::Stopping => Problem::new(503, "title_try_again", message!("stopping")),
+            Self::Storage(error) => error.problem(),
+        }
+    }
+}
+
+fn differs(existing: Id, differences: &Differences) -> Message {
+    let (id, further) = (text(existing), differences.further);
+    let places = list(differences.places());
+    match differences.pointers.iter().any(String::is_empty) {
+        true => message!("differs_in_everything", id = id),
+        false if further > 0 => message!("differs_further", id = id, places = places, further = further),
+        false => message!("differs", id = id, places = places),
+    }
+}
+
+impl From<Problem> for Refused {
+    fn from(problem: Problem) -> Self {
+        Self::Problem(Box::new(problem))
+    }
+}
+
+impl From<StoreError> for Refused {
     fn from(error: StoreError) -> Self {
         Self::Storage(error.into())
+    }
+}
+
+impl From<Refused> for Problem {
+    fn from(refused: Refused) -> Self {
+        refused.problem()
     }
 }

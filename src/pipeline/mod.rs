@@ -54,11 +54,11 @@ pub use alerts::{AlertChange, AlertOrder, AlertStep, Alerts, SilenceOrder};
 pub use diagnoses::{
     AdoptedModel, Adoption, Conclusion, Diagnoses, DiagnosisAnswer, DiagnosisOrder, HypothesisOrder, StoredHypothesis,
 };
-pub use error::{NotSplit, OrderError, StorageError, StorageFault, WriteError};
+pub use error::{Refused, StorageError};
 pub use hooks::{Hooks, Order, Outbox};
 pub use ingest::{
     Accepted, AttributesOrder, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, EventOrder, Ingest,
-    Judged, Origin, Preview, ReadCampaign, Reader, Refused, Reply, SetAsideOrder, Submission, WindowMark,
+    Judged, Origin, Preview, ReadCampaign, Reader, Reply, SetAsideOrder, Submission, WindowMark,
 };
 pub use queries::{
     BEYOND, Baseline, CalibrationPreview, CommonFactor, CommonShift, Compared, Comparison, DueDate, ExplainedHistory,
@@ -178,7 +178,7 @@ impl Pipeline {
     }
 
     /// Whether a record would be stored now: the writer lives and the database can be written.
-    pub async fn probe(&self) -> Result<(), WriteError> {
+    pub async fn probe(&self) -> Result<(), Refused> {
         self.queue.ask(Job::Probe).await
     }
 }

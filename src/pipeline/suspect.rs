@@ -1,10 +1,9 @@
 //! A window of time in which what a station measured is suspect: its records are set aside, and trusted again.
 
-use crate::core::alert_decision::Late;
 use crate::core::suspect_window::{Mark, SuspectWindow};
 use crate::pipeline::Pipeline;
 use crate::pipeline::prelude::*;
-use crate::pipeline::{Confirmation, ListFilter, Refused, SetAsideOrder, Submission, WindowMark};
+use crate::pipeline::{Confirmation, ListFilter, SetAsideOrder, Submission, WindowMark};
 use crate::wire::note;
 
 /// Records that are asked for, and submitted, at a time.
@@ -53,9 +52,8 @@ impl Pipeline {
     async fn suspect_in(&self, station: &str, span: Span) -> Result<Vec<Id>, Refused> {
         let mut suspect = Vec::new();
         for id in self.of_window(station, span, false).await? {
-            let is_aside = self.queries.records.status(id).await.map_err(WriteError::from)?.set_aside;
-            let Some(record) = self.queries.records.sent(id).await.map_err(WriteError::from)?.filter(|_| is_aside)
-            else {
+            let is_aside = self.queries.records.status(id).await?.set_aside;
+            let Some(record) = self.queries.records.sent(id).await?.filter(|_| is_aside) else {
                 continue;
             };
             let noted = note::read(record.notes.as_deref());
@@ -72,7 +70,7 @@ impl Pipeline {
         let filter = ListFilter { kind: None, imu: None, station: Some(station), calibrated: span };
         let (mut found, mut before) = (Vec::new(), Id(i64::MAX));
         loop {
-            let page = self.queries.records.listed(&filter, before, PAGE).await.map_err(WriteError::from)?;
+            let page = self.queries.records.listed(&filter, before, PAGE).await?;
             let Some(last) = page.last() else { break };
             before = last.id;
             found.extend(page.iter().filter(|record| record.voided != counting).map(|r| (r.calibrated_at, r.id)));
@@ -89,7 +87,7 @@ impl Pipeline {
                 match reply {
                     Ok(Accepted::Stored { .. }) => outcome.changed.push(*id),
                     Ok(Accepted::There { .. }) => {}
-                    Err(write @ Refused::Write(_)) => return Err(write),
+                    Err(undone @ (Refused::Busy | Refused::Stopping | Refused::Storage(_))) => return Err(undone),
                     Err(refused) => outcome.refused.push((*id, refused)),
                 }
             }

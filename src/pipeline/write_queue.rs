@@ -2,7 +2,6 @@
 
 use tokio::sync::{mpsc, oneshot};
 
-use crate::core::alert_decision::Late;
 use crate::pipeline::access::Secret;
 use crate::pipeline::diagnoses::FinishedDiagnosis;
 use crate::pipeline::hooks::Found;
@@ -15,7 +14,7 @@ use crate::store::PackedText;
 use crate::wire::alert::AlertBody;
 
 /// Where an answer goes.
-pub(super) type ReplyTo<T, E> = oneshot::Sender<Result<T, E>>;
+pub(super) type ReplyTo<T> = oneshot::Sender<Result<T, Refused>>;
 
 /// What the writer is asked to do.
 #[derive(Debug)]
@@ -23,33 +22,33 @@ pub(super) enum Job {
     /// Something is to be stored.
     Store(StoreJob),
     /// A hook or its queue is to change.
-    Hook { order: Order, by: Actor, reply: ReplyTo<Id, OrderError> },
+    Hook { order: Order, by: Actor, reply: ReplyTo<Id> },
     /// How an attempt to tell a hook went, or that its target is back, is to be written down.
-    Found { found: Found, reply: ReplyTo<(), WriteError> },
+    Found { found: Found, reply: ReplyTo<()> },
     /// A model is to be in force for an IMU, whose campaigns have been fitted with it.
-    Model { adoption: Box<(Adoption, Restated)>, by: Actor, reply: ReplyTo<Accepted, OrderError> },
+    Model { adoption: Box<(Adoption, Restated)>, by: Actor, reply: ReplyTo<Accepted> },
     /// Calibrations of an IMU by its number, as the model states them that is in force.
-    Restate { stale: Box<(u32, Id, Restated)>, reply: ReplyTo<(), WriteError> },
+    Restate { stale: Box<(u32, Id, Restated)>, reply: ReplyTo<()> },
     /// Texts of stored records are deflated.
-    Pack { texts: Vec<PackedText>, reply: ReplyTo<(), WriteError> },
+    Pack { texts: Vec<PackedText>, reply: ReplyTo<()> },
     /// A hypothesis is to compete in all diagnoses, or no longer.
-    Hypothesis { order: HypothesisOrder, by: Actor, reply: ReplyTo<Accepted, OrderError> },
+    Hypothesis { order: HypothesisOrder, by: Actor, reply: ReplyTo<Accepted> },
     /// Many campaigns are to be diagnosed, or no longer.
-    Diagnoses { order: DiagnosisOrder, by: Actor, reply: ReplyTo<Accepted, OrderError> },
+    Diagnoses { order: DiagnosisOrder, by: Actor, reply: ReplyTo<Accepted> },
     /// A diagnosis is to be kept.
-    Diagnosed { made: FinishedDiagnosis, reply: ReplyTo<(), WriteError> },
+    Diagnosed { made: FinishedDiagnosis, reply: ReplyTo<()> },
     /// What somebody says of an alert.
-    Alert { order: AlertOrder, by: Actor, reply: ReplyTo<AlertBody, OrderError> },
+    Alert { order: AlertOrder, by: Actor, reply: ReplyTo<AlertBody> },
     /// A silence of many alerts is to begin or to end.
-    Silence { order: SilenceOrder, by: Actor, reply: ReplyTo<Id, OrderError> },
+    Silence { order: SilenceOrder, by: Actor, reply: ReplyTo<Id> },
     /// An import has come to its end: what waits for its digest is told.
-    Digest(ReplyTo<(), WriteError>),
+    Digest(ReplyTo<()>),
     /// What gyros share is to be looked at before the clock does: many records have been set aside, or count again.
-    Shared(ReplyTo<(), WriteError>),
+    Shared(ReplyTo<()>),
     /// Who may use the service is to change.
-    Access { order: AccessOrder, by: Actor, reply: ReplyTo<Option<Secret>, OrderError> },
+    Access { order: AccessOrder, by: Actor, reply: ReplyTo<Option<Secret>> },
     /// Whether it could.
-    Probe(ReplyTo<(), WriteError>),
+    Probe(ReplyTo<()>),
 }
 
 /// Submissions of one sender that are to be answered together, in order.
@@ -121,39 +120,39 @@ impl WriteQueue {
     }
 
     /// Queues what is to be stored.
-    pub fn offer_to(&self, partition: usize, job: Job) -> Result<(), WriteError> {
+    pub fn offer_to(&self, partition: usize, job: Job) -> Result<(), Refused> {
         offer(&self.partitions[partition], job)
     }
 
     /// As [`WriteQueue::offer_to`], but waits for room.
-    pub async fn send_to(&self, partition: usize, job: Job) -> Result<(), WriteError> {
-        self.partitions[partition].send(job).await.map_err(|_| WriteError::Stopping)
+    pub async fn send_to(&self, partition: usize, job: Job) -> Result<(), Refused> {
+        self.partitions[partition].send(job).await.map_err(|_| Refused::Stopping)
     }
 
     /// Queues an order that need not be answered here; waits for room.
-    pub async fn send(&self, job: Job) -> Result<(), WriteError> {
-        self.orders.send(job).await.map_err(|_| WriteError::Stopping)
+    pub async fn send(&self, job: Job) -> Result<(), Refused> {
+        self.orders.send(job).await.map_err(|_| Refused::Stopping)
     }
 
     /// Has the writer do something; returns its answer.
-    pub async fn ask<T, E: From<WriteError>>(&self, job: impl FnOnce(ReplyTo<T, E>) -> Job) -> Result<T, E> {
+    pub async fn ask<T>(&self, job: impl FnOnce(ReplyTo<T>) -> Job) -> Result<T, Refused> {
         let (reply, answer) = oneshot::channel();
         offer(&self.orders, job(reply))?;
-        answer.await.map_err(|_| WriteError::Stopping)?
+        answer.await.map_err(|_| Refused::Stopping)?
     }
 
     /// As [`WriteQueue::ask`], but waits for room.
-    pub async fn ask_in_turn<T, E: From<WriteError>>(&self, job: impl FnOnce(ReplyTo<T, E>) -> Job) -> Result<T, E> {
+    pub async fn ask_in_turn<T>(&self, job: impl FnOnce(ReplyTo<T>) -> Job) -> Result<T, Refused> {
         let (reply, answer) = oneshot::channel();
         self.send(job(reply)).await?;
-        answer.await.map_err(|_| WriteError::Stopping)?
+        answer.await.map_err(|_| Refused::Stopping)?
     }
 }
 
-fn offer(queue: &mpsc::Sender<Job>, job: Job) -> Result<(), WriteError> {
+fn offer(queue: &mpsc::Sender<Job>, job: Job) -> Result<(), Refused> {
     queue.try_send(job).map_err(|error| match error {
-        mpsc::error::TrySendError::Full(_) => WriteError::Busy,
-        mpsc::error::TrySendError::Closed(_) => WriteError::Stopping,
+        mpsc::error::TrySendError::Full(_) => Refused::Busy,
+        mpsc::error::TrySendError::Closed(_) => Refused::Stopping,
     })
 }
 

@@ -6,7 +6,7 @@ use std::fmt::Display;
 use utoipa::PartialSchema;
 use utoipa::openapi::{RefOr, Schema};
 
-use crate::core::message::{list, text};
+use crate::core::message::{list, sent, text};
 use crate::core::named::Named;
 use crate::wire::prelude::*;
 
@@ -81,6 +81,7 @@ not_there! {
     no_such_delivery(id): "title_no_such_delivery", message!("no_such_delivery", id = text(id));
     no_such_diagnoses(id): "title_no_such_diagnoses", message!("no_such_diagnoses", id = text(id));
     no_such_token(id): "title_no_such_token", message!("no_such_token", id = text(id));
+    no_such_hypothesis(name): "title_no_such_hypothesis", message!("no_such_hypothesis", name = sent(&name.to_string()));
 }
 
 impl Problem {

@@ -12,7 +12,7 @@ use crate::core::access::{Role, Token};
 use crate::core::fault::Faults;
 use crate::core::message::sent;
 use crate::core::time::UtcMicros;
-use crate::pipeline::{NewToken, OrderError, create_beside, revoke_beside};
+use crate::pipeline::{NewToken, Refused, create_beside, revoke_beside};
 use crate::store::{StoreError, TokenDatabase};
 use crate::system::Clock;
 use crate::wire::text;
@@ -91,7 +91,7 @@ impl TokenArgs {
 
 /// Whether the database failed, and not what was asked of it.
 fn is_of_the_database(error: &anyhow::Error) -> bool {
-    error.is::<StoreError>() || matches!(error.downcast_ref(), Some(OrderError::Write(_)))
+    error.is::<StoreError>() || matches!(error.downcast_ref(), Some(Refused::Storage(_)))
 }
 
 impl TokenCommand {

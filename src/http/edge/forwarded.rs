@@ -7,6 +7,8 @@ use axum::http::header::{FORWARDED, HOST, VIA};
 use axum::http::{HeaderMap, HeaderName, HeaderValue};
 use ipnet::IpNet;
 
+use crate::http::prefer_header::outside_quotes;
+
 /// What is known of the way that a request came.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct ForwardedRequest {
@@ -62,7 +64,8 @@ fn only_proxies_add(name: &HeaderName) -> bool {
 fn hops(headers: &HeaderMap) -> Vec<Hop> {
     let all = |name: &str| -> Vec<String> {
         let values = headers.get_all(name).iter().filter_map(|value| value.to_str().ok());
-        values.flat_map(|value| parts(value, ',')).filter(|item| !item.is_empty()).collect()
+        let items = values.flat_map(|value| outside_quotes(value, ',')).map(str::trim);
+        items.filter(|item| !item.is_empty()).map(str::to_owned).collect()
     };
     let mut clients = all("x-forwarded-for");
     // Proxies put one value here, or add to the end: the nearest one's word counts.
@@ -80,7 +83,7 @@ fn hops(headers: &HeaderMap) -> Vec<Hop> {
 /// An element of `Forwarded` (RFC 7239).
 fn forwarded(element: &str) -> Hop {
     let mut hop = Hop::default();
-    for pair in parts(element, ';') {
+    for pair in outside_quotes(element, ';') {
         let Some((name, value)) = pair.split_once('=') else { continue };
         let value = value.trim().trim_matches('"').to_owned();
         match name.trim().to_ascii_lowercase().as_str() {
@@ -98,16 +101,6 @@ fn address(text: &str) -> Option<IpAddr> {
     let bare = text.trim().trim_start_matches('[').trim_end_matches(']');
     let address = bare.parse().ok().or_else(|| Some(text.trim().parse::<SocketAddr>().ok()?.ip()));
     address.map(|address| address.to_canonical())
-}
-
-/// What stands between separators, but for those within quotation marks.
-fn parts(text: &str, separator: char) -> Vec<String> {
-    let mut quoted = false;
-    let split = text.split(|c| {
-        quoted ^= c == '"';
-        c == separator && !quoted
-    });
-    split.map(|part| part.trim().to_owned()).collect()
 }
 
 #[cfg(test)]

@@ -13,8 +13,8 @@ const MOST: usize = 128;
 
 #[derive(Debug)]
 pub(super) struct Trace {
-    id: String,
-    parent: String,
+    pub id: String,
+    pub parent: String,
 }
 
 impl Trace {
@@ -28,25 +28,9 @@ impl Trace {
         let id = sent(REQUEST_ID, is_id).unwrap_or_else(|| parent[3..35].to_owned());
         Self { id, parent }
     }
-
-    pub fn id(&self) -> &str {
-        &self.id
-    }
-
-    pub fn parent(&self) -> &str {
-        &self.parent
-    }
-
-    pub fn id_header(&self) -> HeaderValue {
-        header(&self.id)
-    }
-
-    pub fn parent_header(&self) -> HeaderValue {
-        header(&self.parent)
-    }
 }
 
-fn header(text: &str) -> HeaderValue {
+pub(super) fn header(text: &str) -> HeaderValue {
     HeaderValue::from_str(text).expect("identifiers are plain ASCII")
 }
 
@@ -95,18 +79,18 @@ mod tests {
     #[test]
     fn what_is_sent_is_kept_and_what_is_not_is_made() {
         let kept = trace(&[(REQUEST_ID, "order-17.a:b/c"), (TRACEPARENT, PARENT)]);
-        assert_eq!((kept.id(), kept.parent()), ("order-17.a:b/c", PARENT));
+        assert_eq!((kept.id.as_str(), kept.parent.as_str()), ("order-17.a:b/c", PARENT));
         let later = format!("01{}-what-comes", &PARENT[2..]);
-        assert_eq!(trace(&[(TRACEPARENT, &later)]).parent(), later);
-        assert_eq!(trace(&[(TRACEPARENT, PARENT)]).id(), "4bf92f3577b34da6a3ce929d0e0e4736");
+        assert_eq!(trace(&[(TRACEPARENT, &later)]).parent, later);
+        assert_eq!(trace(&[(TRACEPARENT, PARENT)]).id, "4bf92f3577b34da6a3ce929d0e0e4736");
         let (one, other) = (trace(&[]), trace(&[]));
-        assert!(is_parent(one.parent()) && one.parent() != other.parent() && one.id() != other.id());
+        assert!(is_parent(&one.parent) && one.parent != other.parent && one.id != other.id);
     }
 
     #[test]
     fn what_is_not_sound_is_replaced() {
         for id in ["", "a b", "x\"", "a,b", &"a".repeat(MOST + 1)] {
-            assert_ne!(trace(&[(REQUEST_ID, id)]).id(), id);
+            assert_ne!(trace(&[(REQUEST_ID, id)]).id, id);
         }
         for parent in [
             "",
@@ -117,7 +101,7 @@ mod tests {
             &format!("ff{}", &PARENT[2..]),
             &format!("{PARENT}-more"),
         ] {
-            assert_ne!(trace(&[(TRACEPARENT, parent)]).parent(), parent);
+            assert_ne!(trace(&[(TRACEPARENT, parent)]).parent, parent);
         }
     }
 }

@@ -3,7 +3,6 @@
 use serde::Serializer;
 
 use crate::core::named::named;
-use crate::core::time::UtcMicros;
 use crate::http::events::EventBody;
 use crate::http::prelude::*;
 use crate::http::query::not_one_of;

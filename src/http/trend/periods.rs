@@ -3,7 +3,7 @@
 use super::request::{PointMethod, Request, TrendText};
 use crate::config::JudgedMethod;
 use crate::core::period::{Period, Summary, SummaryBuilder};
-use crate::core::time::{Span, UtcMicros};
+use crate::core::time::Span;
 use crate::http::events::EventBody;
 use crate::http::prelude::*;
 use crate::pipeline::sample_of;
@@ -61,13 +61,9 @@ impl Request {
             }
         }
         let mut summaries = gatherer.finish();
-        if self.newest {
-            summaries.drain(..summaries.len().saturating_sub(self.limit));
-            return Ok((summaries, None));
-        }
         // A page ends with a period; the next begins with whatever comes after it.
         let ends = |summary: &Summary| UtcMicros(period.next(summary.begins).0 - 1);
-        let next = self.cut(&mut summaries, ends);
+        let next = self.page(&mut summaries, ends);
         Ok((summaries, next))
     }
 

@@ -7,11 +7,11 @@ use crate::core::bench::{BenchItem, BenchMethod};
 use crate::core::figures::Figures;
 use crate::core::judge::Coefficient;
 use crate::core::period::Period;
-use crate::core::time::{Span, UtcMicros};
+use crate::core::time::Span;
 use crate::http::prelude::*;
 use crate::http::query::{bad, not_one_of};
 use crate::pipeline::Levels;
-use crate::wire::cursor::{self, List};
+use crate::wire::cursor;
 
 /// Points of one JSON answer unless `limit` says otherwise, and at the most.
 const DEFAULT_POINTS: usize = 1000;
@@ -181,15 +181,6 @@ impl Request {
         Ok((rows, next))
     }
 
-    /// Leaves one page; the cursor of the next, where something is left.
-    fn page<T>(&self, rows: &mut Vec<T>, at: impl Fn(&T) -> UtcMicros) -> Option<String> {
-        if self.newest {
-            rows.drain(..rows.len().saturating_sub(self.limit));
-            return None;
-        }
-        self.cut(rows, at)
-    }
-
     pub async fn benches(&self, app: &App, gyro: u32, method: BenchMethod) -> Answer<(Vec<BenchItem>, Option<String>)> {
         let mut rows = app.pipeline.queries.histories.all_benches(gyro, self.span).await?;
         rows.retain(|row| row.method == method && (self.voided || !row.voided));
@@ -197,9 +188,13 @@ impl Request {
         Ok((rows, next))
     }
 
-    /// Cuts one page off; the cursor of the next, where something is left.
-    pub(super) fn cut<T>(&self, rows: &mut Vec<T>, at: impl Fn(&T) -> UtcMicros) -> Option<String> {
+    /// Leaves one page; the cursor of the next, where something is left.
+    pub(super) fn page<T>(&self, rows: &mut Vec<T>, at: impl Fn(&T) -> UtcMicros) -> Option<String> {
         let limit = self.limit;
+        if self.newest {
+            rows.drain(..rows.len().saturating_sub(limit));
+            return None;
+        }
         let (last, first_left) = (rows.get(limit.checked_sub(1)?)?, rows.get(limit)?);
         // The next page begins after an instant: what is of the same instant stays together.
         let end = match at(last) == at(first_left) {

@@ -14,7 +14,7 @@ const MOST_OF_A_GYRO: u32 = 200;
 pub(in crate::pages) async fn open_ones(pages: &Pages, gyro: u32) -> Result<Vec<AlertBody>, Problem> {
     let filter = AlertFilter { gyro: Some(gyro), ..AlertFilter::default() };
     let found = pages.pipeline.alerts.find(&filter, None, MOST_OF_A_GYRO).await?;
-    let mut open: Vec<AlertBody> = found.into_iter().map(|(_, alert)| alert).filter(is_open).collect();
+    let mut open: Vec<AlertBody> = found.into_iter().filter(is_open).collect();
     open.sort_by_key(|alert| alert.severity != Severity::Critical.name());
     Ok(open)
 }

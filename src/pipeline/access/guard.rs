@@ -3,14 +3,13 @@
 use std::net::IpAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, Weak};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use super::audit::{Caller, Credential, SETUP};
 use super::limits::{Allowance, Failures};
 use super::secret::Secret;
 use crate::config::AccessConfig;
 use crate::core::access::{Role, Token};
-use crate::core::message::Message;
 use crate::pipeline::prelude::*;
 use crate::store::SessionRow;
 
@@ -39,19 +38,20 @@ pub enum Denied {
 }
 
 impl Denied {
-    pub fn message(&self) -> Message {
-        match self {
-            Self::NoToken => message!("no_token"),
-            Self::NotHere => message!("not_here"),
-            Self::Proxied => message!("proxied"),
-            Self::Wrong => message!("wrong_token"),
-            Self::Revoked => message!("revoked_token"),
-            Self::Expired => message!("expired_token"),
-            Self::SignedOut => message!("signed_out"),
-            Self::TooManyFailures { .. } => message!("too_many_failures"),
-            Self::TooManyRequests { .. } => message!("too_many_requests"),
-            Self::Unreadable => message!("access_unreadable"),
-        }
+    pub fn problem(&self) -> Problem {
+        let (status, title, message) = match self {
+            Self::NoToken => (401, "title_token_needed", message!("no_token")),
+            Self::SignedOut => (401, "title_token_needed", message!("signed_out")),
+            Self::Wrong => (401, "title_token_not_valid", message!("wrong_token")),
+            Self::Revoked => (401, "title_token_not_valid", message!("revoked_token")),
+            Self::Expired => (401, "title_token_not_valid", message!("expired_token")),
+            Self::NotHere => (403, "title_not_allowed", message!("not_here")),
+            Self::Proxied => (403, "title_not_allowed", message!("proxied")),
+            Self::TooManyFailures { .. } => (429, "title_too_many_wrong_tokens", message!("too_many_failures")),
+            Self::TooManyRequests { .. } => (429, "title_too_many_requests", message!("too_many_requests")),
+            Self::Unreadable => (503, "title_try_again", message!("access_unreadable")),
+        };
+        Problem::new(status, title, message)
     }
 }
 

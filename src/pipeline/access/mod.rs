@@ -41,11 +41,11 @@ impl Access {
     }
 
     /// Has the writer carry out an order about access.
-    pub async fn order(&self, order: AccessOrder) -> Result<Option<Secret>, OrderError> {
+    pub async fn order(&self, order: AccessOrder) -> Result<Option<Secret>, Refused> {
         self.order_by(order, Actor::by_caller()).await
     }
 
-    async fn order_by(&self, order: AccessOrder, by: Actor) -> Result<Option<Secret>, OrderError> {
+    async fn order_by(&self, order: AccessOrder, by: Actor) -> Result<Option<Secret>, Refused> {
         self.queue.ask(|reply| Job::Access { order, by, reply }).await
     }
 
@@ -58,19 +58,19 @@ impl Access {
         token: &str,
         source: IpAddr,
         agent: Option<String>,
-    ) -> Result<Result<SignedIn, Denied>, OrderError> {
+    ) -> Result<Result<SignedIn, Denied>, Refused> {
         let caller = match self.guard.sign_in(token, source, self.clock.now()).await {
             Ok(caller) => Caller { agent, ..caller },
             Err(denied) => return Ok(Err(denied)),
         };
         let Some(token) = caller.token() else { return Ok(Err(Denied::Wrong)) };
         let drawn = self.order_by(AccessOrder::SignIn { token }, Actor::by(&caller)).await?;
-        let cookie = drawn.ok_or(WriteError::Stopping)?;
+        let cookie = drawn.ok_or(Refused::Stopping)?;
         Ok(Ok(SignedIn { cookie, seconds: self.guard.session_us() / UtcMicros::SECOND }))
     }
 
     /// Ends the session of this task's caller, if it is one.
-    pub async fn sign_out(&self) -> Result<(), OrderError> {
+    pub async fn sign_out(&self) -> Result<(), Refused> {
         if let Some(Caller { by: Credential::Session { session, .. }, .. }) = Caller::current() {
             self.order(AccessOrder::SignOut { session }).await?;
         }

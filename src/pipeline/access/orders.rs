@@ -4,11 +4,10 @@ use serde::Serialize;
 
 use super::secret::Secret;
 use crate::core::access::{AuditEntry, Role, Token};
-use crate::core::fault::Faults;
 use crate::pipeline::Guard;
 use crate::pipeline::prelude::*;
 use crate::store::{AccessChanges, SessionRow, TokenDatabase, Writer};
-use crate::wire::time;
+use crate::wire::body::bodies;
 
 /// A token to be made.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -49,27 +48,19 @@ pub struct SignedIn {
     pub seconds: i64,
 }
 
+/// A token as the audit trail has it.
 #[derive(Serialize)]
-struct AuditedToken<'a> {
+struct AuditedToken {
     id: String,
-    name: &'a str,
+    name: String,
     role: &'static str,
-    station: Option<&'a str>,
+    station: Option<String>,
     expires_at: Option<String>,
     revoked_at: Option<String>,
 }
 
-impl<'a> From<&'a Token> for AuditedToken<'a> {
-    fn from(row: &'a Token) -> Self {
-        Self {
-            id: row.id.to_string(),
-            name: &row.name,
-            role: row.role.name(),
-            station: row.station.as_deref(),
-            expires_at: row.expires_at.map(time::format),
-            revoked_at: row.revoked_at.map(time::format),
-        }
-    }
+bodies! {
+    AuditedToken of Token: id, name, role, station, expires_at, revoked_at;
 }
 
 /// Carries out one order; on disk, and known to the guard, when this returns. A secret that was drawn comes back.
@@ -80,13 +71,15 @@ pub(in crate::pipeline) async fn order_access(
     order: &AccessOrder,
     by: &Actor,
     known: &[Token],
-) -> Result<Option<Secret>, OrderError> {
+) -> Result<Option<Secret>, Refused> {
     let mut access = AccessChanges::default();
     let line = writer.next_id(now);
     let mut drawn = None;
     match order {
         // Of two that came at once, the second.
-        AccessOrder::Create(_) if by.is_setup() && !known.is_empty() => return Err(OrderError::SetupOver),
+        AccessOrder::Create(_) if by.is_setup() && !known.is_empty() => {
+            return Err(Problem::new(401, "title_token_not_valid", message!("setup_over")).into());
+        }
         AccessOrder::Create(new) => {
             let secret = draw(writer.next_id(now))?;
             let row = token_row(new, &secret, now);
@@ -95,7 +88,7 @@ pub(in crate::pipeline) async fn order_access(
             drawn = Some(secret);
         }
         AccessOrder::Revoke(id) => {
-            let row = known.iter().find(|row| row.id == *id).ok_or(OrderError::NoSuchToken(*id))?;
+            let row = known.iter().find(|row| row.id == *id).ok_or_else(|| Problem::no_such_token(id))?;
             let Some((row, audit)) = revoked(by, line, row, now) else { return Ok(None) };
             access.tokens.push(row);
             access.audit.push(audit);
@@ -127,10 +120,10 @@ pub(in crate::pipeline) async fn order_access(
 
 const NOTHING: Option<&()> = None;
 
-fn draw(id: Id) -> Result<Secret, OrderError> {
+fn draw(id: Id) -> Result<Secret, Refused> {
     Secret::draw(id).map_err(|error| {
         tracing::error!(%error, "the operating system gives no random numbers");
-        OrderError::NoRandomNumbers
+        Problem::new(503, "title_try_again", message!("no_random_numbers")).into()
     })
 }
 
@@ -159,8 +152,8 @@ fn revoked(by: &Actor, line: Id, row: &Token, now: UtcMicros) -> Option<(Token, 
 /// Makes a token in a database that a service may be serving.
 ///
 /// # Errors
-/// [`OrderError`]; then there is no new token that anybody could use.
-pub async fn create_beside(database: &mut TokenDatabase, new: &NewToken, now: UtcMicros) -> Result<Secret, OrderError> {
+/// [`Refused`]; then there is no new token that anybody could use.
+pub async fn create_beside(database: &mut TokenDatabase, new: &NewToken, now: UtcMicros) -> Result<Secret, Refused> {
     let secret = draw(database.next_id(now))?;
     let row = token_row(new, &secret, now);
     let audit = vec![created(&Actor::by_command_line(), database.next_id(now), &row)];
@@ -171,10 +164,10 @@ pub async fn create_beside(database: &mut TokenDatabase, new: &NewToken, now: Ut
 /// Revokes a token in a database that a service may be serving; false where it was revoked before.
 ///
 /// # Errors
-/// [`OrderError::NoSuchToken`], or what the database says.
-pub async fn revoke_beside(database: &mut TokenDatabase, id: Id, now: UtcMicros) -> Result<bool, OrderError> {
+/// [`Refused`]: there is no such token, or the database fails.
+pub async fn revoke_beside(database: &mut TokenDatabase, id: Id, now: UtcMicros) -> Result<bool, Refused> {
     let known = database.tokens().await?;
-    let row = known.iter().find(|row| row.id == id).ok_or(OrderError::NoSuchToken(id))?;
+    let row = known.iter().find(|row| row.id == id).ok_or_else(|| Problem::no_such_token(id))?;
     let Some((row, audit)) = revoked(&Actor::by_command_line(), database.next_id(now), row, now) else {
         return Ok(false);
     };

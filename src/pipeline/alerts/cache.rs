@@ -3,7 +3,7 @@
 use super::body::{NameLookup, Origin, finding_of};
 use super::shared::{Explained, SharedAlerts, SharedVerdict};
 use super::silences::Silences;
-use crate::core::alert_decision::{self, Action, Arrival, Decision, Late, Policy, Status};
+use crate::core::alert_decision::{self, Action, Arrival, Decision, Policy, Status};
 use crate::core::judge::Severity;
 use crate::pipeline::ingest::judge::{Firing, Undone};
 use crate::pipeline::prelude::*;

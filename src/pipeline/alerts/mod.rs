@@ -17,7 +17,6 @@ use crate::core::alert_decision::AlertState;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::history_note::{EARLIER_IN_DOUBT, SERVICE};
 use crate::core::judge::Severity;
-use crate::core::message::Message;
 use crate::pipeline::cached_answer::CachedAnswer;
 use crate::pipeline::prelude::*;
 use crate::store::{AlertRow, StepRow};
@@ -67,16 +66,15 @@ pub struct Alerts {
 }
 
 impl Alerts {
-    /// Alerts that a filter lets through, newest first, each with its identifier.
+    /// Alerts that a filter lets through, newest first.
     pub async fn find(
         &self,
         filter: &AlertFilter,
         before: Option<Id>,
         limit: u32,
-    ) -> Result<Vec<(Id, AlertBody)>, StorageError> {
+    ) -> Result<Vec<AlertBody>, StorageError> {
         let now = self.clock.now();
-        let rows = store::alerts::find(&self.store, filter, now, before, limit).await?;
-        Ok(rows.iter().map(|row| row.id).zip(self.bodies(&rows, now)?).collect())
+        self.bodies(&store::alerts::find(&self.store, filter, now, before, limit).await?, now)
     }
 
     fn bodies<'a>(
@@ -117,13 +115,11 @@ impl Alerts {
 
     /// Alerts of gyros that the alert of a station, batch or IMU explains.
     pub async fn inhibited_by(&self, station: Id) -> Result<Vec<AlertBody>, StorageError> {
-        let (now, rows) = (self.clock.now(), store::alerts::inhibited_by(&self.store, station).await?);
-        self.bodies(&rows, now)
+        self.bodies(&store::alerts::inhibited_by(&self.store, station).await?, self.clock.now())
     }
 
     pub async fn of(&self, ids: &[Id]) -> Result<Vec<AlertBody>, StorageError> {
-        let (now, rows) = (self.clock.now(), store::alerts::of_ids(&self.store, ids).await?);
-        self.bodies(&rows, now)
+        self.bodies(&store::alerts::of_ids(&self.store, ids).await?, self.clock.now())
     }
 
     /// How many alerts stand how, among those that a filter lets through.
@@ -141,8 +137,8 @@ impl Alerts {
     pub async fn firing(&self) -> Result<[u64; Severity::ALL.len()], StorageError> {
         let counts = store::alerts::firing_by_severity(&self.store).await?;
         Ok(Severity::ALL.map(|severity| {
-            let count = counts.iter().find(|(name, _)| name == severity.name());
-            count.map_or(0, |(_, count)| count.unsigned_abs())
+            let count = counts.iter().find(|(of, _)| *of == severity);
+            count.map_or(0, |(_, count)| *count)
         }))
     }
 
@@ -167,7 +163,7 @@ impl Alerts {
     }
 
     /// Acknowledges an alert or takes that back, or silences it; returns it once that is on disk.
-    pub async fn change(&self, order: AlertOrder) -> Result<AlertBody, OrderError> {
+    pub async fn change(&self, order: AlertOrder) -> Result<AlertBody, Refused> {
         let by = Actor::by_caller();
         self.queue.ask(|reply| Job::Alert { order, by, reply }).await
     }
@@ -184,7 +180,7 @@ impl Alerts {
     }
 
     /// Begins or ends a silence of many alerts; returns its identifier once that is on disk.
-    pub async fn order_silence(&self, order: SilenceOrder) -> Result<Id, OrderError> {
+    pub async fn order_silence(&self, order: SilenceOrder) -> Result<Id, Refused> {
         let by = Actor::by_caller();
         self.queue.ask(|reply| Job::Silence { order, by, reply }).await
     }

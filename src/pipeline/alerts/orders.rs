@@ -53,13 +53,14 @@ pub enum SilenceOrder {
 impl AlertCache {
     /// Does what somebody has said; returns the alert as it then is. What a silence that ends has left untold is told
     /// at once.
-    pub fn apply_order(&mut self, order: &AlertOrder, context: &mut AlertContext<'_>) -> Result<AlertRow, OrderError> {
-        let unknown = || OrderError::UnknownAlert(order.alert);
+    pub fn apply_order(&mut self, order: &AlertOrder, context: &mut AlertContext<'_>) -> Result<AlertRow, Refused> {
+        let unknown = || Problem::unknown_alert(order.alert);
         let row = self.alert(order.alert).ok_or_else(unknown)?;
         let remark = Remark { by: order.by.clone(), reason: order.reason.clone(), at: context.now };
         match order.change {
             AlertChange::Acknowledge if row.alert.status == alert_decision::Status::Resolved => {
-                return Err(OrderError::AlertResolved(order.alert));
+                let resolved = message!("alert_resolved", id = text(order.alert));
+                return Err(Refused::conflict("title_alert_resolved", resolved));
             }
             // There is nothing to take back.
             AlertChange::Unacknowledge if !row.alert.acknowledged => return Ok(row.clone()),
@@ -91,7 +92,7 @@ impl AlertCache {
         if order.change == AlertChange::Unsilence {
             self.tick(&BTreeSet::from([of]), context);
         }
-        self.alert(order.alert).cloned().ok_or_else(unknown)
+        Ok(self.alert(order.alert).cloned().ok_or_else(unknown)?)
     }
 
     /// Begins or ends a silence. What is untold at the end is told at once.
@@ -101,13 +102,14 @@ impl AlertCache {
         known: Option<SilenceRow>,
         by: &Actor,
         context: &mut AlertContext<'_>,
-    ) -> Result<(Id, Changes), OrderError> {
+    ) -> Result<(Id, Changes), Refused> {
         let mut changes = Changes::default();
         let (before, after, action) = match (order, known) {
             (SilenceOrder::Begin { matchers, until, by, reason }, _) => {
                 self.silences.pass(context.now);
                 if self.silences.0.len() >= MOST_SILENCES as usize {
-                    return Err(OrderError::TooManySilences(MOST_SILENCES as usize));
+                    let many = message!("too_many_silences", most = MOST_SILENCES as usize);
+                    return Err(Refused::conflict("title_too_many_silences", many));
                 }
                 let said = Remark { by: by.clone(), reason: reason.clone(), at: context.now };
                 let id = context.writer.next_id(context.now);
@@ -115,7 +117,7 @@ impl AlertCache {
                 self.silences.0.push(row.clone());
                 (None, row, "begin silence")
             }
-            (SilenceOrder::End { silence, .. }, None) => return Err(OrderError::UnknownSilence(*silence)),
+            (SilenceOrder::End { silence, .. }, None) => return Err(Problem::unknown_silence(silence).into()),
             // It is over already.
             (SilenceOrder::End { silence, .. }, Some(row)) if row.ended.is_some() || row.until <= context.now => {
                 return Ok((*silence, changes));

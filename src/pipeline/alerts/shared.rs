@@ -4,7 +4,7 @@
 use super::body::{NameLookup, Origin, finding_of};
 use crate::core::alert_decision::Status;
 use crate::core::judge::{Coefficient, ExplicableVerdict, Measured, Severity, State, has_grown, is_explained};
-use crate::core::message::{Message, Parameter};
+use crate::core::message::Parameter;
 use crate::pipeline::prelude::*;
 use crate::store::{AlertOf, AlertRow};
 use crate::wire::alert::AlertFindingBody;

@@ -2,7 +2,6 @@
 
 use super::body::Origin;
 use super::cache::{AlertCache, AlertContext};
-use crate::core::alert_decision::Late;
 use crate::core::judge::overdue;
 use crate::pipeline::ingest::judge::{Judge, Judged};
 use crate::pipeline::ingest::submission::Calibration;

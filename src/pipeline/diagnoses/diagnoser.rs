@@ -1,7 +1,7 @@
 //! Makes diagnoses, one for all who ask, and has them kept.
 
 use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use tokio::sync::{Semaphore, watch};
 
@@ -205,7 +205,7 @@ impl Diagnoser {
         let Some(queue) = self.queue.upgrade() else { return };
         let campaign = made.campaign;
         match queue.ask_in_turn(|reply| Job::Diagnosed { made, reply }).await {
-            Ok(()) | Err(WriteError::Stopping) => {}
+            Ok(()) | Err(Refused::Stopping) => {}
             Err(error) => tracing::warn!(%error, %campaign, "a diagnosis could not be kept"),
         }
     }

@@ -1,6 +1,5 @@
 //! A diagnosis that was made, and what the one writer does with it.
 
-use crate::core::message::Message;
 use crate::pipeline::diagnoses::digest::{Digest, MountedGyro};
 use crate::pipeline::diagnoses::models::ModelCache;
 use crate::pipeline::prelude::*;

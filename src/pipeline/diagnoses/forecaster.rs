@@ -1,11 +1,9 @@
 //! What foretells a stored campaign: the model in force when it came in, and the campaigns before it.
 
 use super::models::{InForce, read};
-use crate::config::Config;
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::imu_model::{CampaignSample, Identified, changed, compare, identify, ladder, promised};
 use crate::core::judge::Limit;
-use crate::core::message::Message;
 use crate::pipeline::ingest::campaign::campaign_of;
 use crate::pipeline::prelude::*;
 use crate::wire::forecast::{ForecastBody, ForecastPointBody};

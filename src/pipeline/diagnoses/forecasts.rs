@@ -50,12 +50,11 @@ impl Diagnoses {
         let config = &self.reader.config;
         let campaign = config.stations.complete(campaign);
         let forecaster = Forecaster::of(&self.store, config, (id, imu), &campaign).await?;
-        let work = words::spawn_blocking(move || {
+        let made = computed("forecasts could not be made".to_owned(), move || {
             let told = forecaster.forecast(&campaign);
             (forecaster.point_of(&campaign, told.as_ref()), told.ok())
         });
-        let failed = |error| StoreError::damaged(format_args!("forecasts could not be made: {error}"));
-        Ok(Some(work.await.map_err(failed)?))
+        Ok(Some(made.await?))
     }
 
     /// As [`Diagnoses::forecasts`], without dwells: those that are kept, and those of campaigns whose diagnosis is due.

@@ -19,16 +19,14 @@ mod orders;
 mod queue;
 mod summary;
 
-use std::time::Duration;
-
 use super::write_queue::{Job, WriteQueue};
 use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;
-use crate::core::diagnose::{Reference, split};
+use crate::core::diagnose::{NoReference, Reference, split};
 use crate::core::effects::{self, Effect};
-use crate::core::fault::Faults;
 use crate::core::imu_model::{NoForecast, forecast};
 use crate::core::message::text as shown_text;
+use crate::pipeline::Reader;
 use crate::pipeline::diagnoses::background::WorkPriority;
 use crate::pipeline::diagnoses::digest::Digest;
 use crate::pipeline::diagnoses::forecaster::stored;
@@ -36,7 +34,6 @@ use crate::pipeline::diagnoses::models::read;
 use crate::pipeline::ingest::campaign::{campaign_of, damaged};
 use crate::pipeline::ingest::submission::anything;
 use crate::pipeline::prelude::*;
-use crate::pipeline::{NotSplit, Reader};
 use crate::store::{CampaignFilter, FailedTask, JobRow, ModelRow, TaskCounts};
 use crate::wire::cursor::{self, List};
 use crate::wire::diagnoses::{CountsBody, FailureBody, JobBody, JobDetailBody, SummaryBody, WhichBody};
@@ -44,7 +41,7 @@ use crate::wire::diagnosis::{DiagnosisBody, residuals};
 use crate::wire::message::from_stored;
 use crate::wire::record::parse_record;
 use crate::wire::split::SplitBody;
-use crate::wire::{campaign, json, text, time};
+use crate::wire::{campaign, text, time};
 use crate::words;
 
 pub(super) use diagnoser::Diagnoser;
@@ -82,15 +79,16 @@ impl Diagnoses {
         Ok(self.diagnoser.diagnosis(id, WorkPriority::Interactive, patience).await?)
     }
 
-    /// The gap of a diagnosed campaign against another stored campaign or record of its IMU. Computing, a few
-    /// milliseconds.
-    ///
-    /// # Errors
-    /// [`NotSplit`], where that is no reference for it.
-    pub async fn split(&self, id: Id, diagnosis: &DiagnosisBody, reference: Id) -> Result<SplitBody, NotSplit> {
-        let unknown = |id| move || NotSplit::NoSuchReference(id);
-        let row = store::record::get(&self.store, id).await?.ok_or_else(unknown(id))?;
-        let held_against = store::record::get(&self.store, reference).await?.ok_or_else(unknown(reference))?;
+    /// The gap of a diagnosed campaign against another stored campaign or record of its IMU, or why that is no reference
+    /// for it; none where one of the two is not stored. Computing, a few milliseconds.
+    pub async fn split(
+        &self,
+        id: Id,
+        diagnosis: &DiagnosisBody,
+        reference: Id,
+    ) -> Result<Option<Result<SplitBody, NoReference>>, StorageError> {
+        let Some(row) = store::record::get(&self.store, id).await? else { return Ok(None) };
+        let Some(held_against) = store::record::get(&self.store, reference).await? else { return Ok(None) };
         let campaign = campaign_of(&row)?;
         let body = held_against.body.as_bytes();
         let reference = match held_against.kind {
@@ -99,8 +97,8 @@ impl Diagnoses {
         };
         let reference = reference.map_err(|faults| damaged(held_against.id, &faults))?;
         let options = self.reader.models.of(Some(row.imu)).model.options_as_asked(&campaign);
-        let split = split(&campaign, &options, &residuals(&diagnosis.residuals), &reference)?;
-        Ok(SplitBody::from(&split))
+        let split = split(&campaign, &options, &residuals(&diagnosis.residuals), &reference);
+        Ok(Some(split.map(|split| SplitBody::from(&split))))
     }
 
     /// An adoption of what the diagnosis of a stored campaign names, beside the model in force for its IMU; none where
@@ -113,12 +111,12 @@ impl Diagnoses {
 
     /// Puts a model in force for an IMU and states its stored campaigns anew; returns once that is on disk. One without
     /// terms and effects undoes those before it.
-    pub async fn adopt(&self, adoption: Adoption) -> Result<Accepted, OrderError> {
+    pub async fn adopt(&self, adoption: Adoption) -> Result<Accepted, Refused> {
         if let Some(identified) = &adoption.model.identified
             && let Some(newest) = self.newest_campaign(&adoption.imu).await?
             && let Err(why @ (NoForecast::OtherGeometry | NoForecast::NoGyro)) = forecast(identified, &newest)
         {
-            return Err(OrderError::OtherGyros(why));
+            return Err(Refused::not_storable("/identified", message!("model_of_other_gyros", why = why.message())));
         }
         // Fitted here, so that nobody waits for it; what comes in between the writer fits itself.
         let restated = self.reader.restated(&adoption.imu, &adoption.model, HashMap::new()).await?;
@@ -145,7 +143,7 @@ impl Diagnoses {
     }
 
     /// Has a hypothesis compete in every diagnosis, or no more; returns once that is on disk.
-    pub async fn order_hypothesis(&self, order: HypothesisOrder) -> Result<Accepted, OrderError> {
+    pub async fn order_hypothesis(&self, order: HypothesisOrder) -> Result<Accepted, Refused> {
         let by = Actor::by_caller();
         self.queue.ask(|reply| Job::Hypothesis { order, by, reply }).await
     }
@@ -155,11 +153,6 @@ impl Diagnoses {
         self.reader.models.competing().hypotheses.clone()
     }
 
-    pub fn read_wanted(&self, bytes: &[u8]) -> Result<WantedDiagnoses, Faults> {
-        self.check_wanted(json::parse(bytes)?)
-    }
-
-    /// As [`Diagnoses::read_wanted`], of what has been taken apart already.
     pub fn check_wanted(&self, asked: WhichBody) -> Result<WantedDiagnoses, Faults> {
         let mut faults = Faults::default();
         let which = self.campaign_filter(&asked, &mut faults);
@@ -200,7 +193,7 @@ impl Diagnoses {
     }
 
     /// Has the writer carry out an order about many diagnoses; returns once it is on disk.
-    pub async fn order(&self, order: DiagnosisOrder) -> Result<Accepted, OrderError> {
+    pub async fn order(&self, order: DiagnosisOrder) -> Result<Accepted, Refused> {
         let by = Actor::by_caller();
         self.queue.ask(|reply| Job::Diagnoses { order, by, reply }).await
     }

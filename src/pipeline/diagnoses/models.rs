@@ -6,7 +6,6 @@ use std::sync::{PoisonError, RwLock};
 use crate::core::augmented::AugmentedModel;
 use crate::core::diagnose::METHOD;
 use crate::core::effects::Effect;
-use crate::core::fault::Faults;
 use crate::pipeline::prelude::*;
 use crate::store::{HypothesisRow, ModelRow, Writer};
 use crate::wire::hypothesis::HypothesisBody;
@@ -144,8 +143,8 @@ pub(crate) async fn adopted(
     cache: &ModelCache,
     adoption: &Adoption,
     by: &Actor,
-) -> Result<Result<Changes, Accepted>, OrderError> {
-    let unknown = || OrderError::UnknownImu(adoption.imu.clone());
+) -> Result<Result<Changes, Accepted>, Refused> {
+    let unknown = || Problem::new(404, "title_unknown_imu", message!("unknown_imu", imu = adoption.imu.clone()));
     let imu = store.names().read().imus.number(&adoption.imu).ok_or_else(unknown)?;
     let body = model::to_json(&adoption.model);
     if let Some(newest) = store::model::of_imu(store, imu).await?.first()

@@ -4,6 +4,7 @@ use serde_json::json;
 
 use super::models::{Competing, ModelCache};
 use crate::core::effects::Effect;
+use crate::core::message::sent;
 use crate::pipeline::prelude::*;
 use crate::store::{CampaignFilter, HypothesisRow, JobChanges, NewJob, Writer};
 use crate::wire::diagnoses::WhichBody;
@@ -37,7 +38,7 @@ pub(crate) async fn order_diagnoses(
     program: String,
     order: &DiagnosisOrder,
     by: &Actor,
-) -> Result<Accepted, OrderError> {
+) -> Result<Accepted, Refused> {
     let (id, diagnosis_jobs, action, after) = match order {
         DiagnosisOrder::Start(WantedDiagnoses { asked, which }) => {
             let (wanted, which, again) = (asked, *which, asked.again);
@@ -50,10 +51,13 @@ pub(crate) async fn order_diagnoses(
             (id, JobChanges { started, ..JobChanges::default() }, "start diagnoses", Some(wanted))
         }
         DiagnosisOrder::Cancel(id) => {
-            let row = store::diagnosis_job::get(store, *id).await?.ok_or(OrderError::NoSuchDiagnoses(*id))?;
+            let row = store::diagnosis_job::get(store, *id).await?.ok_or_else(|| Problem::no_such_diagnoses(id))?;
             match (row.canceled, row.ended_at) {
                 (true, _) => return Ok(Accepted::there(*id)),
-                (false, Some(_)) => return Err(OrderError::DiagnosesEnded(*id)),
+                (false, Some(_)) => {
+                    let ended = message!("diagnoses_ended", id = text(id));
+                    return Err(Refused::conflict("title_diagnoses_ended", ended));
+                }
                 (false, None) => {}
             }
             let canceled = vec![(*id, now)];
@@ -84,7 +88,7 @@ pub(crate) async fn order_hypothesis(
     cache: &ModelCache,
     order: &HypothesisOrder,
     by: &Actor,
-) -> Result<Accepted, OrderError> {
+) -> Result<Accepted, Refused> {
     let known = Competing::read(store).await?.hypotheses;
     let named = |name: &str| known.iter().find(|stored| stored.effect.id() == name);
     let (row, action, name) = match order {
@@ -92,8 +96,14 @@ pub(crate) async fn order_hypothesis(
             let name = effect.id().to_owned();
             match named(&name) {
                 Some(same) if same.effect == *effect => return Ok(Accepted::there(same.row.id)),
-                Some(_) => return Err(OrderError::HypothesisTaken(name)),
-                None if known.len() >= MOST_HYPOTHESES => return Err(OrderError::TooManyHypotheses(MOST_HYPOTHESES)),
+                Some(_) => {
+                    let taken = message!("hypothesis_taken", name = sent(&name));
+                    return Err(Refused::conflict("title_hypothesis_taken", taken));
+                }
+                None if known.len() >= MOST_HYPOTHESES => {
+                    let many = message!("hypotheses_too_many", most = MOST_HYPOTHESES);
+                    return Err(Refused::conflict("title_too_many_hypotheses", many));
+                }
                 None => {}
             }
             let own = effect.hypothesis().map(|own| HypothesisBody::from(&own.written));
@@ -103,7 +113,7 @@ pub(crate) async fn order_hypothesis(
             (row, "add hypothesis", name)
         }
         HypothesisOrder::End(name) => {
-            let known = named(name).ok_or_else(|| OrderError::NoSuchHypothesis(name.clone()))?;
+            let known = named(name).ok_or_else(|| Problem::no_such_hypothesis(name))?;
             (HypothesisRow { ended_at: Some(now), ..known.row.clone() }, "end hypothesis", name.clone())
         }
     };

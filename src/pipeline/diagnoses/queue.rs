@@ -5,7 +5,6 @@
 //! comes in. Servers that share a database claim what they make, a few at a time.
 
 use std::future::ready;
-use std::time::Duration;
 
 use futures::{StreamExt, stream};
 use tokio::sync::watch;

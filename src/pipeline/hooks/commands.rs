@@ -12,6 +12,7 @@ use crate::pipeline::alerts::AlertUpdate;
 use crate::pipeline::hooks::registry::{OutboxContext, Subscription, introduce};
 use crate::pipeline::prelude::*;
 use crate::store::{AttemptRow, DeadLetters, DeliverySubject, HookRow, NewDelivery, OutboxChanges, Progress, Writer};
+use crate::wire::body::bodies;
 use crate::wire::json;
 use crate::wire::message::to_stored;
 use crate::wire::time;
@@ -35,36 +36,29 @@ pub enum Order {
 /// A hook as the audit trail has it. Of what is secret it says whether it is there; the address may hold a token, so
 /// that only where it leads is said: of e-mail, to whom.
 #[derive(Serialize)]
-struct AuditedHook<'a> {
-    name: &'a str,
-    kind: &'a str,
+struct AuditedHook {
+    name: String,
+    kind: String,
     origin: String,
     authorized: bool,
     signed: bool,
-    filter: &'a str,
+    filter: String,
     enabled: bool,
     batch: bool,
-    expect: Option<&'a str>,
+    expect: Option<String>,
 }
 
-impl<'a> From<&'a HookRow> for AuditedHook<'a> {
-    fn from(hook: &'a HookRow) -> Self {
-        let origin = match url::Url::parse(&hook.url) {
-            Ok(url) if url.scheme() == "mailto" => hook.url.clone(),
-            Ok(url) => url.origin().ascii_serialization(),
-            Err(_) => String::new(),
-        };
-        Self {
-            name: &hook.name,
-            kind: &hook.kind,
-            origin,
-            authorized: hook.authorization.is_some(),
-            signed: hook.secret.is_some(),
-            filter: &hook.filter,
-            enabled: hook.enabled,
-            batch: hook.batch,
-            expect: hook.expect.as_deref(),
-        }
+bodies! {
+    AuditedHook of HookRow: name, kind, origin: |hook| origin(&hook.url),
+        authorized: |hook| hook.authorization.is_some(), signed: |hook| hook.secret.is_some(), filter, enabled, batch,
+        expect;
+}
+
+fn origin(url: &str) -> String {
+    match url::Url::parse(url) {
+        Ok(parsed) if parsed.scheme() == "mailto" => url.to_owned(),
+        Ok(parsed) => parsed.origin().ascii_serialization(),
+        Err(_) => String::new(),
     }
 }
 
@@ -119,7 +113,7 @@ pub(crate) struct HookHandler<'a> {
 
 impl HookHandler<'_> {
     /// Carries out one order; on disk, with its line in the audit trail, when this returns.
-    pub async fn carry_out(&mut self, order: &Order, by: &Actor) -> Result<Id, OrderError> {
+    pub async fn carry_out(&mut self, order: &Order, by: &Actor) -> Result<Id, Refused> {
         let mut changes = Changes::default();
         let about = match order {
             Order::Create(new) => self.create(new, &mut changes).await?,
@@ -147,7 +141,7 @@ impl HookHandler<'_> {
         by: &Actor,
         about: Id,
         changes: &Changes,
-    ) -> Result<AuditEntry, OrderError> {
+    ) -> Result<AuditEntry, Refused> {
         let (action, subject) = match order {
             Order::Create(_) => ("create hook", format!("hooks/{about}")),
             Order::Change(..) => ("change hook", format!("hooks/{about}")),
@@ -165,7 +159,7 @@ impl HookHandler<'_> {
     }
 
     /// Writes down what many delivery queues have found out, in one transaction.
-    pub async fn write_down(&mut self, found: impl Iterator<Item = &Found>) -> Result<(), WriteError> {
+    pub async fn write_down(&mut self, found: impl Iterator<Item = &Found>) -> Result<(), Refused> {
         let mut changes = Changes::default();
         for found in found {
             match found {
@@ -181,9 +175,9 @@ impl HookHandler<'_> {
         Ok(())
     }
 
-    async fn create(&mut self, new: &NewHook, changes: &mut Changes) -> Result<Id, OrderError> {
+    async fn create(&mut self, new: &NewHook, changes: &mut Changes) -> Result<Id, Refused> {
         if store::hook::all(self.store).await?.len() >= MOST_HOOKS {
-            return Err(OrderError::TooManyHooks(MOST_HOOKS));
+            return Err(Refused::conflict("title_too_many_hooks", message!("too_many_hooks", most = MOST_HOOKS)));
         }
         let id = self.writer.next_id(self.now);
         let NewHook { body, kind, secret, .. } = new;
@@ -265,13 +259,13 @@ impl HookHandler<'_> {
         introduce(&Subscription::of(row)?, heard, told, &mut context)
     }
 
-    async fn change(&mut self, id: Id, patch: &HookPatch, changes: &mut Changes) -> Result<Id, OrderError> {
+    async fn change(&mut self, id: Id, patch: &HookPatch, changes: &mut Changes) -> Result<Id, Refused> {
         let mut hook = self.hook(id).await?;
         let was_enabled = hook.enabled;
         let HookPatch { body: patch, secret } = patch;
         if let Some(secret) = secret {
             if secret.is_none() && hook.kind == HookKind::StandardWebhooks.name() {
-                return Err(OrderError::SecretNeeded);
+                return Err(Refused::not_storable("/secret", message!("secret_needed")));
             }
             let earlier = std::mem::replace(&mut hook.secret, secret.as_ref().map(|secret| secret.reveal()));
             // The same secret again replaces nothing, and what ends signing ends it for the secret before too.
@@ -283,7 +277,7 @@ impl HookHandler<'_> {
         }
         let is_mail = hook.kind == HookKind::Email.name();
         if patch.url.as_ref().is_some_and(|url| url.starts_with("mailto:") != is_mail) {
-            return Err(OrderError::OtherKind);
+            return Err(Refused::not_storable("/url", message!("target_of_other_kind")));
         }
         hook.name = patch.name.clone().unwrap_or(hook.name);
         let is_elsewhere = patch.url.as_ref().is_some_and(|url| *url != hook.url);
@@ -315,7 +309,7 @@ impl HookHandler<'_> {
         Ok(id)
     }
 
-    async fn test(&mut self, hook: Id, changes: &mut Changes) -> Result<Id, OrderError> {
+    async fn test(&mut self, hook: Id, changes: &mut Changes) -> Result<Id, Refused> {
         self.enabled_hook(hook).await?;
         let id = self.writer.next_id(self.now);
         let (subject, queued_at) = (DeliverySubject::Test, self.now);
@@ -324,12 +318,16 @@ impl HookHandler<'_> {
         Ok(id)
     }
 
-    async fn redeliver(&mut self, id: Id, outbox: &mut OutboxChanges) -> Result<Id, OrderError> {
-        let delivery = store::delivery::get(self.store, id).await?.ok_or(OrderError::NoSuchDelivery(id))?;
+    async fn redeliver(&mut self, id: Id, outbox: &mut OutboxChanges) -> Result<Id, Refused> {
+        let delivery = store::delivery::get(self.store, id).await?.ok_or_else(|| Problem::no_such_delivery(id))?;
         self.enabled_hook(delivery.hook).await?;
         match delivery.state {
-            DeliveryState::Behind => Err(OrderError::StillBehind(id)),
-            DeliveryState::Dropped => Err(OrderError::Dropped(id)),
+            DeliveryState::Behind => {
+                Err(Refused::conflict("title_not_its_turn", message!("still_behind", id = text(id))))
+            }
+            DeliveryState::Dropped => {
+                Err(Refused::conflict("title_delivery_dropped", message!("delivery_dropped", id = text(id))))
+            }
             DeliveryState::Waiting | DeliveryState::Delivered | DeliveryState::Dead => {
                 outbox.replayed.push((id, self.now));
                 Ok(id)
@@ -379,12 +377,16 @@ impl HookHandler<'_> {
         Ok(delivery.is_some_and(|delivery| delivery.attempts.iter().any(|attempt| attempt.at == attempted.at)))
     }
 
-    async fn hook(&self, id: Id) -> Result<HookRow, OrderError> {
-        store::hook::get(self.store, id).await?.ok_or(OrderError::NoSuchHook(id))
+    async fn hook(&self, id: Id) -> Result<HookRow, Refused> {
+        Ok(store::hook::get(self.store, id).await?.ok_or_else(|| Problem::no_such_hook(id))?)
     }
 
-    async fn enabled_hook(&self, id: Id) -> Result<HookRow, OrderError> {
+    async fn enabled_hook(&self, id: Id) -> Result<HookRow, Refused> {
         let hook = self.hook(id).await?;
-        if hook.enabled { Ok(hook) } else { Err(OrderError::HookDisabled(id)) }
+        if hook.enabled {
+            Ok(hook)
+        } else {
+            Err(Refused::conflict("title_hook_disabled", message!("hook_disabled", id = text(id))))
+        }
     }
 }

@@ -11,7 +11,7 @@ mod show;
 
 pub use crate::pipeline::hooks::commands::Order;
 pub(super) use crate::pipeline::hooks::commands::{Attempted, Found, HookHandler};
-pub(super) use crate::pipeline::hooks::registry::{HookCache, OutboxContext, heard_by};
+pub(super) use crate::pipeline::hooks::registry::{HookCache, OutboxContext};
 pub use delivery::Outbox;
 pub use read::{HookPatch, NewHook};
 pub(super) use show::webhook_id;
@@ -21,8 +21,6 @@ use tokio::sync::watch;
 use super::write_queue::{Job, WriteQueue};
 use crate::alert::sign::Secret;
 use crate::core::delivery::{DeliveryState, QueueState};
-use crate::core::fault::Faults;
-use crate::core::message::Message;
 use crate::pipeline::prelude::*;
 use crate::wire::hook::{DeliveryBody, HookBody, HookPatchBody, NewHookBody};
 use crate::wire::message::from_stored;
@@ -60,13 +58,13 @@ impl Hooks {
 
     /// Has the writer carry out an order. Returns once it is on disk, with the identifier of the hook or delivery that
     /// it is about.
-    pub async fn order(&self, order: Order) -> Result<Id, OrderError> {
+    pub async fn order(&self, order: Order) -> Result<Id, Refused> {
         let by = Actor::by_caller();
         self.queue.ask(|reply| Job::Hook { order, by, reply }).await
     }
 
     /// Writes down what a delivery queue has found out; waits for room with the writer.
-    pub(super) async fn write_down(&self, found: Found) -> Result<(), WriteError> {
+    pub(super) async fn write_down(&self, found: Found) -> Result<(), Refused> {
         self.queue.ask_in_turn(|reply| Job::Found { found, reply }).await
     }
 

@@ -94,7 +94,9 @@ impl HookCache {
         let heard = store::hook::heard_of(store, &unknown).await?;
         self.heard.extend(unknown.into_iter().map(|alert| (alert, HashMap::new())));
         for (hook, alert, severity) in heard {
-            self.heard.entry(alert).or_default().insert(hook, severity_of(hook, &severity)?);
+            let unknown = || StoreError::damaged(format_args!("what hook {hook} has heard: unknown severity"));
+            let severity = Severity::from_name(&severity).ok_or_else(unknown)?;
+            self.heard.entry(alert).or_default().insert(hook, severity);
         }
         Ok(())
     }
@@ -172,17 +174,6 @@ fn notification<'n>(
     context.outbox.heard.push((subscription.hook, id, hears));
     let part = Part { alert: id, action: action.name(), step, body: step.is_none().then(|| body.kept()) };
     Ok(Some(Notification { severity: alert.severity, action, part, body }))
-}
-
-/// What a hook has heard last of the alerts that fire, to its knowledge.
-pub(crate) async fn heard_by(store: &Store, hook: Id) -> Result<HashMap<Id, Severity>, StoreError> {
-    let heard = store::hook::heard_by(store, hook).await?.into_iter();
-    heard.map(|(alert, severity)| Ok((alert, severity_of(hook, &severity)?))).collect()
-}
-
-fn severity_of(hook: Id, name: &str) -> Result<Severity, StoreError> {
-    let unknown = || StoreError::damaged(format_args!("what hook {hook} has heard: unknown severity"));
-    Severity::from_name(name).ok_or_else(unknown)
 }
 
 /// Tells a hook that begins to listen, or to more than before, how things stand: what fires and it has not heard, and

@@ -1,7 +1,5 @@
 //! Hooks and deliveries as clients read them.
 
-use std::time::Duration;
-
 use crate::alert::{DIGEST_EVENT, event_name};
 use crate::core::alert_decision::Action;
 use crate::core::delivery::{DeliveryState, QueueState};

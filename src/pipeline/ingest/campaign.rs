@@ -4,7 +4,7 @@ use crate::config::Stations;
 use crate::core::augmented::AugmentedModel;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::campaign::{Campaign, Temperatures};
-use crate::core::fault::{Fault, Faults};
+use crate::core::fault::Fault;
 use crate::pipeline::diagnoses::models::{self, InForce};
 use crate::pipeline::ingest::submission::{BenchTest, anything, check_names, kept};
 use crate::pipeline::prelude::*;
@@ -14,7 +14,6 @@ use crate::wire::bench::BenchBody;
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{self, Form};
 use crate::wire::campaign_csv::parse_csv_as_sent;
-use crate::words;
 
 /// A campaign that can be stored.
 #[derive(Debug, Clone)]
@@ -165,9 +164,8 @@ impl Reader {
             return Ok(self.reread_record(&row.body, &model).map(|calibration| (calibration, None)));
         }
         let (config, body) = (Arc::clone(&self.config), Arc::clone(&row.body));
-        let fitted = words::spawn_blocking(move || evaluated(&config.stations, &body, &model)).await;
-        let fitted = fitted
-            .map_err(|error| StoreError::damaged(format_args!("campaign {} could not be fitted: {error}", row.id)))?;
+        let failed = format!("campaign {} could not be fitted", row.id);
+        let fitted = computed(failed, move || evaluated(&config.stations, &body, &model)).await?;
         let kept = || (Arc::clone(&row.body), row.body_sha256);
         Ok(fitted.map(|fit| (self.calibration_of(&fit, kept()), Some(fit))))
     }
@@ -235,11 +233,8 @@ impl Reader {
             }
             let Some(row) = store::record::get(&self.store, head.id).await? else { continue };
             let (reader, model) = (self.clone(), InForce { id: None, model: Arc::clone(model) });
-            let stated = words::spawn_blocking(move || reader.stated_by(&row, &model).ok()).await;
-            let stated = stated.map_err(|error| {
-                StoreError::damaged(format_args!("campaign {} could not be fitted: {error}", head.id))
-            })?;
-            restated.insert(head.id, stated);
+            let failed = format!("campaign {} could not be fitted", head.id);
+            restated.insert(head.id, computed(failed, move || reader.stated_by(&row, &model).ok()).await?);
         }
         Ok(restated)
     }

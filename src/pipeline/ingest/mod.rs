@@ -1,10 +1,10 @@
 //! The way of a record, a campaign or a bench result: read, admitted, judged, stored with its alerts, answered.
 
+mod accepted;
 pub(super) mod admit;
 pub(super) mod campaign;
 pub(super) mod judge;
 mod reader;
-mod refused;
 mod same_content;
 pub(super) mod stale;
 pub(super) mod submission;
@@ -15,16 +15,14 @@ use tokio::sync::oneshot;
 
 use super::diagnoses::background::IdleDetector;
 use super::write_queue::{Job, StoreJob, WriteQueue};
-use crate::core::alert_decision::Late;
-use crate::core::note::Note;
 use crate::pipeline::prelude::*;
 use crate::store::IdSource;
 use admit::{Admission, Group, Prefetched, RecentRecords};
 
+pub use accepted::{Accepted, Judged, Reply};
 pub use campaign::ReadCampaign;
 pub(super) use campaign::Restated;
 pub use reader::Reader;
-pub use refused::{Accepted, Judged, Refused, Reply};
 pub use same_content::Origin;
 pub use submission::{
     AttributesOrder, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, EventOrder, SetAsideOrder,
@@ -60,7 +58,7 @@ impl Ingest {
     /// Stores and judges one item; returns once it is on disk.
     ///
     /// # Errors
-    /// [`Refused`]; then nothing of it is stored, but after [`StorageFault::Unanswered`](super::StorageFault) that is
+    /// [`Refused`]; then nothing of it is stored, but where [`StorageError::is_unanswered`] that is
     /// not known.
     pub async fn submit(&self, item: Submission) -> Result<Accepted, Refused> {
         self.submit_late(item, Late::Quiet).await
@@ -73,8 +71,8 @@ impl Ingest {
         let (reply, answer) = oneshot::channel();
         let (items, by) = (vec![item], Actor::by_caller());
         self.queue.offer_to(partition, Job::Store(StoreJob { items, by, with_verdicts: true, late, reply }))?;
-        let mut replies = answer.await.map_err(|_| WriteError::Stopping)?;
-        replies.pop().unwrap_or(Err(WriteError::Stopping.into()))
+        let mut replies = answer.await.map_err(|_| Refused::Stopping)?;
+        replies.pop().unwrap_or(Err(Refused::Stopping))
     }
 
     /// As [`Ingest::submit`] for many, each with an answer of its own that leaves out the verdicts. Waits for room in
@@ -97,7 +95,7 @@ impl Ingest {
             answers.push((places, answer));
         }
         async move {
-            let mut replies: Vec<Reply> = vec![Err(WriteError::Stopping.into()); count];
+            let mut replies: Vec<Reply> = vec![Err(Refused::Stopping); count];
             for (places, answer) in answers {
                 for (place, reply) in places.into_iter().zip(answer.await.unwrap_or_default()) {
                     replies[place] = reply;
@@ -110,16 +108,16 @@ impl Ingest {
     /// An import has come to its end: hooks are told in one message each what it has left firing since long ago.
     ///
     /// # Errors
-    /// [`WriteError`]; then it is told when nothing has come for a while.
-    pub async fn end_import(&self) -> Result<(), WriteError> {
+    /// [`Refused`]; then it is told when nothing has come for a while.
+    pub async fn end_import(&self) -> Result<(), Refused> {
         self.queue.ask_in_turn(Job::Digest).await
     }
 
     /// Has alerts of what gyros share follow what has been written, before the clock does.
     ///
     /// # Errors
-    /// [`WriteError`]; then the clock does.
-    pub async fn look_at_shared(&self) -> Result<(), WriteError> {
+    /// [`Refused`]; then the clock does.
+    pub async fn look_at_shared(&self) -> Result<(), Refused> {
         self.queue.ask_in_turn(Job::Shared).await
     }
 

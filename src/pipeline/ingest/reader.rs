@@ -3,10 +3,8 @@
 use crate::config::PlausibilityKeys;
 use crate::core::at_reference::{AtReference, at_reference};
 use crate::core::augmented::AugmentedModel;
-use crate::core::fault::{Fault, Faults};
+use crate::core::fault::Fault;
 use crate::core::history_note::is_unset;
-use crate::core::message::text;
-use crate::core::note::Note;
 use crate::core::record::{GyroParameters, Record};
 use crate::core::separate::{CovarianceEg, Unseparable, separate, stated_covariance};
 use crate::pipeline::diagnoses::models::{InForce, ModelCache};

@@ -67,7 +67,7 @@ impl StaleCalibrations {
     async fn restate(&self, (imu, in_force): (u32, &InForce), stale: Restated) {
         let (Some(queue), Some(model)) = (self.queue.upgrade(), in_force.id) else { return };
         let (count, stale) = (stale.len(), Box::new((imu, model, stale)));
-        let done: Result<(), WriteError> = queue.ask_in_turn(|reply| Job::Restate { stale, reply }).await;
+        let done: Result<(), Refused> = queue.ask_in_turn(|reply| Job::Restate { stale, reply }).await;
         match done {
             Ok(()) => tracing::info!(
                 imu,

@@ -2,17 +2,15 @@
 
 use crate::core::bench::BenchResult;
 use crate::core::effects::Effect;
-use crate::core::fault::Faults;
 use crate::core::gyro_attributes::GyroAttributesPatch;
 use crate::core::gyro_event::GyroEvent;
-use crate::core::message::text;
 use crate::core::mounting::Slot;
 use crate::core::name::normal_form;
 use crate::core::record::{Name, Plausibility};
 use crate::core::separate::Separation;
 use crate::core::suspect_window::Mark;
+use crate::pipeline::Caller;
 use crate::pipeline::prelude::*;
-use crate::pipeline::{Caller, Refused};
 use crate::system::sha256;
 use crate::wire::json::without_mark;
 
@@ -71,7 +69,8 @@ impl Submission {
     pub fn may_be_sent_by(&self, caller: &Caller) -> Result<(), Refused> {
         match (&caller.station, self.station()) {
             (Some(own), Some(station)) if normal_form(own) != normal_form(station) => {
-                Err(Refused::OtherStation { station: own.clone() })
+                let other = message!("other_station", station = own.clone());
+                Err(Problem::new(403, "title_other_station", other).into())
             }
             _ => Ok(()),
         }

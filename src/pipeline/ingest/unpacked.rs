@@ -32,7 +32,7 @@ impl UnpackedTexts {
         }
     }
 
-    async fn pack_all(&self) -> Result<usize, WriteError> {
+    async fn pack_all(&self) -> Result<usize, Refused> {
         let of = store::record::count_unpacked(&self.store).await?;
         let (mut done, mut after) = (0, Id(0));
         for transaction in 1.. {

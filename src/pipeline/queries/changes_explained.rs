@@ -9,7 +9,6 @@ use crate::pipeline::ingest::judge::gyro_window::{distinct, load_marks, sample_o
 use crate::pipeline::prelude::*;
 use crate::pipeline::queries::gyro_history::Histories;
 use crate::store::Stretch;
-use crate::words;
 
 /// Records of the gyro itself that are looked at, at most.
 const OWN_RECORDS: usize = 1000;
@@ -48,17 +47,15 @@ impl Histories {
         let rows = self.peers(gyro, &own).await?;
         let peers = rows.iter().map(|rows| entries(&self.store, method, rows, &HashMap::new()));
         let peers: Vec<GyroHistory> = peers.map(|entries| GyroHistory { entries, marks: Vec::new() }).collect();
-        let explained = words::spawn_blocking(move || {
+        let failed = format!("the history of gyro number {gyro} could not be diagnosed");
+        let explained = computed(failed, move || {
             let peers: Vec<&GyroHistory> = peers.iter().collect();
             let coefficients = diagnose_history(&history, &peers, budgets);
             let is_mate = is_mate_of(&history);
             let peers = peers.iter().filter(|peer| !is_mate(peer)).count();
             ExplainedHistory { peers, as_of, coefficients, budgets }
         });
-        let failed = |error| {
-            StoreError::damaged(format_args!("the history of gyro number {gyro} could not be diagnosed: {error}"))
-        };
-        Ok(explained.await.map_err(failed)?)
+        Ok(explained.await?)
     }
 
     /// Records of gyros that met one of these stations: the newest, or where there are more within the time of `own`,

@@ -2,7 +2,6 @@
 //! histories, which knows of ageing before the rule has established it.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
 
 use tokio::time::Instant;
 

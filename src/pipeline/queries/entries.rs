@@ -4,7 +4,6 @@ use crate::config::JudgedMethod;
 use crate::core::changes::{GyroHistory, HistoryEntry};
 use crate::pipeline::ingest::judge::gyro_window::sample_of;
 use crate::pipeline::prelude::*;
-use crate::store::Table;
 
 /// Newest records of each gyro that tell what stations do.
 pub(super) const PEER_RECORDS: usize = 100;
@@ -43,23 +42,13 @@ pub(super) fn entries(
     temperatures: &HashMap<Id, f64>,
 ) -> Vec<HistoryEntry> {
     let tables = store.names().read();
-    let (mut imu, mut station) = (repeated(&tables.imus), repeated(&tables.stations));
     let entry = |figures: &Figures| HistoryEntry {
         at: figures.at,
-        station: station(figures.station),
-        imu: imu(figures.imu),
+        station: tables.stations.text(figures.station).into(),
+        imu: tables.imus.text(figures.imu).into(),
         slot: figures.slot,
         temperature_c: temperatures.get(&figures.record).copied(),
         d: sample_of(figures, method).d,
     };
     rows.iter().map(entry).collect()
-}
-
-/// Names by their numbers; mostly the one that was asked for last is asked for again.
-fn repeated(table: &Table) -> impl FnMut(u32) -> Arc<str> {
-    let mut last: Option<(u32, Arc<str>)> = None;
-    move |number| match &last {
-        Some((known, name)) if *known == number => Arc::clone(name),
-        _ => Arc::clone(&last.insert((number, table.text(number).into())).1),
-    }
 }

@@ -2,7 +2,6 @@
 
 use std::cmp::Reverse;
 use std::sync::{Mutex, PoisonError};
-use std::time::Duration;
 
 use tokio::time::Instant;
 
@@ -25,7 +24,6 @@ use crate::pipeline::prelude::*;
 use crate::store::head::{CalibratedRow, HeadFilter, HeadStatusFilter, Ranks, SerialSearch, StationTally, Tally};
 use crate::store::{Stretch, Table};
 use crate::wire::answer::VerdictBody;
-use crate::words;
 
 /// The gyros whose newest calibration was made in one IMU.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -343,27 +341,24 @@ impl Fleet {
         page
     }
 
-    /// Gyros in the order of the filter, by serial where it says none, after gyro number `after` (0: all), and whether
-    /// there are more than `most`.
+    /// Gyros in the order of the filter, by serial where it says none, after gyro number `after` (0: all), as many as
+    /// `limit`.
     pub async fn listed(
         &self,
         after: u32,
-        most: u32,
+        limit: u32,
         filter: StatusFilter,
         of_fleet: &FleetFilter<'_>,
-    ) -> Result<(Vec<GyroStatus>, bool), StorageError> {
-        let Some(narrowed) = self.narrowed(of_fleet, self.clock.now()).await? else { return Ok((Vec::new(), false)) };
+    ) -> Result<Vec<GyroStatus>, StorageError> {
+        let Some(narrowed) = self.narrowed(of_fleet, self.clock.now()).await? else { return Ok(Vec::new()) };
         let standings = HeadStatusFilter {
             rank: filter.status.filter(|status| *status != Status::Overdue).map(|status| rank(false, Some(status))),
             // Time makes worse only what is better than overdue.
             is_overdue: filter.status.filter(|status| *status <= Status::Overdue).map(|of| of == Status::Overdue),
             state: filter.state,
         };
-        let (limit, order) = (most.saturating_add(1), of_fleet.order.unwrap_or(FleetOrder::Serial));
-        let mut gyros = store::head::listed(&self.store, after, order, standings, &narrowed, limit).await?;
-        let more = gyros.len() > most as usize;
-        gyros.truncate(most as usize);
-        Ok((self.standings_of(&gyros).await?, more))
+        let order = of_fleet.order.unwrap_or(FleetOrder::Serial);
+        self.standings_of(&store::head::listed(&self.store, after, order, standings, &narrowed, limit).await?).await
     }
 
     /// How these gyros stand, in their order.
@@ -388,9 +383,8 @@ impl Fleet {
     async fn find_stations(&self) -> Result<(Option<Arc<FleetStations>>, UtcMicros), StorageError> {
         let began = Instant::now();
         let histories = fleet_histories(&self.store, self.config.judging.method).await?;
-        let figures = words::spawn_blocking(move || changes::stations(&histories)).await;
-        let failed = |error| StoreError::damaged(format_args!("the stations could not be compared: {error}"));
-        let mut figures = figures.map_err(failed)?;
+        let failed = "the stations could not be compared".to_owned();
+        let mut figures = computed(failed, move || changes::stations(&histories)).await?;
         if let Some(figures) = &mut figures {
             self.count_all(figures).await?;
         }
@@ -443,16 +437,13 @@ impl Fleet {
         Ok(())
     }
 
-    /// IMUs by name with their gyros, after IMU number `after` (0: all), and whether there are more than `most`.
-    pub async fn imus(&self, after: u32, most: u32) -> Result<(Vec<ListedImu>, bool), StorageError> {
-        let mut found = store::head::imus_after(&self.store, after, most.saturating_add(1)).await?;
-        let more = found.len() > most as usize;
-        found.truncate(most as usize);
-        let mut imus = Vec::with_capacity(found.len());
-        for (number, name) in found {
+    /// IMUs by name with their gyros, after IMU number `after` (0: all), as many as `limit`.
+    pub async fn imus(&self, after: u32, limit: u32) -> Result<Vec<ListedImu>, StorageError> {
+        let mut imus = Vec::new();
+        for (number, name) in store::head::imus_after(&self.store, after, limit).await? {
             imus.push(ListedImu { number, name, seats: self.seated_in(number).await? });
         }
-        Ok((imus, more))
+        Ok(imus)
     }
 
     /// The gyros whose newest calibration was made in this IMU: a slot holds one of them.
@@ -778,11 +769,11 @@ mod tests {
         }
         for of in Status::ALL {
             let filter = StatusFilter { status: Some(of), state: None };
-            let (found, more) = fleet.listed(0, 1000, filter, &FleetFilter::default()).await.unwrap();
+            let found = fleet.listed(0, 1000, filter, &FleetFilter::default()).await.unwrap();
             let mut expected: Vec<&HeadRow> = sorted.iter().filter(|row| is(row, of)).copied().collect();
             expected.sort_by(|a, b| a.serial.cmp(&b.serial));
             let expected: Vec<u32> = expected.iter().map(|row| row.gyro).collect();
-            assert!(!more && found.iter().map(|standing| standing.number).eq(expected), "{of:?}");
+            assert!(found.iter().map(|standing| standing.number).eq(expected), "{of:?}");
         }
     }
 

@@ -7,11 +7,10 @@ use crate::core::access::AuditEntry;
 use crate::core::bench::BenchItem;
 use crate::core::correction::CorrectionItem;
 use crate::core::diagnose::{ClosureDiagnosis, closures};
-use crate::core::fault::Faults;
 use crate::core::judge::Older;
 use crate::core::judge::history::Need;
 use crate::core::kind::RecordEntry;
-use crate::core::message::{Message, sent};
+use crate::core::message::sent;
 use crate::core::name::Name;
 use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::campaign::CampaignFit;
@@ -21,6 +20,7 @@ use crate::pipeline::{Calibration, Reader};
 use crate::store::{ConfirmationRow, RecordFilter, RecordRow, StoredVerdict, Tables};
 use crate::system::sha256;
 use crate::wire::answer::{RecordAnswer, VerdictBody};
+use crate::wire::body::bodies;
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::note;
 use crate::wire::reason::Reason;
@@ -117,6 +117,10 @@ pub(crate) struct DecodedRecord {
     pub fitted: Option<CampaignFit>,
 }
 
+bodies! {
+    SenderBody of AuditEntry: name = who, token, address = source, agent;
+}
+
 /// What is stored of records, campaigns and bench results. Cheap to clone.
 #[derive(Debug, Clone)]
 pub struct Records {
@@ -160,13 +164,7 @@ impl Records {
     /// Who sent an item, by the line of the audit trail about it.
     pub async fn sender(&self, line: Option<Id>) -> Result<Option<SenderBody>, StorageError> {
         let Some(line) = line else { return Ok(None) };
-        let body = |line: AuditEntry| SenderBody {
-            name: line.who,
-            token: line.token.map(|token| token.to_string()),
-            address: line.source,
-            agent: line.agent,
-        };
-        Ok(store::access::audit_line(&self.store, line).await?.map(body))
+        Ok(store::access::audit_line(&self.store, line).await?.as_ref().map(SenderBody::from))
     }
 
     /// The closures of a stored record's gyros; none where there is no such record.
@@ -197,8 +195,7 @@ impl Records {
         before: Id,
         most: u32,
     ) -> Result<Vec<RecordEntry>, StorageError> {
-        let [imus, stations] =
-            [vec![filter.imu], vec![filter.station]].map(|name| name.into_iter().flatten().collect());
+        let [imus, stations] = [filter.imu, filter.station].map(|name| name.into_iter().collect());
         store::names::look_up(&self.store, [imus, stations, Vec::new()]).await?;
         let numbers = {
             let names = Names(self.store.names().read());

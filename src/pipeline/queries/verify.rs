@@ -9,7 +9,6 @@ use std::fmt::Display;
 use crate::core::figures::near;
 use crate::core::judge::Older;
 use crate::core::judge::history::Need;
-use crate::core::message::{Message, text};
 use crate::core::name::normal_form;
 use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::judge::gyro_window::GyroWindow;

@@ -1,7 +1,5 @@
 //! Alerts, and the steps by which they came to be what they are.
 
-use std::collections::{BTreeSet, HashMap};
-
 use super::*;
 use crate::core::alert_decision::{Alert, AlertState, LastNotification, Suppressed};
 use crate::core::alert_filter::AlertFilter;
@@ -323,9 +321,7 @@ pub async fn counts_by_state(
     ));
     let mut counts: HashMap<AlertState, usize> = HashMap::new();
     for sql in [by_status, handled] {
-        let rows: Vec<(String, usize)> = filtered!(store, all, sql, filter, now)?;
-        let known = |(name, count): (String, usize)| Some((AlertState::from_name(&name)?, count));
-        let rows: Vec<(AlertState, usize)> = rows.into_iter().filter_map(known).collect();
+        let rows: Vec<(AlertState, usize)> = filtered!(store, all, sql, filter, now)?;
         if let Some(firing) = counts.get_mut(&AlertState::Firing) {
             *firing = firing.saturating_sub(rows.iter().map(|(_, count)| count).sum());
         }
@@ -444,7 +440,7 @@ pub async fn firing(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>> {
 }
 
 /// How many alerts fire that no other explains, by severity; of a severity without any there is no entry.
-pub async fn firing_by_severity(store: &Store) -> Result<Vec<(String, i64)>> {
+pub async fn firing_by_severity(store: &Store) -> Result<Vec<(Severity, u64)>> {
     let sql = "SELECT severity, count(*) FROM alert WHERE status = 'firing' AND inhibited_by IS NULL GROUP BY severity";
     read!(store, all, sql)
 }

@@ -4,8 +4,6 @@
 //! `behind`. One that tells of many alerts stands in the line of each, and waits when it is the first in all of them.
 //! Whatever ends one moves the next up, in the same transaction.
 
-use std::collections::BTreeMap;
-
 use super::*;
 use crate::core::delivery::{DeliveryState, QueueState};
 use crate::core::judge::Severity;
@@ -354,6 +352,26 @@ pub async fn totals(store: &Store) -> Result<QueueState> {
     read!(store, one, sql)
 }
 
+/// Deliveries with their attempts, all as of one moment: an attempt that is written meanwhile is in none of them.
+macro_rules! with_attempts {
+    ($store:expr, $which:expr, $($bound:expr),+) => {{
+        let sql = AssertSqlSafe(format!("{COLUMNS} WHERE {}", $which));
+        let read = async {
+            on!($store.readers, db => {
+                let mut snapshot = db.begin_with($store.readers.words(SNAPSHOT)).await?;
+                let query = sqlx::query(sql)$(.bind($bound.bound()))+;
+                let found: Vec<Delivery> = each(query.fetch(&mut *snapshot)).await.map_err(of_delivery)?;
+                let mut deliveries: Vec<DeliveryRow> = found.into_iter().map(delivery).collect();
+                for delivery in &mut deliveries {
+                    delivery.attempts = each(sqlx::query(attempts()).bind(delivery.id.0).fetch(&mut *snapshot)).await?;
+                }
+                Ok(deliveries)
+            })
+        };
+        $store.readers.within_limit(read).await
+    }};
+}
+
 /// Deliveries of a hook older than `before`, newest first, with their attempts.
 pub async fn of_hook(
     store: &Store,
@@ -362,38 +380,14 @@ pub async fn of_hook(
     before: Option<Id>,
     limit: u32,
 ) -> Result<Vec<DeliveryRow>> {
-    let sql = AssertSqlSafe(format!(
-        "{COLUMNS} WHERE d.hook = $1 AND d.id < $2 AND ($3 IS NULL OR d.state = $3) ORDER BY d.id DESC LIMIT $4"
-    ));
-    let (before, state) = (before.map_or(i64::MAX, |id| id.0), state.map(DeliveryState::name));
-    let read = async {
-        on!(store.readers, db => {
-            let mut snapshot = db.begin_with(store.readers.words(SNAPSHOT)).await?;
-            let query = sqlx::query(sql).bind(hook.0).bind(before).bind(state).bind(limit.bound());
-            let found: Vec<Delivery> = each(query.fetch(&mut *snapshot)).await.map_err(of_delivery)?;
-            let mut deliveries: Vec<DeliveryRow> = found.into_iter().map(delivery).collect();
-            for delivery in &mut deliveries {
-                delivery.attempts = each(sqlx::query(attempts()).bind(delivery.id.0).fetch(&mut *snapshot)).await?;
-            }
-            Ok(deliveries)
-        })
-    };
-    store.readers.within_limit(read).await
+    let which = "d.hook = $1 AND d.id < $2 AND ($3 IS NULL OR d.state = $3) ORDER BY d.id DESC LIMIT $4";
+    with_attempts!(store, which, hook, before.unwrap_or(Id(i64::MAX)), state, limit)
 }
 
-/// A delivery with its attempts, both as of one moment: an attempt that is written meanwhile is in neither.
+/// A delivery with its attempts.
 pub async fn get(store: &Store, id: Id) -> Result<Option<DeliveryRow>> {
-    let sql = AssertSqlSafe(format!("{COLUMNS} WHERE d.id = $1"));
-    let read = async {
-        on!(store.readers, db => {
-            let mut snapshot = db.begin_with(store.readers.words(SNAPSHOT)).await?;
-            let query = sqlx::query(sql).bind(id.0);
-            let Some(row) = query.fetch_optional(&mut *snapshot).await? else { return Ok(None) };
-            let attempts = each(sqlx::query(attempts()).bind(id.0).fetch(&mut *snapshot)).await?;
-            Ok(Some(DeliveryRow { attempts, ..delivery(row.whole().map_err(of_delivery)?) }))
-        })
-    };
-    store.readers.within_limit(read).await
+    let found: Result<Vec<DeliveryRow>> = with_attempts!(store, "d.id = $1", id);
+    Ok(found?.pop())
 }
 
 /// What several queries see is of one moment.

@@ -1,7 +1,5 @@
 //! What was done to gyros.
 
-use std::collections::HashMap;
-
 use super::*;
 use crate::core::gyro_event::GyroEvent;
 use crate::core::judge::Event;

@@ -1,7 +1,5 @@
 //! What a laboratory says of its gyros.
 
-use std::collections::{BTreeMap, HashMap};
-
 use super::*;
 use crate::core::gyro_attributes::GyroAttributes;
 

@@ -1,8 +1,5 @@
 //! How each gyro stands, one row per gyro: what lists are made of.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
-use std::sync::Arc;
-
 use super::*;
 use crate::core::first_of::{DueImu, FirstOf, MovedImu};
 use crate::core::fleet_order::FleetOrder;

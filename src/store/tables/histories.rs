@@ -1,9 +1,6 @@
 //! Histories of many gyros in one query: asked for one by one, each takes its own way to the database and back.
 
-use std::collections::BTreeMap;
-
 use super::*;
-use crate::core::figures::Figures;
 use crate::store::packed::history_row::PACKED_LEN;
 
 /// Gyros of one query, so that what it hands over stays within a few megabytes.

@@ -1,10 +1,7 @@
 //! The history of one gyro: a row a record, in order of time.
 
-use std::collections::HashMap;
-
 use super::histories::{counting, unpack};
 use super::*;
-use crate::core::figures::Figures;
 
 /// The oldest `limit` rows of a gyro within `span` that count, oldest first.
 pub async fn oldest(store: &Store, gyro: u32, span: Span, limit: usize) -> Result<Vec<Figures>> {

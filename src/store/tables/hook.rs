@@ -1,8 +1,7 @@
 //! Hooks: whom to tell.
 
-use std::collections::{BTreeMap, HashSet};
-
 use super::*;
+use crate::core::judge::Severity;
 use crate::store::Secrets;
 
 /// A hook. Its secrets are for signing and sending only; what shows hooks leaves them out, and so does `Debug`.
@@ -122,10 +121,11 @@ pub async fn heard_of(store: &Store, alerts: &[Id]) -> Result<Vec<(Id, Id, Strin
     read!(store, all, sql, alerts)
 }
 
-/// What a hook has heard last of the alerts that fire, to its knowledge: alert, severity.
-pub async fn heard_by(store: &Store, hook: Id) -> Result<Vec<(Id, String)>> {
+/// What a hook has heard last of the alerts that fire, to its knowledge.
+pub async fn heard_by(store: &Store, hook: Id) -> Result<HashMap<Id, Severity>> {
     let sql = "SELECT alert, severity FROM hook_heard WHERE hook = $1";
-    read!(store, all, sql, hook)
+    let heard: Vec<(Id, Severity)> = read!(store, all, sql, hook)?;
+    Ok(heard.into_iter().collect())
 }
 
 /// Alerts of which the message that a hook was to take is a dead letter.

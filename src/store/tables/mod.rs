@@ -1,8 +1,12 @@
 //! One file a table: its rows, what reads them and what writes them.
 
 // What the tables' files are written with.
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::sync::Arc;
+
 use sqlx::AssertSqlSafe;
 
+use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::time::{Span, UtcMicros};
 use crate::store::batch::{Batch, OnConflict};

@@ -1,8 +1,5 @@
 //! Records as stations sent them, and what was decided about them.
 
-use std::collections::HashMap;
-use std::sync::Arc;
-
 use super::*;
 use crate::core::kind::{Kind, RecordEntry};
 use crate::store::RecordVerdicts;

@@ -1,7 +1,5 @@
 //! From a row of the outbox to a request, and from how it went to what is written down.
 
-use std::time::Duration;
-
 use crate::alert::deliver::{Attempt, Courier, DeliveryOutcome, Destination};
 use crate::alert::payload::{self, Context, Payload};
 use crate::alert::retry_schedule::{RetryDecision, RetrySchedule};
@@ -9,7 +7,7 @@ use crate::alert::sign::{self, Secret};
 use crate::alert::{AlertTransition, HookEvent, HookKind, HookMessage};
 use crate::core::alert_decision::Action;
 use crate::core::delivery::DeliveryState;
-use crate::core::message::{Message, sent};
+use crate::core::message::sent;
 use crate::pipeline::hooks::{Attempted, Hooks, webhook_id};
 use crate::pipeline::prelude::*;
 use crate::store::{DeliverySubject, DueDelivery, HookRow, Progress};

@@ -15,8 +15,6 @@ pub(super) mod heartbeat;
 pub(crate) mod message;
 mod queue;
 
-use std::time::Duration;
-
 use tokio::sync::watch;
 use tokio::task::{Id as TaskId, JoinError, JoinHandle, JoinSet};
 
@@ -66,9 +64,9 @@ impl Outbox {
             std::fs::read(path).map_err(|source| OutboxError::Authority { path: path.display().to_string(), source })
         });
         let roots = roots.transpose()?;
-        let courier =
-            Courier::through(&config.proxies(), hooks.config.target_policy(), config.limits(), roots.as_deref())?
-                .with_mailer(config.mailer(roots.as_deref()).map_err(OutboxError::Mail)?);
+        let (policy, mailer) = (hooks.config.target_policy(), config.mailer(roots.as_deref()));
+        let mut courier = Courier::through(&config.proxies(), policy, config.limits(), roots.as_deref())?;
+        courier.mailer = mailer.map_err(OutboxError::Mail)?;
         let (stop, stopping) = watch::channel(false);
         let context =
             Arc::new(DeliveryContext { hooks: hooks.clone(), courier, retry_schedule: config.retry_schedule() });

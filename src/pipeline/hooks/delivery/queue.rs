@@ -1,7 +1,7 @@
 //! The deliveries of one hook, a few at a time.
 
 use std::collections::VecDeque;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use futures::StreamExt;
 use futures::future::BoxFuture;
@@ -12,7 +12,6 @@ use crate::alert::HookKind;
 use crate::alert::deliver::{Attempt, DeliveryOutcome};
 use crate::alert::retry_schedule::HORIZON;
 use crate::core::delivery::DeliveryState;
-use crate::pipeline::error::StorageFault;
 use crate::pipeline::hooks::delivery::circuit::Circuit;
 use crate::pipeline::hooks::delivery::message::{self, Addressee, DeliveryContext, OFF_DUTY};
 use crate::pipeline::hooks::{Attempted, Found};
@@ -268,13 +267,14 @@ impl DeliveryContext {
         loop {
             match self.hooks.write_down(found.clone()).await {
                 Ok(()) => return true,
-                Err(WriteError::Stopping) => return false,
+                Err(Refused::Stopping) => return false,
                 Err(error) => {
                     match &mut found {
                         Found::Attempted(attempted) => {
                             let delivery = attempted.delivery;
                             tracing::warn!(%error, %delivery, "an attempt cannot be written down; trying again");
-                            attempted.perhaps_written |= matches!(&error, WriteError::Storage(error) if error.fault() == StorageFault::Unanswered);
+                            attempted.perhaps_written |=
+                                matches!(&error, Refused::Storage(error) if error.is_unanswered());
                         }
                         Found::Back(hook) => {
                             tracing::warn!(%error, %hook, "what waits cannot be hastened; trying again")

@@ -7,7 +7,6 @@ use super::recent_records::{NearbyRecords, RecentRecord};
 use crate::core::history_note::{
     EARLIER_IN_DOUBT, FAR_DAYS, HistoryNote, NameKind, NamedRecord, SERVICE, Seat, TimeDoubt, doubt, slipped_year,
 };
-use crate::core::note::Note;
 use crate::core::own_history::{CheckedGyro, LEVEL_RECORDS, RecordFigures, UNCERTAINTY_FACTOR, against_histories};
 use crate::core::suspect_window::SuspectWindow;
 use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};

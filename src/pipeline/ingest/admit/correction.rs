@@ -8,10 +8,9 @@ use super::lookup::Admission;
 use super::rows_as_stated;
 use crate::core::correction::CorrectionItem;
 use crate::core::history_note::HistoryNote;
-use crate::core::note::Note;
 use crate::core::suspect_window::{Mark, SuspectWindow, in_force};
 use crate::pipeline::prelude::*;
-use crate::pipeline::{Calibration, Confirmation, Corrected, Correction, Refused, SetAsideOrder, WindowMark};
+use crate::pipeline::{Calibration, Confirmation, Corrected, Correction, SetAsideOrder, WindowMark};
 use crate::store::{ConfirmationRow, HistoryRow, NamesOf, RecordRow, RestatedRow, SetAsideRecord, WindowMarkRow};
 use crate::wire::{history_note, time};
 
@@ -24,14 +23,15 @@ impl Admission<'_> {
         }
         match (sent.item, &sent.replacement) {
             (Corrected::Bench(_), _) => {
-                let bench = store::bench::get(self.store, id).await?.ok_or(Refused::UnknownBench { id })?;
+                let bench =
+                    store::bench::get(self.store, id).await?.ok_or_else(|| Problem::no_such_bench_result(id))?;
                 group.changes.withdrawn.benches.push((id, bench.gyro));
             }
             (Corrected::Calibration { id, kind }, replacement) => {
                 let record = store::record::get(self.store, id)
                     .await?
                     .filter(|record| kind.is_none_or(|kind| record.kind == kind));
-                let record = record.ok_or(Refused::UnknownRecord { id })?;
+                let record = record.ok_or_else(|| Problem::no_such_record(id))?;
                 let before = (group.changes.withdrawn.records.len(), group.changes.withdrawn.history.len());
                 if said.is_empty() {
                     self.withdraw(&record, group).await?;
@@ -88,10 +88,10 @@ impl Admission<'_> {
         group: &mut Group,
     ) -> Result<(Id, Arc<[Note]>), Refused> {
         if self.lookup(group).number(NamesOf::Imus, new.imu.as_str()) != Some(old.imu) {
-            return Err(Refused::AnotherImu);
+            return Err(Refused::not_storable("/imu", message!("another_imu")));
         }
         if let Some((existing, _)) = self.lookup(group).counting_at(Some(old.imu), new.calibrated_at).await? {
-            return Err(Refused::TimeTaken { existing, kind: new.kind });
+            return Err(time_taken(existing, new.kind));
         }
         self.enter(new, &[], group).await
     }
@@ -107,7 +107,7 @@ impl Admission<'_> {
         let id = sent.item.id();
         let Some(last) = said.iter().max_by_key(|row| row.replaced_by.is_some()) else { return Ok(None) };
         let same_words = |row: &&CorrectionItem| row.author == sent.author && row.reason == sent.reason;
-        let differs = Refused::AlreadyCorrected { id, existing: last.replaced_by.unwrap_or(id) };
+        let differs = corrected_otherwise(id, last.replaced_by.unwrap_or(id));
         match (&sent.replacement, last.replaced_by) {
             (None, _) => {
                 let same = said.iter().filter(|row| row.replaced_by.is_none()).find(same_words);
@@ -123,16 +123,16 @@ impl Admission<'_> {
 
     pub(super) async fn confirmation(&mut self, sent: &Confirmation, group: &mut Group) -> Result<Accepted, Refused> {
         let id = sent.id;
-        let record = store::record::get(self.store, id).await?.ok_or(Refused::UnknownRecord { id })?;
+        let record = store::record::get(self.store, id).await?.ok_or_else(|| Problem::no_such_record(id))?;
         let before = group.changes.confirmed.iter().any(|row| row.record == id);
         if before || store::set_aside::confirmation(self.store, id).await?.is_some() {
             return Ok(Accepted::there(id));
         }
         if !self.lookup(group).said_before(id).await?.is_empty() {
-            return Err(Refused::AlreadyCorrected { id, existing: id });
+            return Err(corrected_otherwise(id, id));
         }
         if !record.voided {
-            return Err(Refused::NotSetAside { id });
+            return Err(Refused::conflict("title_not_set_aside", message!("not_set_aside", id = text(id))));
         }
         let at = record.calibrated_at;
         // Its window is suspect again meanwhile.
@@ -140,7 +140,7 @@ impl Admission<'_> {
             return Ok(Accepted::There { id, same_bytes: true, counts: false });
         }
         if let Some((existing, _)) = self.lookup(group).counting_at(Some(record.imu), at).await? {
-            return Err(Refused::TimeTaken { existing, kind: record.kind });
+            return Err(time_taken(existing, record.kind));
         }
         let mut rows = Vec::new();
         for (index, &(gyro, _)) in record.verdicts.0.iter().enumerate() {
@@ -176,10 +176,10 @@ impl Admission<'_> {
 
     pub(super) async fn suspicion(&mut self, sent: &SetAsideOrder, group: &mut Group) -> Result<Accepted, Refused> {
         let id = sent.id;
-        let record = store::record::get(self.store, id).await?.ok_or(Refused::UnknownRecord { id })?;
+        let record = store::record::get(self.store, id).await?.ok_or_else(|| Problem::no_such_record(id))?;
         let said = self.lookup(group).said_before(id).await?;
         if !said.is_empty() || group.changes.confirmed.iter().any(|row| row.record == id) {
-            return Err(Refused::AlreadyCorrected { id, existing: id });
+            return Err(corrected_otherwise(id, id));
         }
         // It is set aside already, or its window is trusted again meanwhile.
         let is_suspect = self.lookup(group).suspect_window(record.station, record.calibrated_at).await?.is_some();
@@ -206,7 +206,7 @@ impl Admission<'_> {
     /// Marks a window of a station. What is stored of it is set aside, or confirmed, item by item after it.
     pub(super) async fn window(&mut self, sent: &WindowMark, group: &mut Group) -> Result<Accepted, Refused> {
         let id = self.ids.next(self.now);
-        let unknown = || Refused::UnknownStation { name: sent.station.clone() };
+        let unknown = || Problem::no_such_station(&sent.station);
         let station = self.lookup(group).number(NamesOf::Stations, &sent.station).ok_or_else(unknown)?;
         let mut marks = self.lookup(group).window_marks(station).await?;
         let before = in_force(&marks);
@@ -223,4 +223,17 @@ impl Admission<'_> {
         group.changes.window_marks.push(WindowMarkRow { id, station, mark: sent.mark.clone() });
         Ok(Accepted::stored(id))
     }
+}
+
+/// Something else was said of it before.
+fn corrected_otherwise(id: Id, existing: Id) -> Refused {
+    let otherwise = message!("corrected_otherwise", id = text(id));
+    Problem::new(409, "title_already_corrected", otherwise).with_existing(existing).into()
+}
+
+/// Another record counts at that time.
+fn time_taken(existing: Id, kind: Kind) -> Refused {
+    let taken = Problem::new(409, "title_time_taken", message!("time_taken", id = text(existing)));
+    let member = if kind == Kind::Record { "/calibrated_at" } else { "/measured_at" };
+    taken.with_existing(existing).at(member).into()
 }

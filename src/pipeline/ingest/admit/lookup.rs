@@ -8,9 +8,9 @@ use crate::core::history_note::{HistoryNote, NameKind};
 use crate::core::mounting::Slot;
 use crate::core::name::distance;
 use crate::core::suspect_window::{Mark, SuspectWindow, in_force};
+use crate::pipeline::Calibration;
 use crate::pipeline::ingest::same_content::says_the_same;
 use crate::pipeline::prelude::*;
-use crate::pipeline::{Calibration, Refused};
 use crate::store::{IdSource, NamesOf, Table};
 
 /// A serial is near to another that differs by so many slips of the pen.
@@ -45,7 +45,10 @@ impl Lookup<'_> {
         match used {
             None => Ok(None),
             Some((id, used_for)) if used_for == hash => Ok(Some(Accepted::there(id))),
-            Some((existing, _)) => Err(Refused::KeyReused { existing }),
+            Some((existing, _)) => {
+                let reused = message!("key_reused", id = text(existing));
+                Err(Problem::new(409, "title_key_reused", reused).with_existing(existing).into())
+            }
         }
     }
 

@@ -13,13 +13,12 @@ use crate::core::bench::BenchItem;
 use crate::core::figures::{PublishedFigures, States};
 use crate::core::gyro_attributes::GyroAttributes;
 use crate::core::history_note::{HistoryNote, NameKind};
-use crate::core::note::Note;
 use crate::core::record::Name;
 use crate::core::separate::{Branch, Separation};
 use crate::pipeline::ingest::same_content::says_the_same;
 use crate::pipeline::ingest::submission::BenchTest;
 use crate::pipeline::prelude::*;
-use crate::pipeline::{AttributesOrder, CalibratedGyro, Calibration, EventOrder, Refused, Submission};
+use crate::pipeline::{AttributesOrder, CalibratedGyro, Calibration, EventOrder, Submission};
 use crate::store::{
     EventRow, GyroAttributeRow, HistoryRow, NamesOf, NewName, RecordRow, RecordVerdicts, RestatedRow, StoredVerdict,
 };
@@ -227,8 +226,8 @@ impl Admission<'_> {
 
     /// The number of a gyro that people say something of.
     fn known_gyro(&self, serial: &Name, group: &Group) -> Result<u32, Refused> {
-        let unknown = || Refused::UnknownGyro { serial: serial.to_string() };
-        self.lookup(group).number(NamesOf::Gyros, serial.as_str()).ok_or_else(unknown)
+        let known = self.lookup(group).number(NamesOf::Gyros, serial.as_str());
+        Ok(known.ok_or_else(|| Problem::unknown_gyro(serial))?)
     }
 
     /// Notes in the audit trail what the sender does, and with what outcome.

@@ -229,11 +229,6 @@ impl Judge {
         self.judging.limits(&naming.imu(imu), &naming.gyro(gyro)).interval_days
     }
 
-    /// Whether any gyro may become overdue.
-    pub fn has_intervals(&self) -> bool {
-        self.judging.has_intervals()
-    }
-
     /// The limits of a gyro in its IMU, or of the fleet.
     fn limits(&self, of: Option<(u32, u32, &Changes)>) -> Limits {
         let Some((gyro, imu, changes)) = of.filter(|_| !self.judging.overrides.is_empty()) else {

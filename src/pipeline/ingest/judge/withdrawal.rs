@@ -4,7 +4,6 @@
 use super::gyro_window::GyroWindow;
 use super::judged::{Firing, Judged, Undone};
 use crate::core::alert_decision::{self, Alert, Policy, Status};
-use crate::core::correction::CorrectionItem;
 use crate::core::judge::{Coefficient, Mark, Severity};
 use crate::pipeline::prelude::*;
 use crate::store::HistoryRow;
@@ -24,13 +23,7 @@ impl Replay<'_> {
             let fires = self.fires(gyro, changes).await?;
             let rows = changes.withdrawn.history.iter().filter(|row| row.gyro == gyro);
             let gone = rows.clone().map(|row| row.figures.at).collect();
-            let rows = rows.map(|row| row.figures.record);
-            if let Some(said) = said_of(rows.clone(), changes) {
-                judged.undone.insert(gyro, Undone { gone, ..undone(Some(fires), said) });
-            } else if let Some(aside) =
-                rows.into_iter().find_map(|record| changes.set_aside.stored.iter().find(|aside| aside.record == record))
-            {
-                let (author, reason) = (aside.author.clone(), aside.reason.clone());
+            if let Some((author, reason)) = said_of(rows.map(|row| row.figures.record), changes) {
                 judged.undone.insert(gyro, Undone { fires: Some(fires), gone, author, reason });
             }
         }
@@ -41,8 +34,8 @@ impl Replay<'_> {
             judged.undone.entry(gyro).or_insert(Undone { fires, gone: Vec::new(), author, reason });
         }
         for (bench, gyro) in &changes.withdrawn.benches {
-            if let Some(said) = said_of([*bench].into_iter(), changes) {
-                judged.undone.entry(*gyro).or_insert_with(|| undone(None, said));
+            if let Some((author, reason)) = said_of([*bench].into_iter(), changes) {
+                judged.undone.entry(*gyro).or_insert(Undone { fires: None, gone: Vec::new(), author, reason });
             }
         }
         Ok(())
@@ -145,10 +138,10 @@ pub(super) fn mark(changes: &mut Changes) {
     }
 }
 
-fn said_of(mut items: impl Iterator<Item = Id>, changes: &Changes) -> Option<&CorrectionItem> {
-    items.find_map(|item| changes.corrections.iter().find(|row| row.item == item))
-}
-
-fn undone(fires: Option<Firing>, said: &CorrectionItem) -> Undone {
-    Undone { fires, gone: Vec::new(), author: said.author.clone(), reason: said.reason.clone() }
+/// Who said that the first of these counts no more that somebody said it of, and why.
+fn said_of(items: impl Iterator<Item = Id> + Clone, changes: &Changes) -> Option<(String, String)> {
+    let corrected = items.clone().find_map(|item| changes.corrections.iter().find(|row| row.item == item));
+    let aside = || items.clone().find_map(|item| changes.set_aside.stored.iter().find(|row| row.record == item));
+    let corrected = corrected.map(|row| (row.author.clone(), row.reason.clone()));
+    corrected.or_else(|| aside().map(|row| (row.author.clone(), row.reason.clone())))
 }

@@ -3,7 +3,7 @@
 use super::heads::{self, touched};
 use super::shared_shifts::{SharedLook, SharedShifts};
 use super::state::WriterState;
-use crate::core::alert_decision::{Action, Alert, Late};
+use crate::core::alert_decision::{Action, Alert};
 use crate::pipeline::alerts::{AlertCache, AlertContext, AlertUpdate, Causes, NameLookup, follow_clock, follow_group};
 use crate::pipeline::hooks::OutboxContext;
 use crate::pipeline::ingest::judge::Judged;
@@ -130,7 +130,7 @@ impl WriterState {
 
     /// Gyros of which the clock may begin or end that they are overdue.
     pub(super) async fn may_be_overdue(&self, now: UtcMicros) -> Result<BTreeSet<u32>, StoreError> {
-        if !self.judge.has_intervals() {
+        if !self.config.judging.has_intervals() {
             return Ok(BTreeSet::new());
         }
         Ok(store::head::newly_overdue_or_not(&self.store, now).await?.into_iter().collect())
@@ -156,7 +156,7 @@ impl WriterState {
     }
 
     /// An import has come to its end: what waits for its digest is told, with what the clock finds of it.
-    pub(super) async fn notify_digest(&mut self) -> Result<(), WriteError> {
+    pub(super) async fn notify_digest(&mut self) -> Result<(), Refused> {
         let (now, mut changes) = (self.clock.now(), Changes::default());
         let told = match self.may_be_overdue(now).await {
             Ok(overdue) => self.digest(&mut changes, &overdue, now).await,
@@ -194,7 +194,7 @@ impl WriterState {
         &mut self,
         noted: Result<T, StoreError>,
         changes: &mut Changes,
-    ) -> Result<T, WriteError> {
+    ) -> Result<T, Refused> {
         let written = match noted {
             Ok(noted) => self.commit_with_heads(changes).await.map(|()| noted),
             Err(error) => Err(error),
@@ -213,7 +213,7 @@ impl WriterState {
     }
 
     /// Begins or ends a silence of many alerts.
-    pub(super) async fn order_silence(&mut self, order: &SilenceOrder, by: &Actor) -> Result<Id, OrderError> {
+    pub(super) async fn order_silence(&mut self, order: &SilenceOrder, by: &Actor) -> Result<Id, Refused> {
         let now = self.clock.now();
         let all = store::alerts::all(&self.store).await?.into_iter().filter_map(|row| row.of.gyro());
         self.alerts.recall(&self.store, all, now).await?;
@@ -230,14 +230,14 @@ impl WriterState {
     }
 
     /// Does what somebody has said of an alert.
-    pub(super) async fn apply_order(&mut self, order: &AlertOrder, by: &Actor) -> Result<AlertBody, OrderError> {
+    pub(super) async fn apply_order(&mut self, order: &AlertOrder, by: &Actor) -> Result<AlertBody, Refused> {
         let now = self.clock.now();
         let gyro = store::alerts::get(&self.store, order.alert).await?.and_then(|row| row.of.gyro());
         self.alerts.recall(&self.store, gyro, now).await?;
         let said = self.change_alerts(now, Late::Quiet, |alerts, context| {
             let before = alerts.alert(order.alert).map(|row| context.naming.alert(row, now)).transpose()?;
             let row = alerts.apply_order(order, context)?;
-            Ok::<_, OrderError>((before, context.naming.alert(&row, now)?))
+            Ok::<_, Refused>((before, context.naming.alert(&row, now)?))
         });
         let ((before, body), mut changes) = (said?, Changes::default());
         let (line, action) = (self.writer.next_id(now), order.change.name());

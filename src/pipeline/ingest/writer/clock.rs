@@ -3,7 +3,6 @@
 use super::alerts::gyros_of;
 use super::shared_shifts::{NothingShared, shared_and_explicable};
 use super::state::WriterState;
-use crate::core::alert_decision::Late;
 use crate::pipeline::prelude::*;
 use crate::store::{AlertOf, Cells};
 

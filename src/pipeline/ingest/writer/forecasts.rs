@@ -3,7 +3,6 @@
 //! rest on.
 
 use super::state::{Tally, WriterState};
-use crate::core::alert_decision::Late;
 use crate::core::judge::Finding;
 use crate::core::kind::RecordEntry;
 use crate::pipeline::Adoption;
@@ -14,7 +13,7 @@ use crate::pipeline::prelude::*;
 use crate::store::{AlertOf, AlertRow};
 
 /// Keeps a diagnosis, and lets the alert of its IMU follow the forecast that is kept with it.
-pub(super) async fn keep(state: &mut WriterState, made: &FinishedDiagnosis) -> Result<(), WriteError> {
+pub(super) async fn keep(state: &mut WriterState, made: &FinishedDiagnosis) -> Result<(), Refused> {
     let Some(mut changes) = made.changes(&state.after.models) else { return Ok(()) };
     let followed = follow_forecast(state, made, &mut changes).await;
     if let Some(verdict) = state.commit_or_forget(followed, &mut changes).await? {

@@ -11,7 +11,7 @@ use crate::pipeline::ingest::admit::{Admission, Group, Prefetched};
 use crate::pipeline::ingest::judge::Verdicts;
 use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::StoreJob;
-use crate::pipeline::{CalibratedGyro, Judged, Refused, Reply, Submission};
+use crate::pipeline::{CalibratedGyro, Judged, Reply, Submission};
 use crate::telemetry;
 
 /// Admits and judges a group, and lets the alerts follow. What is remembered of its gyros is then ahead of what
@@ -138,7 +138,7 @@ fn count<'a>(items: impl Iterator<Item = Item<'a>>, replies: &[Reply]) {
         let outcome = match reply {
             Ok(Accepted::Stored { .. }) => "stored",
             Ok(Accepted::There { .. }) => "there",
-            Err(Refused::Write(WriteError::Storage(_))) => "failed",
+            Err(Refused::Storage(_)) => "failed",
             Err(_) => "refused",
         };
         *counts.entry((kind, outcome)).or_default() += 1;

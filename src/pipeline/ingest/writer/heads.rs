@@ -79,16 +79,11 @@ async fn newest_after(
     changes: &Changes,
 ) -> Result<HashMap<u32, Figures>, StoreError> {
     let mut newest: HashMap<u32, Figures> = HashMap::new();
-    // Of one instant the last holds.
-    let learn = |newest: &mut HashMap<u32, Figures>, gyro: u32, figures: Figures| {
-        let known = newest.entry(gyro).or_insert(figures);
-        if figures.at >= known.at {
-            *known = figures;
-        }
-    };
-    for HistoryRow { gyro, figures } in changes.history.iter().chain(&changes.rejudged.history) {
-        if !figures.voided {
-            learn(&mut newest, *gyro, *figures);
+    let changed = changes.history.iter().chain(&changes.rejudged.history);
+    for HistoryRow { gyro, figures } in changed.filter(|row| !row.figures.voided) {
+        // Of one instant the last holds.
+        if newest.get(gyro).is_none_or(|known| figures.at >= known.at) {
+            newest.insert(*gyro, *figures);
         }
     }
     let is_newest = |gyro: &u32| {

@@ -14,7 +14,7 @@ mod state;
 pub(crate) mod turn;
 
 use std::ops::RangeInclusive;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use tokio::sync::mpsc;
 use tokio::task::JoinSet;
@@ -24,7 +24,7 @@ use super::admit::RecentRecords;
 use crate::pipeline::access::{Secret, order_access};
 use crate::pipeline::alerts::AlertCache;
 use crate::pipeline::diagnoses::{order_diagnoses, order_hypothesis};
-use crate::pipeline::hooks::{Found, HookCache, HookHandler, heard_by};
+use crate::pipeline::hooks::{Found, HookCache, HookHandler};
 use crate::pipeline::ingest::judge::Judge;
 use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::{Job, ReplyTo, StoreJob};
@@ -46,17 +46,17 @@ const AFTER_START: Duration = Duration::from_secs(1);
 const ITEMS: RangeInclusive<usize> = 64..=8192;
 
 /// Orders that concern hooks, and where their answers go.
-type Orders = Vec<(Order, Actor, ReplyTo<Id, OrderError>)>;
+type Orders = Vec<(Order, Actor, ReplyTo<Id>)>;
 
-type Findings = Vec<(Found, ReplyTo<(), WriteError>)>;
+type Findings = Vec<(Found, ReplyTo<()>)>;
 
 /// What is done once all that was queued with it is stored.
 #[derive(Default)]
 struct AfterCommit {
     orders: Orders,
     findings: Findings,
-    digests: Vec<ReplyTo<(), WriteError>>,
-    shared: Vec<ReplyTo<(), WriteError>>,
+    digests: Vec<ReplyTo<()>>,
+    shared: Vec<ReplyTo<()>>,
 }
 
 impl Task {
@@ -190,7 +190,7 @@ impl Task {
             Job::Pack { texts, reply } => {
                 let cells = self.state.homes().of_texts(&texts);
                 let changes = Changes { packed: texts, ..Changes::default() };
-                let commit = async |state: &mut WriterState| Ok::<_, WriteError>(state.commit(&changes).await?);
+                let commit = async |state: &mut WriterState| Ok::<_, Refused>(state.commit(&changes).await?);
                 let _gone = reply.send(in_turn!(self.state, cells, commit(&mut self.state)));
             }
             Job::Hypothesis { order, by, reply } => {
@@ -213,7 +213,7 @@ impl Task {
                 let _gone = reply.send(in_turn!(self.state, Cells::one(0), self.register(&order, &by)));
             }
             Job::Probe(reply) => {
-                let _gone = reply.send(self.state.writer.probe().await.map_err(WriteError::from));
+                let _gone = reply.send(self.state.writer.probe().await.map_err(Refused::from));
             }
         }
         None
@@ -258,11 +258,13 @@ impl Task {
         }
     }
 
-    async fn order_hook(&mut self, order: &Order, by: &Actor) -> Result<Id, OrderError> {
+    async fn order_hook(&mut self, order: &Order, by: &Actor) -> Result<Id, Refused> {
         let now = self.state.clock.now();
         let (alerts, heard) = match order {
             Order::Create(_) => (self.state.standings(now).await?, HashMap::new()),
-            Order::Change(hook, _) => (self.state.standings(now).await?, heard_by(&self.state.store, *hook).await?),
+            Order::Change(hook, _) => {
+                (self.state.standings(now).await?, store::hook::heard_by(&self.state.store, *hook).await?)
+            }
             Order::Delete(_) | Order::Test(_) | Order::Redeliver(_) => Default::default(),
         };
         let old_secret_until = self.state.config.hooks.old_secret_until(now);
@@ -270,7 +272,7 @@ impl Task {
         HookHandler { store, writer, now, old_secret_until, alerts, heard }.carry_out(order, by).await
     }
 
-    async fn write_down(&mut self, found: &[&Found]) -> Result<(), WriteError> {
+    async fn write_down(&mut self, found: &[&Found]) -> Result<(), Refused> {
         let now = self.state.clock.now();
         let old_secret_until = self.state.config.hooks.old_secret_until(now);
         let renotifies = |found: &&Found| matches!(found, Found::Attempted(attempted) if attempted.renotify);
@@ -281,14 +283,14 @@ impl Task {
     }
 
     /// Begins or cancels an order of diagnoses, and has what is new worked off.
-    async fn order_diagnoses(&mut self, order: &DiagnosisOrder, by: &Actor) -> Result<Accepted, OrderError> {
+    async fn order_diagnoses(&mut self, order: &DiagnosisOrder, by: &Actor) -> Result<Accepted, Refused> {
         let (now, program) = (self.state.clock.now(), self.state.after.models.competing().program.clone());
         let done = order_diagnoses(&self.state.store, &mut self.state.writer, now, program, order, by).await;
         self.state.after.due.send_modify(|moved| *moved += 1);
         done
     }
 
-    async fn order_hypothesis(&mut self, order: &HypothesisOrder, by: &Actor) -> Result<Accepted, OrderError> {
+    async fn order_hypothesis(&mut self, order: &HypothesisOrder, by: &Actor) -> Result<Accepted, Refused> {
         let (store, now, cache) = (&self.state.store, self.state.clock.now(), &self.state.after.models);
         let done = order_hypothesis(store, &mut self.state.writer, now, cache, order, by).await;
         // One that was being made meanwhile is not kept, and is due again.
@@ -297,7 +299,7 @@ impl Task {
     }
 
     /// Changes who may use the service.
-    async fn register(&mut self, order: &AccessOrder, by: &Actor) -> Result<Option<Secret>, OrderError> {
+    async fn register(&mut self, order: &AccessOrder, by: &Actor) -> Result<Option<Secret>, Refused> {
         let known = store::access::tokens(&self.state.store).await?;
         let (guard, writer, now) = (&self.state.after.guard, &mut self.state.writer, self.state.clock.now());
         order_access(guard, writer, now, order, by, &known).await
@@ -322,7 +324,6 @@ impl Task {
             }
             Err(error) => {
                 tracing::error!(%error, items = items.len(), "a group could not be stored");
-                let error = WriteError::from(StorageError::from(error));
                 replies.resize(items.len(), Err(error.into()));
             }
         }

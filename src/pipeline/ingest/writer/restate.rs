@@ -16,7 +16,7 @@ pub(super) async fn adopt(
     state: &mut WriterState,
     (adoption, restated): &(Adoption, Restated),
     by: &Actor,
-) -> Result<Accepted, OrderError> {
+) -> Result<Accepted, Refused> {
     let (store, models) = (&state.store, &state.after.models);
     let changes = adopted(store, &mut state.writer, &state.clock, models, adoption, by).await?;
     let mut changes = match changes {
@@ -45,18 +45,18 @@ pub(super) async fn adopt(
 pub(super) async fn state_anew(
     state: &mut WriterState,
     (imu, model, stale): &(u32, Id, Restated),
-) -> Result<(), WriteError> {
+) -> Result<(), Refused> {
     if state.after.models.of(Some(*imu)).id != Some(*model) {
         return Ok(());
     }
-    let heads = store::record::of_imu(&state.store, *imu, u32::MAX).await.map_err(StorageError::from)?;
+    let heads = store::record::of_imu(&state.store, *imu, u32::MAX).await?;
     let counting: HashSet<Id> = heads.into_iter().map(|head| head.id).collect();
     let stale = stale.iter().filter(|(id, _)| counting.contains(id));
     let stale: Restated = stale.map(|(id, stated)| (*id, stated.clone())).collect();
     let done = restate(state, &mut Changes::default(), &stale, *model).await;
     if let Err(error) = done {
         state.start_over();
-        return Err(StorageError::from(error).into());
+        return Err(error.into());
     }
     Ok(())
 }

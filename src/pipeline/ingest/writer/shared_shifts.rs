@@ -320,7 +320,7 @@ impl SharedShifts<'_> {
         evidence: &Evidence<'_>,
     ) -> Option<SharedVerdict> {
         let coefficient = COEFFICIENTS[column];
-        let limits = self.config.judging.limits(&self.name_of(imu), "");
+        let limits = self.config.judging.limits(self.store.names().read().imus.text(imu), "");
         let limit = [&limits.d_i, &limits.d_s][column].of(Rule::ImuShift)?;
         let last = gyros.iter().max_by_key(|one| one.at);
         let (at, station) = last.map_or((self.now, None), |one| (one.at, Some(one.station)));
@@ -436,14 +436,6 @@ impl SharedShifts<'_> {
             calibrated.push(NewestCalibration { station: figures.station, at, deviation, ..(*one).clone() });
         }
         Ok(calibrated)
-    }
-
-    fn name_of(&self, imu: u32) -> String {
-        // Without overrides all have the same limits.
-        if self.config.judging.overrides.is_empty() {
-            return String::new();
-        }
-        self.store.names().read().imus.text(imu).to_owned()
     }
 
     /// The newest calibrations of the fleet, or of one station, made no earlier than `from`.

@@ -4,7 +4,6 @@ use tokio::sync::watch;
 use tokio::task::{JoinHandle, JoinSet};
 
 use super::shared_shifts::NothingShared;
-use crate::core::alert_decision::Late;
 use crate::core::judge::{State, Status};
 use crate::pipeline::alerts::AlertCache;
 use crate::pipeline::diagnoses::models::ModelCache;

@@ -1,11 +1,8 @@
 //! A writer among others: it holds the cells of what it writes, learns what others have written there, and tries again
 //! what the database has broken off. Alone on a file it holds everything, and nothing is missed.
 
-use std::time::Duration;
-
 use super::homes::Homes;
 use super::state::{Item, WriterState};
-use crate::pipeline::error::WriteFailure;
 use crate::pipeline::prelude::*;
 use crate::pipeline::{Reader, Submission};
 use crate::store::{Cells, ChangeFeed, ChangeTopic, RemoteChanges};
@@ -45,10 +42,10 @@ pub(super) async fn another_try(error: &StoreError, tries: &mut u32) -> bool {
     worth_it
 }
 
-pub(super) async fn to_be_tried_again<T>(done: &Result<T, impl WriteFailure>, tries: &mut u32) -> bool {
-    match done.as_ref().err().and_then(WriteFailure::store_error) {
-        Some(error) => another_try(error, tries).await,
-        None => false,
+pub(super) async fn to_be_tried_again<T>(done: &Result<T, Refused>, tries: &mut u32) -> bool {
+    match done {
+        Err(Refused::Storage(error)) => another_try(error.store_error(), tries).await,
+        _ => false,
     }
 }
 
@@ -80,6 +77,11 @@ impl WriterState {
             self.alerts.forget_settings();
             self.hooks.forget();
         }
+        self.read_again(remote_changes).await
+    }
+
+    /// Reads again the models and who may use the service, where somebody else has changed them.
+    async fn read_again(&self, remote_changes: &RemoteChanges) -> Result<(), StoreError> {
         if remote_changes.brings(ChangeTopic::Models) {
             self.after.models.read_again(&self.store).await?;
         }
@@ -182,14 +184,7 @@ impl WriterState {
         if remote_changes.brings(ChangeTopic::Diagnoses) {
             self.after.due.send_modify(|moved| *moved += 1);
         }
-        let models = if remote_changes.brings(ChangeTopic::Models) {
-            self.after.models.read_again(&self.store).await
-        } else {
-            Ok(())
-        };
-        let access =
-            if remote_changes.brings(ChangeTopic::Access) { self.after.guard.read_again().await } else { Ok(()) };
-        if let Err(error) = models.and(access) {
+        if let Err(error) = self.read_again(remote_changes).await {
             tracing::warn!(%error, "what another server has written cannot be read; its next change is");
         }
     }

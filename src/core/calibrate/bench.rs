@@ -403,15 +403,18 @@ impl BenchProblem<'_> {
         let mut coordinates = white.clone();
         let kinds = self.weigh(factor, fit, &station, &mut coordinates);
         // Of one gyro, kinds may widen what white noise makes of a coefficient, and not narrow it.
-        let of_kind = |coordinates: DMatrix<f64>| {
+        let of_kind = |(coordinates, of_white): (DMatrix<f64>, f64)| {
             let identity = DMatrix::identity(fit.estimate.len(), fit.estimate.len());
             Uncertainty {
                 fit: factor.covariance_of(&coordinates),
+                white: factor.covariance_of(&white.clone().unwrap_or(coordinates)) * of_white,
                 share: noise.share(&evidence, noise_report::is_other(&kinds)),
                 station: StationResponse::by_part(&station.responses, &identity),
             }
         };
-        let uncertainties: Vec<Uncertainty> = white.into_iter().chain(coordinates).map(of_kind).collect();
+        let mixed = coordinates.map(|mixed| (mixed, correlated_noise::of_white(&kinds)));
+        let uncertainties: Vec<Uncertainty> =
+            white.clone().map(|white| (white, 1.0)).into_iter().chain(mixed).map(of_kind).collect();
         let slot = self.campaign.gyros[0].slot;
         let usual = sigma.as_ref().and_then(|sigma| median_of(sigma.iter().copied()));
         let sds = |power: f64| usual.map(|usual| (slot, power.sqrt() * usual / k.abs())).into_iter().collect();
@@ -426,8 +429,9 @@ impl BenchProblem<'_> {
             .map(|(name, unit, ..)| {
                 let gradient = solved.gradient(name, &scale.fitted);
                 let variance = |c: &DMatrix<f64>| gradient.dot(&(c * &gradient));
-                let widest = uncertainties.iter().max_by(|a, b| variance(&a.fit).total_cmp(&variance(&b.fit)));
-                let sd = widest.map(|parts| variance(&parts.covariance()).max(0.0).sqrt());
+                let combined = |parts: &Uncertainty| variance(&parts.covariance());
+                let widest = uncertainties.iter().max_by(|a, b| combined(a).total_cmp(&combined(b)));
+                let sd = widest.map(|parts| combined(parts).max(0.0).sqrt());
                 let budget = widest.and_then(|parts| parts.budgets(|c| Some([variance(c)])));
                 let uncertainty = budget.map(|[budget]| budget);
                 BenchCoefficient { name, unit, value: solved.value(name), sd, uncertainty }

@@ -203,6 +203,11 @@ impl NoiseDeparture {
 /// What the noise is: kinds with their probabilities; white noise as stated has the rest.
 pub type DepartureWeights = Vec<(NoiseDeparture, f64)>;
 
+/// The weight of white noise as stated.
+pub(super) fn of_white(found: &DepartureWeights) -> f64 {
+    (1.0 - found.iter().map(|(_, weight)| weight).sum::<f64>()).max(0.0)
+}
+
 impl<'a> FittedGyro<'a> {
     /// Of a fit whose weights are as its noise: `even` are ones; residuals with their degrees of freedom.
     pub fn of_even(factor: &'a Factor, even: &'a DVector<f64>, (residuals, dof): (&'a DVector<f64>, usize)) -> Self {

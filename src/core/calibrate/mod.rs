@@ -170,13 +170,14 @@ fn calibrate_in(
     let mut coordinates: Vec<_> = fits.iter().zip(&noises).map(|(fit, noise)| fit.coordinates(noise)).collect();
     let found = (kinds == Kinds::All).then(|| weigh(dwells, has_sem, &fits, &mut coordinates));
     notes.extend(shrunken.and_then(|shrunken| shrunken.scatter).map(|scatter| CampaignNote::ErrorsScatter { scatter }));
+    let white = found.as_ref().map_or(1.0, correlated_noise::of_white);
     let is_other_noise = found.as_ref().is_some_and(noise_report::is_other);
     let mut gyros: Vec<GyroCalibration> = fits
         .into_iter()
         .zip(noises)
         .zip(coordinates)
         .zip(&campaign.gyros)
-        .map(|(((fit, noise), coordinates), gyro)| fit.finish(gyro, noise, coordinates, is_other_noise))
+        .map(|(((fit, noise), coordinates), gyro)| fit.finish(gyro, noise, (coordinates, white), is_other_noise))
         .collect();
     for gyro in &mut gyros {
         gyro.effects.retain(|one| !any_temperature.contains(&one.effect));

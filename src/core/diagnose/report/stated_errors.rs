@@ -1,9 +1,11 @@
 //! What is to be said of the standard errors that a station states.
 
-use crate::core::calibrate::GyroCalibration;
+use crate::core::calibrate::{Calibration, GyroCalibration};
 use crate::core::campaign::CampaignNote;
 use crate::core::campaign::repeats::PureError;
+use crate::core::diagnose::diagnosis::Sign;
 use crate::core::diagnose::report::calibrated::Calibrated;
+use crate::core::diagnose::report::remaining::SPREAD;
 use crate::core::message::{Message, figure, list};
 use crate::core::numerics::tails::chi2_tail;
 use crate::message;
@@ -12,6 +14,19 @@ use crate::message;
 pub(crate) fn too_large(fits: &Calibrated) -> Option<CampaignNote> {
     let gyros = fits.plain.overstated();
     (!gyros.is_empty()).then_some(CampaignNote::ErrorsOverstated { gyros })
+}
+
+/// How many times the standard errors of a station may be too small. What scatters more, of repeats as well or in a law
+/// of the noise, may be what changes from one time to the next.
+const MOST_UNDERSTATED: f64 = 2.5;
+
+/// Gyros whose dwells scatter more than that.
+pub(crate) fn beyond_belief(fit: &Calibration) -> Option<Sign> {
+    let chance = |gyro: &GyroCalibration| chi2_tail(gyro.chi2 / MOST_UNDERSTATED.powi(2), gyro.dof);
+    let beyond = fit.gyros.iter().filter(|_| fit.has_sem).filter_map(|gyro| Some((gyro.slot, chance(gyro)?)));
+    let beyond: Vec<_> = beyond.filter(|(_, p_value)| *p_value < 1e-3).collect();
+    let least = beyond.iter().map(|(_, p_value)| *p_value).reduce(f64::min)?;
+    Some(Sign::of_no_dwell(SPREAD, beyond.into_iter().map(|(slot, _)| slot).collect(), least))
 }
 
 /// Gyros whose standard errors repeats show to be too small, and how many times; all together where none does alone.

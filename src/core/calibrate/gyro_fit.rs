@@ -332,9 +332,9 @@ impl GyroFit {
         let values = &design.expand * &self.fit.estimate;
         let scale = noise.covariance_scale();
         let expanded = |reduced: DMatrix<f64>| &design.expand * reduced * design.expand.transpose();
-        let covariance = coordinates.zip(scale).map(|(coordinates, scale)| {
-            expanded(self.covariance(factor.covariance_of(&coordinates), scale))
-        });
+        let covariance = coordinates
+            .zip(scale)
+            .map(|(coordinates, scale)| expanded(self.covariance(factor.covariance_of(&coordinates), scale)));
         let sds = covariance.as_ref().map(|c| c.diagonal().map(|variance| variance.max(0.0).sqrt()));
         let effects = self.effects((values.rows_range(p..), sds.map(|sds| sds.rows_range(p..).into_owned())), scale);
         let uncertainty = covariance.map(|c| Uncertainty {

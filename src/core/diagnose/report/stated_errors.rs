@@ -52,3 +52,26 @@ pub(crate) fn too_small(fits: &Calibrated, remains: bool) -> Option<Message> {
     let slots = list(gyros.iter().map(|gyro| gyro.slot.name()));
     Some(message!("standard_errors_understated", slots = slots, times = figure(times, 1)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::calibrate::calibrate;
+    use crate::core::model::Terms;
+
+    #[test]
+    fn standard_errors_are_believed_to_be_too_small_up_to_a_factor() {
+        let text = std::fs::read("tests/data/practice/campaign-00.json").expect("it is kept");
+        let mut campaign = crate::wire::document::parse(&text).expect("it is whole");
+        let mut beyond = |times: f64| {
+            for sem in campaign.dwells.iter_mut().filter_map(|dwell| dwell.output_sem_pulse_s.as_mut()) {
+                sem.iter_mut().for_each(|sem| *sem /= times);
+            }
+            beyond_belief(&calibrate(&campaign, Terms::MODEL_6))
+        };
+        // Nothing is in this one but its noise.
+        assert_eq!((beyond(1.0), beyond(2.0)), (None, None));
+        let four_times = beyond(2.0).expect("more than two and a half");
+        assert_eq!((four_times.kind, four_times.slots.len()), (SPREAD, 3));
+    }
+}

@@ -29,6 +29,9 @@ use crate::core::numerics::median::median_of;
 /// Prior probability that gyros share their noise.
 const BETWEEN_GYROS: f64 = 0.1;
 
+/// How many times as likely a memory is held beforehand where there is one gyro.
+const OF_ONE_GYRO: f64 = 2.0;
+
 /// ln of odds below which an alternative is left out, by its weight with and without the names.
 const NOTHING: f64 = -6.9;
 
@@ -37,7 +40,12 @@ const CERTAIN: f64 = 0.98;
 
 /// What the laws take of a campaign.
 fn course(s: &Setting) -> DwellConditions {
-    DwellConditions { times: s.time.clone(), durations: s.duration.clone(), rates: s.rate.clone() }
+    DwellConditions {
+        times: s.time.clone(),
+        durations: s.duration.clone(),
+        rates: s.rate.clone(),
+        forces: s.force.clone(),
+    }
 }
 
 struct Model {
@@ -139,7 +147,12 @@ impl NoiseModels {
                 |law: Law| Some((NoiseDeparture::Law(law), odds, frame.with_factors(&law.factors(&course(s))).ok()?));
             tried.extend(laws.into_iter().filter_map(framed));
         }
-        let odds = ((1.0 - WITHOUT_MEMORY) / WITHOUT_MEMORY / (2 * POWERS.len()) as f64).ln() - odds_of_temperature(s);
+        // One gyro has no peers that wander otherwise, or that have the temperature's course as well.
+        let prior = match frame.gyros.len() {
+            1 => OF_ONE_GYRO.ln(),
+            _ => -odds_of_temperature(s),
+        };
+        let odds = ((1.0 - WITHOUT_MEMORY) / WITHOUT_MEMORY / (2 * POWERS.len()) as f64).ln() + prior;
         for memory in CorrelatedNoise::ALL {
             let kernel = memory.kernel(&s.time);
             for power in POWERS.map(|power| memory.size() * power) {

@@ -38,6 +38,9 @@ const NOTHING: f64 = -6.9;
 /// Weight from which on the noise is said to have a memory, and names of time and temperature need more.
 const CERTAIN: f64 = 0.98;
 
+/// Weight from which on a law of rate asks more of names.
+const MAY_BE: f64 = 0.1;
+
 /// What the laws take of a campaign.
 fn course(s: &Setting) -> DwellConditions {
     DwellConditions {
@@ -74,6 +77,8 @@ pub(crate) struct Found {
     pub memory: Option<(CorrelatedNoise, f64, f64)>,
     /// Whether there may be one: it weighs something beside the names.
     pub may_have_memory: bool,
+    /// Whether it may go with rate where that is not stated.
+    pub may_go_with_rate: bool,
 }
 
 impl Found {
@@ -242,6 +247,10 @@ impl NoiseModels {
         of_all.add(0.0);
         let without = (without.log() - of_all.log()).exp().min(1.0);
         let may_have_memory = 1.0 - without > NOTHING.exp();
+        let mut with_rate = LogSum::default();
+        let of_rate = |model: &Model| matches!(model.kind, NoiseDeparture::Law(Law::Rate(_)));
+        (weights.iter().zip(&self.models)).filter(|(_, model)| of_rate(model)).for_each(|(w, _)| with_rate.add(*w));
+        let may_go_with_rate = with_rate.log() - of_all.log() > MAY_BE.ln();
         let likeliest = memories.iter().max_by(|a, b| a.0.total_cmp(&b.0));
         let memory = likeliest.filter(|_| 1.0 - without > CERTAIN).and_then(|(_, model)| match model.kind {
             NoiseDeparture::CorrelatedNoise(memory, power) => Some((memory, power, without)),
@@ -250,7 +259,7 @@ impl NoiseModels {
         let between_gyros = shared
             .filter(|(log_odds, shared)| shared.is_of_noise() && log_odds + shared.log_gain > 0.0)
             .map(|(_, shared)| shared);
-        Found { between_gyros, memory, may_have_memory }
+        Found { between_gyros, memory, may_have_memory, may_go_with_rate }
     }
 }
 

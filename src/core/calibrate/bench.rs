@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::bench_form::{BenchForm, Squares};
 use super::calibration::remembers;
-use super::correlated_noise::{self, DepartureWeights, FittedGyro};
+use super::correlated_noise::{self, FittedGyro, Weighed};
 use super::drift::LEAST_SCALE_TO_NOISE;
 use super::gyro_fit::standardised;
 use super::law::DwellConditions;
@@ -217,16 +217,10 @@ impl BenchProblem<'_> {
     }
 
     /// As for a campaign of an IMU. Errors that are far too large for the residuals say nothing of kinds.
-    fn weigh(
-        &self,
-        factor: &Factor,
-        fit: &Fit,
-        station: &OfOne,
-        coordinates: &mut Option<DMatrix<f64>>,
-    ) -> DepartureWeights {
+    fn weigh(&self, factor: &Factor, fit: &Fit, station: &OfOne, coordinates: &mut Option<DMatrix<f64>>) -> Weighed {
         let has_sem = self.campaign.states_errors();
         if has_sem && overstated(fit.chi2, fit.dof).is_some() {
-            return Vec::new();
+            return Weighed { kinds: Vec::new(), white: vec![1.0] };
         }
         let net = station.net.as_ref().map(|(net, taken)| (net.component_div(factor.weights()), *taken));
         let (residuals, taken) = net.unwrap_or_else(|| (fit.residuals.clone(), 0));
@@ -401,17 +395,20 @@ impl BenchProblem<'_> {
         let rank = factor.rank();
         let white = noise.covariance_scale().map(|scale| DMatrix::from_diagonal_element(rank, rank, scale));
         let mut coordinates = white.clone();
-        let kinds = self.weigh(factor, fit, &station, &mut coordinates);
+        let Weighed { kinds, white: of_white } = self.weigh(factor, fit, &station, &mut coordinates);
         // Of one gyro, kinds may widen what white noise makes of a coefficient, and not narrow it.
-        let of_kind = |coordinates: DMatrix<f64>| {
+        let of_kind = |(coordinates, of_white): (DMatrix<f64>, f64)| {
             let identity = DMatrix::identity(fit.estimate.len(), fit.estimate.len());
             Uncertainty {
                 fit: factor.covariance_of(&coordinates),
+                white: factor.covariance_of(&white.clone().unwrap_or(coordinates)) * of_white,
                 share: noise.share(&evidence, noise_report::is_other(&kinds)),
                 station: StationResponse::by_part(&station.responses, &identity),
             }
         };
-        let uncertainties: Vec<Uncertainty> = white.into_iter().chain(coordinates).map(of_kind).collect();
+        let mixed = coordinates.map(|mixed| (mixed, of_white[0]));
+        let uncertainties: Vec<Uncertainty> =
+            white.clone().map(|white| (white, 1.0)).into_iter().chain(mixed).map(of_kind).collect();
         let slot = self.campaign.gyros[0].slot;
         let usual = sigma.as_ref().and_then(|sigma| median_of(sigma.iter().copied()));
         let sds = |power: f64| usual.map(|usual| (slot, power.sqrt() * usual / k.abs())).into_iter().collect();
@@ -426,8 +423,9 @@ impl BenchProblem<'_> {
             .map(|(name, unit, ..)| {
                 let gradient = solved.gradient(name, &scale.fitted);
                 let variance = |c: &DMatrix<f64>| gradient.dot(&(c * &gradient));
-                let widest = uncertainties.iter().max_by(|a, b| variance(&a.fit).total_cmp(&variance(&b.fit)));
-                let sd = widest.map(|parts| variance(&parts.covariance()).max(0.0).sqrt());
+                let combined = |parts: &Uncertainty| variance(&parts.covariance());
+                let widest = uncertainties.iter().max_by(|a, b| combined(a).total_cmp(&combined(b)));
+                let sd = widest.map(|parts| combined(parts).max(0.0).sqrt());
                 let budget = widest.and_then(|parts| parts.budgets(|c| Some([variance(c)])));
                 let uncertainty = budget.map(|[budget]| budget);
                 BenchCoefficient { name, unit, value: solved.value(name), sd, uncertainty }

@@ -203,6 +203,24 @@ impl NoiseDeparture {
 /// What the noise is: kinds with their probabilities; white noise as stated has the rest.
 pub type DepartureWeights = Vec<(NoiseDeparture, f64)>;
 
+/// What [`weigh`] found.
+pub(super) struct Weighed {
+    pub kinds: DepartureWeights,
+    /// The part that white noise as stated has in the covariance of each gyro.
+    pub white: Vec<f64>,
+}
+
+/// Powers of what the dwell before leaves, over those of a memory.
+const OF_LOAD: f64 = 10.0;
+
+/// ln of odds by which that must be likelier in a gyro than any kind of noise.
+const CLEARLY_OF_LOAD: f64 = 7.0;
+
+/// Specific force of the dwell before, n x 3.
+fn load_before(course: &DwellConditions) -> DMatrix<f64> {
+    DMatrix::from_fn(course.times.len(), 3, |k, axis| if k > 0 { course.forces[k - 1][axis] } else { 0.0 })
+}
+
 impl<'a> FittedGyro<'a> {
     /// Of a fit whose weights are as its noise: `even` are ones; residuals with their degrees of freedom.
     pub fn of_even(factor: &'a Factor, even: &'a DVector<f64>, (residuals, dof): (&'a DVector<f64>, usize)) -> Self {
@@ -243,6 +261,22 @@ impl<'a> FittedGyro<'a> {
         self.even.component_mul(&factors.component_mul(&factors))
     }
 
+    /// The same where the dwell before leaves something, V = diag(d^2) + power B B', `load` being B.
+    fn under_load(&self, d: &DVector<f64>, load: &DMatrix<f64>, power: f64, stated: bool) -> Option<(f64, f64)> {
+        let (mut columns, mut load) = (self.columns(), load * power.sqrt());
+        for (k, d) in d.iter().enumerate() {
+            columns.row_mut(k).scale_mut(1.0 / d);
+            load.row_mut(k).scale_mut(1.0 / d);
+        }
+        let split = load.svd(true, false);
+        let (axes, sizes) = (split.u?, split.singular_values.map(|size| (1.0 + size * size).sqrt()));
+        // (1 + U U')^-1/2 takes of the axes of U what is above one.
+        let along = DMatrix::from_diagonal(&sizes.map(|size| 1.0 / size - 1.0)) * axes.tr_mul(&columns);
+        columns += axes * along;
+        let log_det = d.iter().chain(sizes.iter()).map(|size| size.ln()).sum();
+        self.restricted((columns, log_det), stated)
+    }
+
     /// Restricted likelihood (ln L) of independent noise of these standard deviations, and RSS.
     pub fn independent(&self, d: &DVector<f64>, stated: bool) -> Option<(f64, f64)> {
         let mut columns = self.columns();
@@ -260,7 +294,7 @@ pub(super) fn weigh(
     gyros: &[FittedGyro],
     plain: &mut [Option<DMatrix<f64>>],
     stated: bool,
-) -> DepartureWeights {
+) -> Weighed {
     // Errors that are far too large for the residuals say nothing of which kind it is.
     let chi2 = gyros.iter().map(|gyro| gyro.residuals.component_mul(gyro.weights).norm_squared()).sum();
     let is_told = stated && overstated(chi2, gyros.iter().map(|gyro| gyro.dof).sum()).is_none();
@@ -268,7 +302,7 @@ pub(super) fn weigh(
     let white = gyros.iter().zip(&d).map(|(gyro, d)| gyro.independent(d, is_told)).collect::<Option<Vec<_>>>();
     let Some(white) = white.filter(|_| gyros.iter().all(|gyro| gyro.dof > LEAST_DOF && gyro.residuals.norm() > 0.0))
     else {
-        return Vec::new();
+        return Weighed { kinds: Vec::new(), white: vec![1.0; gyros.len()] };
     };
     let usual: Vec<f64> = d.iter().map(|d| median_of(d.iter().copied()).unwrap_or(1.0)).collect();
     let under = |kind: NoiseDeparture, j: usize| match kind {
@@ -281,8 +315,10 @@ pub(super) fn weigh(
     let as_stated = (AS_STATED - (1.0 - WITHOUT_MEMORY)).ln();
     let mut all = LogSum::of(&[as_stated]);
     let mut likely: Vec<(NoiseDeparture, f64, Vec<f64>)> = Vec::new();
+    let mut likeliest: Vec<f64> = white.iter().map(|(log, _)| *log).collect();
     for (kind, prior) in NoiseDeparture::all(course, stated) {
         let Some(found) = (0..gyros.len()).map(|j| under(kind, j)).collect::<Option<Vec<_>>>() else { continue };
+        likeliest.iter_mut().zip(&found).for_each(|(most, (log, _))| *most = most.max(*log));
         let gain: f64 = found.iter().zip(&white).map(|((log, _), (white, _))| log - white).sum();
         if prior + gain > NOTHING {
             all.add(prior + gain);
@@ -291,6 +327,7 @@ pub(super) fn weigh(
     }
     let weight = |log: f64| (log - all.log()).exp();
     let k = if stated { PRIOR_DOF } else { 0.0 };
+    let (load, mut white) = (load_before(course), vec![weight(as_stated); gyros.len()]);
     for (j, (plain, gyro)) in plain.iter_mut().zip(gyros).enumerate() {
         let Some(covariance) = plain else { continue };
         let nu = gyro.dof as f64 + k;
@@ -312,8 +349,22 @@ pub(super) fn weigh(
             };
             *covariance += own * (weight(*log) * (k + rss[j]) / (nu - 2.0));
         }
+        let left: Vec<(f64, f64, f64)> = (POWERS.iter())
+            .map(|power| power * OF_LOAD * usual[j].powi(2))
+            .filter_map(|power| gyro.under_load(&d[j], &load, power, is_told).map(|(log, rss)| (power, log, rss)))
+            .collect();
+        let mut of_load = LogSum::default();
+        left.iter().for_each(|(_, log, _)| of_load.add(*log));
+        if of_load.log_mean(POWERS.len()) > likeliest[j] + CLEARLY_OF_LOAD {
+            let (within, into) = (scaled(gyro.basis, gyro.variances), x.tr_mul(&load));
+            let one = |(power, log, rss): (f64, f64, f64)| {
+                (&within + &into * into.transpose() * power) * ((log - of_load.log()).exp() * (k + rss) / (nu - 2.0))
+            };
+            *covariance = left.into_iter().map(one).sum();
+            white[j] = 0.0;
+        }
     }
-    likely.into_iter().map(|(kind, log, _)| (kind, weight(log))).collect()
+    Weighed { kinds: likely.into_iter().map(|(kind, log, _)| (kind, weight(log))).collect(), white }
 }
 
 /// Degrees of freedom from which on a memory is looked for.
@@ -362,11 +413,41 @@ mod tests {
     }
 
     #[test]
+    fn what_the_dwell_before_leaves_is_weighed_as_its_matrix_has_it() {
+        let (times, d, x) = dwells();
+        let force = |k: usize| nalgebra::Vector3::new((k % 3) as f64 - 1.0, (k % 5) as f64 - 2.0, 0.3);
+        let forces = (0..20).map(force).collect();
+        let nothing = vec![nalgebra::Vector3::zeros(); 20];
+        let load = load_before(&DwellConditions { times, durations: vec![180.0; 20], rates: nothing, forces });
+        assert!(load.row(0).norm() == 0.0 && load.row(5) == force(4).transpose());
+        let (ones, residuals) = (DVector::from_element(20, 1.0), x.column(2).into_owned());
+        let basis = x.columns(0, 2).into_owned().qr().q();
+        let (weights, variances, even) = (&ones, &ones, &ones);
+        let fitted = FittedGyro { basis: &basis, weights, variances, even, residuals: &residuals, dof: 18 };
+        let (log, rss) = fitted.under_load(&d, &load, 2.5, true).expect("it is regular");
+        let v = DMatrix::from_diagonal(&d.component_mul(&d)) + &load * load.transpose() * 2.5;
+        let factor = v.clone().cholesky().expect("positive");
+        let normal = basis.tr_mul(&factor.solve(&basis));
+        let side = basis.tr_mul(&factor.solve(&residuals));
+        let seen = normal.clone().cholesky().expect("positive").solve(&side).dot(&side);
+        let by_matrix = residuals.dot(&factor.solve(&residuals)) - seen;
+        assert!((rss - by_matrix).abs() < 1e-9, "{rss} is not {by_matrix}");
+        let expected =
+            -0.5 * v.determinant().ln() - 0.5 * normal.determinant().ln() - 11.0 * (PRIOR_DOF + by_matrix).ln();
+        assert!((log - expected).abs() < 1e-9, "{log} is not {expected}");
+    }
+
+    #[test]
     fn a_few_dwells_or_none_that_scatter_say_nothing() {
         let (times, d, x) = dwells();
         let basis = x.qr().q();
         let (weights, variances) = (d.map(|d| 1.0 / d), DVector::from_element(20, 1.0));
-        let course = DwellConditions { times, durations: vec![180.0; 20], rates: vec![nalgebra::Vector3::zeros(); 20] };
+        let course = DwellConditions {
+            times,
+            durations: vec![180.0; 20],
+            rates: vec![nalgebra::Vector3::zeros(); 20],
+            forces: vec![nalgebra::Vector3::zeros(); 20],
+        };
         for (residuals, dof) in [(d.clone(), LEAST_DOF), (DVector::zeros(20), 17)] {
             let fitted = FittedGyro {
                 basis: &basis,
@@ -377,7 +458,7 @@ mod tests {
                 dof,
             };
             let mut covariance = [Some(DMatrix::identity(3, 3))];
-            assert_eq!(weigh(&course, &[fitted], &mut covariance, true), []);
+            assert_eq!(weigh(&course, &[fitted], &mut covariance, true).kinds, []);
             assert_eq!(covariance, [Some(DMatrix::identity(3, 3))]);
         }
     }
@@ -451,7 +532,8 @@ mod tests {
         let (times, d, x) = dwells();
         let durations: Vec<f64> = (0..20).map(|k| if k % 3 == 0 { 60.0 } else { 240.0 }).collect();
         let rates: Vec<_> = (0..20).map(|k| nalgebra::Vector3::new(0.0, 30.0 * f64::from(k % 5), 10.0)).collect();
-        let course = DwellConditions { times, durations, rates };
+        let forces = vec![nalgebra::Vector3::zeros(); 20];
+        let course = DwellConditions { times, durations, rates, forces };
         let variances = DVector::from_fn(20, |k, _| 1.0 + 0.2 * (3.1 * k as f64).cos());
         let even = DVector::from_fn(20, |k, _| 1.0 + 0.1 * (2.3 * k as f64).sin());
         for (stated, walk) in [(true, 0.0), (true, 0.6), (false, 0.3), (false, 0.0)] {
@@ -483,7 +565,7 @@ mod tests {
                 .collect();
             let plain = vec![DMatrix::from_diagonal_element(3, 3, 0.7), DMatrix::from_diagonal_element(3, 3, 1.3)];
             let mut mixed: Vec<_> = plain.iter().cloned().map(Some).collect();
-            let found = weigh(&course, &gyros, &mut mixed, stated);
+            let found = weigh(&course, &gyros, &mut mixed, stated).kinds;
             let (kinds, covariances) = by_matrices(&course, &gyros, &plain, stated);
             assert_eq!(found.len(), kinds.len());
             for ((kind, weight), (expected, of_matrices)) in found.iter().zip(&kinds) {

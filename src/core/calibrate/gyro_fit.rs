@@ -286,6 +286,13 @@ impl GyroFit {
         Some(correlated_noise::scaled(self.factor().basis(), &self.variances) * noise.covariance_scale()?)
     }
 
+    /// Covariance of the fit's parameters in white noise as stated.
+    fn white(&self, noise: &NoiseScale) -> Option<DMatrix<f64>> {
+        let own = self.factor().covariance_of(&self.coordinates(noise)?);
+        let scale = noise.covariance_scale()?;
+        Some(self.common.iter().fold(own, |sum, common| sum + common.spread(scale)))
+    }
+
     /// Covariance of the fit's parameters: `own`, and what comes in with coefficients that are shared or held.
     fn covariance(&self, own: DMatrix<f64>, scale: f64) -> DMatrix<f64> {
         let with_common = self.common.iter().fold(own, |sum, common| sum + common.spread(scale));
@@ -312,26 +319,27 @@ impl GyroFit {
         whole.into_iter().map(|(part, whole)| (part, whole.view((0, 0), (p, p)).into_owned())).collect()
     }
 
-    /// `coordinates` are the covariance on the design's basis.
+    /// `coordinates` are the covariance on the design's basis, of which `white` noise as stated has its part.
     pub fn finish(
         self,
         gyro: &CampaignGyro,
         noise: NoiseScale,
-        coordinates: Option<DMatrix<f64>>,
+        (coordinates, white): (Option<DMatrix<f64>>, f64),
         is_other_noise: bool,
     ) -> GyroCalibration {
         let WeightedDesign { design, sd, factor } = &*self.weighted;
         let p = design.terms.columns();
         let values = &design.expand * &self.fit.estimate;
         let scale = noise.covariance_scale();
-        let covariance = coordinates.zip(scale).map(|(coordinates, scale)| {
-            let reduced = self.covariance(factor.covariance_of(&coordinates), scale);
-            &design.expand * reduced * design.expand.transpose()
-        });
+        let expanded = |reduced: DMatrix<f64>| &design.expand * reduced * design.expand.transpose();
+        let covariance = coordinates
+            .zip(scale)
+            .map(|(coordinates, scale)| expanded(self.covariance(factor.covariance_of(&coordinates), scale)));
         let sds = covariance.as_ref().map(|c| c.diagonal().map(|variance| variance.max(0.0).sqrt()));
         let effects = self.effects((values.rows_range(p..), sds.map(|sds| sds.rows_range(p..).into_owned())), scale);
         let uncertainty = covariance.map(|c| Uncertainty {
             fit: c.view((0, 0), (p, p)).into_owned(),
+            white: self.white(&noise).map_or(c, |own| expanded(own) * white).view((0, 0), (p, p)).into_owned(),
             share: noise.share(&self.evidence, is_other_noise),
             station: self.of_station(design),
         });

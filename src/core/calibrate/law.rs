@@ -20,6 +20,8 @@ pub struct DwellConditions {
     pub times: Vec<f64>,
     pub durations: Vec<f64>,
     pub rates: Vec<Vector3<f64>>,
+    /// g0.
+    pub forces: Vec<Vector3<f64>>,
 }
 
 /// By how much the standard deviation of a dwell departs from what is stated.
@@ -40,6 +42,7 @@ impl DwellConditions {
             times: dwells.iter().map(Dwell::mid_s).collect(),
             durations: dwells.iter().map(|d| d.duration_s).collect(),
             rates: dwells.iter().map(|d| d.rate_arcsec_s).collect(),
+            forces: dwells.iter().map(|d| d.specific_force_g0).collect(),
         }
     }
 
@@ -109,6 +112,7 @@ mod tests {
             times: TIMES.to_vec(),
             durations: vec![50.0, 100.0, 200.0, 400.0, 100.0],
             rates: turning([0.0, 40.0, 80.0, 20.0, 10.0]),
+            forces: Vec::new(),
         };
         let close = |found: Vec<f64>, expected: [f64; 5]| {
             assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} is not {expected:?}");
@@ -125,7 +129,7 @@ mod tests {
     fn only_laws_that_the_dwells_can_show_are_tried() {
         let of = |durations: [f64; 5], rates: [f64; 5]| {
             let (times, durations, rates) = (TIMES.to_vec(), durations.to_vec(), turning(rates));
-            Law::all(&DwellConditions { times, durations, rates })
+            Law::all(&DwellConditions { times, durations, rates, forces: Vec::new() })
         };
         let (even, still) = ([100.0, 100.0, 110.0, 90.0, 100.0], [0.0, 15.0, 15.0, 0.0, 15.0]);
         assert_eq!(of(even, still), [-1.1, -0.55, 0.55, 1.1].map(Law::Time), "noise may grow as well as fall");

@@ -170,11 +170,12 @@ fn calibrate_in(
     let mut coordinates: Vec<_> = fits.iter().zip(&noises).map(|(fit, noise)| fit.coordinates(noise)).collect();
     let found = (kinds == Kinds::All).then(|| weigh(dwells, has_sem, &fits, &mut coordinates));
     notes.extend(shrunken.and_then(|shrunken| shrunken.scatter).map(|scatter| CampaignNote::ErrorsScatter { scatter }));
+    let (found, white) = found.map_or((None, vec![1.0; fits.len()]), |found| (Some(found.kinds), found.white));
     let is_other_noise = found.as_ref().is_some_and(noise_report::is_other);
     let mut gyros: Vec<GyroCalibration> = fits
         .into_iter()
         .zip(noises)
-        .zip(coordinates)
+        .zip(coordinates.into_iter().zip(white))
         .zip(&campaign.gyros)
         .map(|(((fit, noise), coordinates), gyro)| fit.finish(gyro, noise, coordinates, is_other_noise))
         .collect();
@@ -191,7 +192,7 @@ fn weigh(
     has_sem: bool,
     fits: &[GyroFit],
     coordinates: &mut [Option<DMatrix<f64>>],
-) -> correlated_noise::DepartureWeights {
+) -> correlated_noise::Weighed {
     let fitted: Vec<FittedGyro> = fits.iter().map(GyroFit::fitted).collect();
     correlated_noise::weigh(&DwellConditions::of(dwells), &fitted, coordinates, has_sem)
 }

@@ -391,3 +391,35 @@ fn a_force_that_is_not_quite_the_sites_gravity_is_told_where_it_shows() {
     assert!(told(5e-3, 0.99905, 1e-4).is_some(), "rounding explains it, and the noise of a dwell hides that");
     assert_eq!(told(1e-3, 0.999, 1e-9), None, "of the site's gravity");
 }
+
+/// Outputs of two positions exchanged, which have no repeat: repeats agree, and the model does not fit at all.
+#[test]
+fn what_a_model_leaves_out_is_in_the_sd_once() {
+    let text = std::fs::read("tests/data/practice/campaign-00.json").expect("it is kept");
+    let plain: Campaign = crate::wire::document::parse(&text).expect("it is whole");
+    let limits = Plausibility::default();
+    let repeated: Vec<usize> = crate::core::campaign::repeats::repeats(&plain.dwells).concat();
+    let up = |axis: usize| {
+        let is_free = |k: &usize| !repeated.contains(k) && plain.dwells[*k].phase == Phase::Static;
+        (0..plain.dwells.len()).filter(is_free).find(|k| plain.dwells[*k].specific_force_g0[axis] > 0.9)
+    };
+    let (a, b) = (up(0).expect("there is one"), up(1).expect("there is one"));
+    let mut exchanged = plain.clone();
+    exchanged.dwells[a].output_pulse_s.clone_from(&plain.dwells[b].output_pulse_s);
+    exchanged.dwells[b].output_pulse_s.clone_from(&plain.dwells[a].output_pulse_s);
+    let [right, wrong] = [&plain, &exchanged].map(|campaign| calibrate(campaign, Terms::MODEL_6));
+    let all = |calibration: &Calibration| calibration.separate(&plain.geometry, &limits);
+    for (j, (right, off)) in all(&right).into_iter().zip(all(&wrong)).enumerate() {
+        let (right, off) = (right.expect("it is clean").rigid, off.expect("|E| is known well").rigid);
+        let [sd, ..] = off.sd().expect("its noise is known");
+        let budget = wrong.gyros[j].budgets(&plain.geometry, false).expect("the same")[0];
+        assert!((sd / budget.combined - 1.0).abs() < 1e-9, "{budget:?}");
+        let error = (off.d_i - right.d_i).abs();
+        assert!(error < 4.0 * sd && sd < 5.0, "off by {error}, {budget:?}");
+        // The Birge ratio on the noise of repeats: a root of chi-square over its degrees of freedom.
+        let white = calibrate_in_white_noise(&exchanged, Terms::MODEL_6).gyros[j]
+            .budgets(&plain.geometry, false)
+            .expect("the same")[0];
+        assert!(budget.discrepancy.expect("repeats test it") < 1.001 * white.discrepancy.expect("the same"));
+    }
+}

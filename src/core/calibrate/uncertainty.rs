@@ -9,8 +9,11 @@ use crate::core::campaign::StationPart;
 /// Covariances of the parameters of one gyro (p x p), part by part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uncertainty {
-    /// Of the fit: what is stated without a word from the station.
+    /// Of the fit, over all kinds of noise.
     pub(super) fit: DMatrix<f64>,
+    /// What white noise as stated has of it, with the weight of that: the other kinds take their size from the
+    /// residuals, so that what the model leaves out is in theirs already.
+    pub(super) white: DMatrix<f64>,
     pub(super) share: Share,
     /// S diag(u^2) S' of what the station states and the campaign can tell; empty where it does neither.
     pub(super) station: Vec<(StationPart, DMatrix<f64>)>,
@@ -58,13 +61,17 @@ pub struct UncertaintyBudget {
 }
 
 impl Uncertainty {
-    /// What the standard deviations of the fit come from.
+    /// What the model leaves out: in the variance of the fit, or beside that of white noise.
+    fn discrepancy(&self) -> Option<DMatrix<f64>> {
+        let Share { statistical, discrepancy } = self.share;
+        discrepancy.map(|share| if statistical < 1.0 { &self.fit * share } else { &self.white * share })
+    }
+
+    /// What the standard deviations come from.
     pub fn covariance(&self) -> DMatrix<f64> {
-        let all = self.share.statistical + self.share.discrepancy.unwrap_or(0.0);
-        match self.station.as_slice() {
-            [] => self.fit.clone(),
-            parts => parts.iter().fold(&self.fit * all, |sum, (_, part)| sum + part),
-        }
+        let beside = self.discrepancy().filter(|_| self.share.statistical == 1.0);
+        let parts = self.station.iter().map(|(_, part)| part.clone()).chain(beside);
+        parts.fold(self.fit.clone(), |sum, part| sum + part)
     }
 
     /// `variances` of some figures, each linear in the covariance of the parameters.
@@ -77,12 +84,16 @@ impl Uncertainty {
         for (part, covariance) in &self.station {
             of_station[*part as usize] = Some(variances(covariance)?);
         }
-        let Share { statistical, discrepancy } = self.share;
+        let discrepancy = match self.discrepancy() {
+            Some(covariance) => Some(variances(&covariance)?),
+            None => None,
+        };
+        let statistical = self.share.statistical;
         let sd = |variance: f64| variance.max(0.0).sqrt();
         Some(std::array::from_fn(|i| {
             let of_station: [Option<f64>; 3] = of_station.map(|part| part.map(|variances| variances[i]));
             let station = (!self.station.is_empty()).then(|| of_station.iter().flatten().sum::<f64>());
-            let discrepancy = discrepancy.map(|share| share * fit[i]);
+            let discrepancy = discrepancy.map(|variances| variances[i]);
             let combined = statistical * fit[i] + station.unwrap_or(0.0) + discrepancy.unwrap_or(0.0);
             UncertaintyBudget {
                 statistical: sd(statistical * fit[i]),

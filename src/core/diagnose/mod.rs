@@ -40,7 +40,7 @@ use crate::message;
 
 /// Raised with every change of what a diagnosis finds: one that was kept is then made again. A new entry of the
 /// catalogue raises it by itself: there were 48 when it was 8.
-pub const METHOD: u32 = 23 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
+pub const METHOD: u32 = 24 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
 
 /// Dwells of three gyros, at most: what a search holds grows with the gyros and the square of the dwells, and is half a
 /// gigabyte of so many.
@@ -152,7 +152,7 @@ struct Closed<'a> {
 fn closed(names: Names<'_>) -> Closed<'_> {
     let Names { settled, search, named, parts, fit, calibrated, .. } = &names;
     let frame = &settled.frame;
-    let signs = closure::signs(settled, search, named, fit, &names.doubts);
+    let signs = closure::signs(settled, search, named, fit, &names.doubts, calibrated.augmented());
     let remains = signs.remain(named);
     let variances = closure::floor_variances(frame, fit, remains);
     let noise_floor = noise_floor::report(frame, &variances, !remains, calibrated.augmented());

@@ -138,9 +138,10 @@ fn gyros_with_effects_of_their_own_and_shared_ones_are_those_of_one_fit() {
         let dofs: Vec<usize> = fits.iter().map(|fit| fit.fit.dof).collect();
         assert_eq!(dofs.iter().sum::<usize>(), 3 * N - total);
         let noises = noise::noise(&evidence, has_sem);
+        // What the model leaves out is not asked here.
         for (j, (fit, noise)) in fits.into_iter().zip(noises).enumerate() {
             let coordinates = fit.coordinates(&noise);
-            let found = fit.finish(&campaign.gyros[j], noise, coordinates, false);
+            let found = fit.finish(&campaign.gyros[j], noise, (coordinates, 1.0), true);
             let exact = N as f64 - (0..N).map(|k| hat[(j * N + k, j * N + k)]).sum::<f64>();
             assert!((found.dof as f64 - exact).abs() < 1.0, "{} of {exact}", found.dof);
             // The covariance of all at once, in units of the gyro's own noise.

@@ -7,6 +7,7 @@ use crate::core::diagnose::diagnosis::*;
 use crate::core::diagnose::report::constancy::{self, Change};
 use crate::core::diagnose::report::held_out;
 use crate::core::diagnose::report::named::{Named, all_slots, sign, slots};
+use crate::core::diagnose::report::stated_errors;
 use crate::core::diagnose::residuals::augmented_fit;
 use crate::core::diagnose::residuals::augmented_fit::{Fit, Part, with_parts};
 use crate::core::diagnose::residuals::noise_floor;
@@ -102,7 +103,14 @@ impl Signs {
 
 /// What is left beside the named effects: competitors that the search adopted, rivals, and tests that know no
 /// catalogue.
-pub(crate) fn signs(settled: &SearchOutcome, search: &Search, named: &[Named], fit: &Fit, crowded: &[Sign]) -> Signs {
+pub(crate) fn signs(
+    settled: &SearchOutcome,
+    search: &Search,
+    named: &[Named],
+    fit: &Fit,
+    crowded: &[Sign],
+    calibration: &Calibration,
+) -> Signs {
     let frame = &settled.frame;
     let mut list: Vec<Sign> = crowded.to_vec();
     let competitors = settled.found.iter().filter(|choice| choice.is_competitor());
@@ -145,6 +153,9 @@ pub(crate) fn signs(settled: &SearchOutcome, search: &Search, named: &[Named], f
         if p_value < level(named) {
             list.push(Sign::of_no_dwell("goes_with_a_variable", all_slots, p_value));
         }
+    }
+    if list.is_empty() {
+        list.extend(stated_errors::beyond_belief(calibration));
     }
     let strongest = list.iter().map(|sign| sign.p_value).fold(p_value, f64::min);
     Signs { list, p_value: strongest, changes }

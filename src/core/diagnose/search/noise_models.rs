@@ -29,15 +29,26 @@ use crate::core::numerics::median::median_of;
 /// Prior probability that gyros share their noise.
 const BETWEEN_GYROS: f64 = 0.1;
 
+/// How many times as likely a memory is held beforehand where there is one gyro.
+const OF_ONE_GYRO: f64 = 2.0;
+
 /// ln of odds below which an alternative is left out, by its weight with and without the names.
 const NOTHING: f64 = -6.9;
 
 /// Weight from which on the noise is said to have a memory, and names of time and temperature need more.
 const CERTAIN: f64 = 0.98;
 
+/// Weight from which on a law of rate asks more of names.
+const MAY_BE: f64 = 0.1;
+
 /// What the laws take of a campaign.
 fn course(s: &Setting) -> DwellConditions {
-    DwellConditions { times: s.time.clone(), durations: s.duration.clone(), rates: s.rate.clone() }
+    DwellConditions {
+        times: s.time.clone(),
+        durations: s.duration.clone(),
+        rates: s.rate.clone(),
+        forces: s.force.clone(),
+    }
 }
 
 struct Model {
@@ -66,6 +77,8 @@ pub(crate) struct Found {
     pub memory: Option<(CorrelatedNoise, f64, f64)>,
     /// Whether there may be one: it weighs something beside the names.
     pub may_have_memory: bool,
+    /// Whether it may go with rate where that is not stated.
+    pub may_go_with_rate: bool,
 }
 
 impl Found {
@@ -139,7 +152,12 @@ impl NoiseModels {
                 |law: Law| Some((NoiseDeparture::Law(law), odds, frame.with_factors(&law.factors(&course(s))).ok()?));
             tried.extend(laws.into_iter().filter_map(framed));
         }
-        let odds = ((1.0 - WITHOUT_MEMORY) / WITHOUT_MEMORY / (2 * POWERS.len()) as f64).ln() - odds_of_temperature(s);
+        // One gyro has no peers that wander otherwise, or that have the temperature's course as well.
+        let prior = match frame.gyros.len() {
+            1 => OF_ONE_GYRO.ln(),
+            _ => -odds_of_temperature(s),
+        };
+        let odds = ((1.0 - WITHOUT_MEMORY) / WITHOUT_MEMORY / (2 * POWERS.len()) as f64).ln() + prior;
         for memory in CorrelatedNoise::ALL {
             let kernel = memory.kernel(&s.time);
             for power in POWERS.map(|power| memory.size() * power) {
@@ -229,6 +247,10 @@ impl NoiseModels {
         of_all.add(0.0);
         let without = (without.log() - of_all.log()).exp().min(1.0);
         let may_have_memory = 1.0 - without > NOTHING.exp();
+        let mut with_rate = LogSum::default();
+        let of_rate = |model: &Model| matches!(model.kind, NoiseDeparture::Law(Law::Rate(_)));
+        (weights.iter().zip(&self.models)).filter(|(_, model)| of_rate(model)).for_each(|(w, _)| with_rate.add(*w));
+        let may_go_with_rate = with_rate.log() - of_all.log() > MAY_BE.ln();
         let likeliest = memories.iter().max_by(|a, b| a.0.total_cmp(&b.0));
         let memory = likeliest.filter(|_| 1.0 - without > CERTAIN).and_then(|(_, model)| match model.kind {
             NoiseDeparture::CorrelatedNoise(memory, power) => Some((memory, power, without)),
@@ -237,7 +259,7 @@ impl NoiseModels {
         let between_gyros = shared
             .filter(|(log_odds, shared)| shared.is_of_noise() && log_odds + shared.log_gain > 0.0)
             .map(|(_, shared)| shared);
-        Found { between_gyros, memory, may_have_memory }
+        Found { between_gyros, memory, may_have_memory, may_go_with_rate }
     }
 }
 

@@ -198,6 +198,12 @@ impl SearchOutcome {
             closer.found.remove(weakest);
             closer.noise_found = closer.noise_beside();
         }
+        while closer.noise_found.may_go_with_rate
+            && let Some(weakest) = closer.weakest(|entry| !entry.follows_time, WHERE_OTHER_NOISE_MAY_BE)
+        {
+            closer.found.remove(weakest);
+            closer.noise_found = closer.noise_beside();
+        }
         while !closer.laws.is_empty()
             && let Some(weakest) = closer.weakest(|_| true, UNDER_OTHER_NOISE)
         {
@@ -255,8 +261,9 @@ const MOST_DESCRIBED: usize = 2;
 /// residuals: a name in time or temperature where the noise has a memory, any name where it follows a law.
 const UNDER_OTHER_NOISE: f64 = 4.0;
 
-/// The same of a name in time or temperature where the residuals beside it do not rule out a memory.
-const WHERE_MEMORY_MAY_BE: f64 = 1.5;
+/// The same of a name in time or temperature where the residuals beside it do not rule out a memory, and of any other
+/// where noise may go with rate.
+const WHERE_OTHER_NOISE_MAY_BE: f64 = 1.5;
 
 impl SearchOutcome {
     /// The name that a component leads by most, where one leads clearly: the cause has another form.
@@ -311,7 +318,7 @@ impl SearchOutcome {
     fn asked_by_memory(&self) -> Option<f64> {
         match &self.noise_found {
             Found { memory: Some(_), .. } => Some(UNDER_OTHER_NOISE),
-            found => found.may_have_memory.then_some(WHERE_MEMORY_MAY_BE),
+            found => found.may_have_memory.then_some(WHERE_OTHER_NOISE_MAY_BE),
         }
     }
 

@@ -48,6 +48,8 @@ pub enum CampaignNote {
     ResidualsExceedNoise { gyros: Vec<Slot> },
     /// An effect of the model was not fitted.
     EffectLeftOut { slot: Option<Slot>, effect: Effect, why: EffectNotFitted },
+    /// The dwells contradict what the model says of an effect, but tell it less well: D_I and D_S hold that uncertainty.
+    EffectContradicted { slot: Slot, effect: Effect },
     /// D_I and D_S leave out what a hypothesis of one's own is at the reference temperature.
     EffectAtReference { effect: Effect },
     /// None of the model's effects was fitted.
@@ -130,6 +132,7 @@ impl CampaignNote {
             Self::ErrorsUnderstated { .. } => "standard_errors_understated",
             Self::ResidualsExceedNoise { .. } => "residuals_exceed_noise",
             Self::EffectLeftOut { .. } => "effect_left_out",
+            Self::EffectContradicted { .. } => "effect_contradicted",
             Self::EffectAtReference { .. } => "effect_at_reference",
             Self::EffectsLeftOut { .. } => "effects_left_out",
             Self::StationLeftOut { .. } => "station_left_out",

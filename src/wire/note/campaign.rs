@@ -69,6 +69,9 @@ pub(super) fn message(note: &CampaignNote) -> Message {
         CampaignNote::EffectLeftOut { slot: Some(slot), effect, why } => {
             message!("effect_left_out_of_gyro", slot = slot.name(), effect = effect.id(), why = left_out(why))
         }
+        CampaignNote::EffectContradicted { slot, effect } => {
+            message!("effect_contradicted", slot = slot.name(), effect = effect.id())
+        }
         CampaignNote::EffectAtReference { effect } => message!("effect_at_reference", effect = effect.word()),
         CampaignNote::EffectsLeftOut { why } => message!("effects_left_out", why = why.message()),
         CampaignNote::StationLeftOut { parts, why } => {
@@ -180,6 +183,7 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
             Some(slot) => json!({"slot": slot.name(), "effect": effect.id()}),
             None => json!({"effect": effect.id()}),
         },
+        CampaignNote::EffectContradicted { slot, effect } => json!({"slot": slot.name(), "effect": effect.id()}),
         CampaignNote::EffectAtReference { effect } => json!({"effect": effect.id()}),
         CampaignNote::StationLeftOut { parts, .. } => {
             json!({"parts": parts.iter().map(|part| part.name()).collect::<Vec<_>>()})

@@ -39,6 +39,7 @@ standard_errors_scatter = the stated standard errors scatter by { $percent } % a
 residuals_exceed_noise = { $slots }: residuals exceed the noise; the model leaves something out (see diagnose)
 effect_left_out = { $effect } is left out of the fit: { $why }
 effect_left_out_of_gyro = { $slot }: { $effect } is left out of the fit: { $why }
+effect_contradicted = { $slot }: these dwells contradict the model's { $effect } and tell it less well than the model did: D_I and D_S at the reference temperature are as uncertain as that. Adopt a model that holds these dwells
 effect_at_reference = { $effect } is not zero at the reference temperature, and no drift of model (6) there: D_I and D_S leave that out
 station_left_out = the stated uncertainty of { $parts } is not in the sigmas: { $why }
 station_needs_scale = { $slot } has no E that is held or determined

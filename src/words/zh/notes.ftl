@@ -37,6 +37,7 @@ standard_errors_scatter = 给定的标准误差相对时长与角速度的规律
 residuals_exceed_noise = { $slots }：残差大于噪声，模型有所遗漏（见诊断）
 effect_left_out = { $effect }未参与拟合：{ $why }
 effect_left_out_of_gyro = { $slot }：{ $effect }未参与拟合：{ $why }
+effect_contradicted = { $slot }：这些测点与模型中的{ $effect }矛盾，自身又不如模型确定得准：参考温度下D_I、D_S的不确定度随之增大。请采用包含这些测点的模型
 effect_at_reference = { $effect }在参考温度下不为零，且不属于模型(6)的漂移：D_I、D_S未计入这一部分
 station_left_out = 标准差未计入给定的测试站不确定度（{ $parts }）：{ $why }
 station_needs_scale = { $slot }的E既未给定也不能确定

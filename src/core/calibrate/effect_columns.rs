@@ -184,10 +184,7 @@ pub(super) fn retold(
 
 /// Of what is known that which is held: of effects that the model knows so much better than these dwells tell them, and
 /// that they do not contradict; and where those that are contradicted are.
-pub(super) fn to_hold(
-    retold: &[Retold],
-    known: &[KnownCoefficient],
-) -> (Vec<KnownCoefficient>, Vec<(Slot, Effect)>) {
+pub(super) fn to_hold(retold: &[Retold], known: &[KnownCoefficient]) -> (Vec<KnownCoefficient>, Vec<(Slot, Effect)>) {
     let chance = |effect: Effect, slot: Option<Slot>| {
         let those = retold.iter().filter(|one| one.effect == effect && slot.is_none_or(|slot| one.slot == slot));
         let (squares, count, dof) =
@@ -198,8 +195,10 @@ pub(super) fn to_hold(
         let own = chance(one.effect, Some(one.slot));
         own < CONTRADICTED || own < DOUBTED && chance(one.effect, None) < CONTRADICTED
     };
-    let (denied, rest): (Vec<&Retold>, Vec<&Retold>) = retold.iter().filter(|one| one.worse).partition(|o| is_denied(o));
-    let is_held = |known: &&KnownCoefficient| rest.iter().any(|one| (one.slot, one.effect) == (known.slot, known.effect));
+    let (denied, rest): (Vec<&Retold>, Vec<&Retold>) =
+        retold.iter().filter(|one| one.worse).partition(|o| is_denied(o));
+    let is_held =
+        |known: &&KnownCoefficient| rest.iter().any(|one| (one.slot, one.effect) == (known.slot, known.effect));
     let held = known.iter().filter(is_held).cloned().collect();
     (held, denied.into_iter().map(|one| (one.slot, one.effect)).collect())
 }

@@ -20,6 +20,12 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             message!("temperature_outlier", dwell = text(dwell), celsius = text(celsius), median = figure(*median, 2),)
         }
         CampaignNote::TemperatureUnit { median } => message!("temperature_unit", median = figure(*median, 1)),
+        CampaignNote::TimeUnit { median_s, turn_deg: None } => {
+            message!("time_unit", median = significant(*median_s, 2))
+        }
+        CampaignNote::TimeUnit { median_s, turn_deg: Some(turn) } => {
+            message!("time_unit_of_turns", median = significant(*median_s, 2), turn = significant(*turn, 2))
+        }
         CampaignNote::Commanded(finding) => commanded::message(finding),
         CampaignNote::RateNotOfAttitude { off, of, dwell, most_arcsec_s } => message!(
             "rate_not_of_attitude",
@@ -144,6 +150,10 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
             "pointer": format!("/dwells/{dwell}/temperature_c"), "value": celsius, "median": median
         }),
         CampaignNote::TemperatureUnit { median } => json!({"median": median}),
+        CampaignNote::TimeUnit { median_s, turn_deg } => match turn_deg {
+            Some(turn_deg) => json!({"median_s": median_s, "turn_deg": turn_deg}),
+            None => json!({"median_s": median_s}),
+        },
         CampaignNote::Commanded(finding) => commanded::parameters(finding),
         CampaignNote::RateNotOfAttitude { off, of, dwell, most_arcsec_s } => json!({
             "pointer": format!("/dwells/{dwell}/rate_arcsec_s"), "dwells": off, "of": of, "arcsec_s": most_arcsec_s

@@ -244,6 +244,27 @@ async fn an_alert_that_other_records_bear_out_goes_on_firing() {
 }
 
 #[tokio::test]
+async fn what_a_voided_record_raised_shows_the_newest_that_counts_once_it_is_resolved() {
+    let lab = Lab::open().await;
+    let ids = station_posts(&lab, &[(0, 1.0), (40, 1.001), (80, 1.0), (120, 1.001), (160, 1.05)]).await;
+    engineer_voids(&lab, &ids[4]).await;
+    let newest = lab.get(&format!("/v1/records/{}", ids[3])).await.ok();
+    let found = lab.get("/v1/alerts?serial=A&coefficient=D_I").await.ok();
+    let found = found["alerts"].as_array().expect("alerts");
+    assert!(found.len() >= 3, "{found:?}");
+    for alert in found {
+        let now = verdict(&newest, "A", "D_I", alert["rule"].as_str().expect("a rule"));
+        assert_eq!(alert["state"], "resolved");
+        for member in ["value", "reason"] {
+            assert_eq!(alert[member], now[member], "{alert} {now}");
+        }
+        let alert = lab.get(&format!("/v1/alerts/{}", alert["id"].as_str().expect("an id"))).await.ok();
+        let last = alert["history"].as_array().expect("steps").last().expect("a step").clone();
+        assert_eq!(last["action"], "resolve");
+    }
+}
+
+#[tokio::test]
 async fn an_alert_that_a_voided_record_ended_goes_on_since_the_same_day_and_is_known_to_those_who_knew_of_it() {
     let lab = Lab::open().await;
     station_posts(&lab, &[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02), (160, 1.021)]).await;

@@ -194,6 +194,81 @@ fn a_coefficient_that_has_tripled_is_said_with_what_it_does_to_d_i() {
     );
 }
 
+/// As [`campaign`], of which all gyros follow temperature, and that wanders by so many kelvin about `celsius`.
+fn wandering(seed: u64, month: u32, [celsius, wander]: [f64; 2], times: [f64; 3]) -> Campaign {
+    let mut scenario = Scenario { seed, gyros: gyros(), ..Scenario::default() };
+    scenario.temperature.mean_c = celsius;
+    scenario.measured_at = format!("2026-{month:02}-01T08:00:00Z");
+    let simulated = simulate(&scenario).unwrap();
+    let mut campaign = simulated.campaign;
+    let n = campaign.dwells.len() as f64;
+    let mean = campaign.dwells.iter().map(|d| d.temperature_c.unwrap()).sum::<f64>() / n;
+    let rms = (campaign.dwells.iter().map(|d| (d.temperature_c.unwrap() - mean).powi(2)).sum::<f64>() / n).sqrt();
+    for dwell in &mut campaign.dwells {
+        let warmer = celsius + wander * (dwell.temperature_c.unwrap() - mean) / rms - NOMINAL_C;
+        dwell.temperature_c = Some(NOMINAL_C + warmer);
+        let a = dwell.specific_force_g0;
+        for ((gyro, times), output) in simulated.world.gyros.iter().zip(times).zip(&mut dwell.output_pulse_s) {
+            let by_kelvin = K[0] * gyro.input().dot(&a) + K[1] * gyro.spin().dot(&a);
+            *output += times * gyro.scale_factor * warmer * by_kelvin;
+        }
+    }
+    campaign
+}
+
+/// A campaign of steady temperature tells what an effect of temperature is less well than the model does: the model's is
+/// taken, unless the campaign contradicts it.
+#[test]
+fn a_coefficient_that_steady_dwells_contradict_is_not_held_and_d_i_is_as_uncertain_as_that() {
+    let as_adopted = [1.0; 3];
+    let first: Vec<Campaign> = [(1, 45.0), (2, 47.0), (3, 43.0), (4, 46.0)]
+        .map(|(month, celsius)| wandering(u64::from(month), month, [celsius, 0.7], as_adopted))
+        .into();
+    let of_all = Adopted { slots: vec![Slot::G1, Slot::G2, Slot::G3], ..temperature_g().effects[0].adopted.clone() };
+    let chosen = AugmentedModel {
+        effects: vec![KnownEffect { adopted: of_all, estimates: Vec::new() }],
+        ..AugmentedModel::default()
+    };
+    let samples: Vec<CampaignSample> = first.iter().map(sample).collect();
+    let model = identify(&samples, &chosen).unwrap();
+    let warm = model.reference_c.unwrap() - NOMINAL_C;
+    let file = model.into_model(&chosen);
+    // Errors of D_I and D_S over their standard deviations, these, and the gyros of which the note says so.
+    let stated = |campaign: &Campaign, times: [f64; 3]| {
+        let outcome = evaluate_with(campaign, &file.options(campaign), &Plausibility::ever()).unwrap();
+        let Outcome::Imu { calibration, separations, .. } = outcome else { panic!("a campaign of an IMU") };
+        let noted = calibration.all_notes().iter().filter(|note| note.code() == "effect_contradicted").count();
+        let one = |j: usize| {
+            let rigid = separations[j].as_ref().unwrap().rigid;
+            let [d_i, d_s, _] = rigid.sd().unwrap();
+            let off = |value: f64, truth: f64, k: f64| value - truth - times[j] * k * warm;
+            ([off(rigid.d_i, D_I[j], K[0]) / d_i, off(rigid.d_s, D_S[j], K[1]) / d_s], d_i)
+        };
+        ([one(0), one(1), one(2)], noted)
+    };
+    let (mut squares, mut noted, mut sure) = (0.0, 0, 0);
+    for seed in 0..12 {
+        let now = |times| wandering(500 + seed, 6, [47.5, 0.1], times);
+        let (gyros, said) = stated(&now(as_adopted), as_adopted);
+        assert!(gyros.iter().all(|(_, sd)| *sd < 1e-3), "seed {seed}: held, {gyros:?}");
+        assert_eq!(said, 0, "seed {seed}");
+        squares += gyros.iter().flat_map(|(off, _)| off).map(|off| off * off).sum::<f64>();
+
+        // Of all gyros it is four times as large: what is stated is not off by tens of its standard deviations.
+        let (gyros, said) = stated(&now([4.0; 3]), [4.0; 3]);
+        assert!(gyros.iter().flat_map(|(off, _)| off).all(|off| off.abs() < 4.0), "seed {seed}: {gyros:?}");
+        noted += said;
+
+        // One alone has changed, by more: it takes the others' from none that are near the model.
+        let (gyros, _) = stated(&now([1.0, 9.0, 1.0]), [1.0, 9.0, 1.0]);
+        assert!(gyros.iter().flat_map(|(off, _)| off).all(|off| off.abs() < 4.0), "seed {seed}: {gyros:?}");
+        sure += [0, 2].into_iter().filter(|j| gyros[*j].1 < 1e-3).count();
+    }
+    let rms = (squares / 72.0).sqrt();
+    assert!((0.75..1.25).contains(&rms), "as adopted: {rms}");
+    assert!(noted >= 34 && sure >= 15, "{noted} of 36 said, {sure} of 24 as sure as before");
+}
+
 #[test]
 fn what_coefficients_do_from_campaign_to_campaign_is_in_the_sd_of_the_next_forecast() {
     // The bias of each gyro is another after each power-up.

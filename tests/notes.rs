@@ -214,6 +214,103 @@ async fn another_units_figures_are_noted_but_not_after_a_repair() {
 }
 
 #[tokio::test]
+async fn another_gyro_under_the_serial_of_one_is_noted_but_not_after_a_repair() {
+    for seed in [31, 32, 33] {
+        let (lab, units, mut rng) = with_history(seed, 5).await;
+        let mut other = units.clone();
+        other[1] =
+            Unit { d: [units[1].d[0] - 0.9, units[1].d[1] + 0.4], scale: 1.004 * units[1].scale, ..other[1].clone() };
+        let answer = lab.posts(&measured("IMU-1", &day(60), &other, &mut rng)).await;
+        assert_eq!(codes(&answer), ["another_gyro"], "seed {seed}");
+        assert_eq!(noted(&answer, "another_gyro")["serials"], json!([units[1].serial]));
+        // One of the two alone may be the gyro's own doing.
+        other[2].d[0] += 0.9;
+        other[2].scale *= 1.004;
+        assert_eq!(codes(&lab.posts(&measured("IMU-1", &day(70), &other, &mut rng)).await), [""; 0], "seed {seed}");
+        let repair = json!({"event": "repair", "reason": "new wheel", "at": day(75)});
+        lab.post(&format!("/v1/gyros/{}/events", units[0].serial), &repair).await.created();
+        other[0] =
+            Unit { d: [units[0].d[0] - 1.9, units[0].d[1] + 1.4], scale: 0.99 * units[0].scale, ..other[0].clone() };
+        assert_eq!(codes(&lab.posts(&measured("IMU-1", &day(80), &other, &mut rng)).await), [""; 0], "seed {seed}");
+    }
+}
+
+/// A campaign of five hours, of gyros that have this number in their serials.
+fn five_hours(imu: &str, gyros: i64, measured_at: &str) -> Value {
+    let mut campaign = lab::at(document("practice/campaign-00.json"), measured_at);
+    campaign["imu"] = imu.into();
+    for (slot, gyro) in campaign["gyros"].as_array_mut().unwrap().iter_mut().enumerate() {
+        gyro["serial"] = format!("LFG-{gyros}-{slot}").into();
+    }
+    // Other data.
+    for dwell in campaign["dwells"].as_array_mut().unwrap() {
+        for output in dwell["output_pulse_s"].as_array_mut().unwrap() {
+            *output =
+                (output.as_f64().unwrap() * (1.0 + 1e-9 * measured_at.bytes().map(f64::from).sum::<f64>())).into();
+        }
+    }
+    campaign
+}
+
+#[tokio::test]
+async fn campaigns_and_bench_tests_of_one_gyro_at_the_same_time_are_noted_in_either_order() {
+    let mut lab = Lab::open().await;
+    let at = |hour: i64| format!("2026-03-{:02}T{:02}:00:00Z", 1 + hour / 24, hour % 24);
+    let posts = async |lab: &Lab, sent: &Value| lab.post("/v1/campaigns", sent).await.created();
+    let overlaps = |answer: &Value| -> Vec<Value> {
+        let notes = answer["notes"].as_array().unwrap().iter().filter(|note| note["code"] == "overlaps_in_time");
+        notes.map(|note| note["record"].clone()).collect()
+    };
+    let first = posts(&lab, &five_hours("IMU-1", 1, &at(48))).await;
+    assert_eq!(overlaps(&first), [json!(null); 0]);
+    let within = posts(&lab, &five_hours("IMU-1", 1, &at(50))).await;
+    assert_eq!(overlaps(&within), [first["id"].clone()]);
+    assert_eq!(noted(&within, "overlaps_in_time")["serials"], json!(["LFG-1-0", "LFG-1-1", "LFG-1-2"]));
+    // What is stored says it, too, and what is not remembered is read.
+    let stored = lab.get(&format!("/v1/campaigns/{}", within["id"].as_str().unwrap())).await.ok();
+    assert_eq!(overlaps(&stored), [first["id"].clone()]);
+    lab.restart().await;
+    let sooner = posts(&lab, &five_hours("IMU-1", 1, &at(44))).await;
+    assert_eq!(overlaps(&sooner), [first["id"].clone()], "it ends after the first has begun");
+    for apart in [60, 30] {
+        assert_eq!(overlaps(&posts(&lab, &five_hours("IMU-1", 1, &at(apart))).await), [json!(null); 0], "{apart}");
+    }
+    // In another IMU.
+    let elsewhere = posts(&lab, &five_hours("IMU-2", 1, &at(63))).await;
+    assert_eq!(overlaps(&elsewhere).len(), 1);
+    // A finished calibration has no length.
+    let mut finished = record("IMU-3", &at(80), &[("G1", "LFG-3-0", 1.0, 2.0)]);
+    finished["station"] = first["station"].clone();
+    lab.posts(&finished).await;
+    assert_eq!(overlaps(&posts(&lab, &five_hours("IMU-3", 3, &at(78))).await), [json!(null); 0]);
+
+    // One of its gyros on a bench, which is known by its own dwells.
+    let bench = |serial: &str, measured_at: &str| {
+        let mut bench = five_hours("FX-1", 9, measured_at);
+        bench["test"] = "torque_feedback".into();
+        bench["geometry"] = json!({"input": [1, 0, 0], "spin": [0, 1, 0]});
+        bench["gyros"] = json!([{"serial": serial, "known_e_pulse_per_arcsec": [1.4676, 0.0, 0.0]}]);
+        let is_static = |dwell: &Value| dwell["phase"] == "static";
+        bench["dwells"].as_array_mut().unwrap().retain(is_static);
+        for dwell in bench["dwells"].as_array_mut().unwrap() {
+            let (force, rate) = (dwell["specific_force_g0"].clone(), dwell["rate_arcsec_s"].clone());
+            let [a_i, a_s, w] = [&force[0], &force[1], &rate[0]].map(|x| x.as_f64().unwrap());
+            dwell["output_pulse_s"] = json!([1.4676 * (w + 0.4 + 2.0 * a_i - 3.0 * a_s)]);
+            dwell["output_sem_pulse_s"] = json!([1e-3]);
+        }
+        bench
+    };
+    let fourth = posts(&lab, &five_hours("IMU-4", 4, &at(120))).await;
+    let tested = posts(&lab, &bench("LFG-4-1", &at(121))).await;
+    assert_eq!(overlaps(&tested), [fourth["id"].clone()], "{tested}");
+    assert_eq!(overlaps(&posts(&lab, &bench("LFG-4-1", &at(140))).await), [json!(null); 0]);
+    let fifth = posts(&lab, &bench("LFG-5-1", &at(160))).await;
+    lab.posts(&record("IMU-5", &at(10), &[("G2", "LFG-5-1", 1.0, 2.0)])).await;
+    let later = posts(&lab, &five_hours("IMU-5", 5, &at(158))).await;
+    assert_eq!(overlaps(&later), [fifth["id"].clone()]);
+}
+
+#[tokio::test]
 async fn wrong_units_are_noted_with_the_factor() {
     const E: &str = "e_pulse_per_arcsec";
     const G: &str = "g_pulse_per_s_g0";

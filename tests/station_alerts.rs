@@ -404,6 +404,25 @@ async fn an_imu_of_which_every_gyro_moves_is_one_alert_and_what_one_does_later_a
 }
 
 #[tokio::test]
+async fn the_alert_of_an_imu_ends_with_the_record_that_is_voided_and_not_with_the_next_tick() {
+    let lab = lab_whose_clock_looks_every(3600.0).await;
+    lab.clock_shows(&day(29));
+    let dropped = calibrated(1, 28, "ST-2", |slot| [0.02, -0.03, 0.045][slot as usize]);
+    let id = lab.posts(&dropped).await["id"].as_str().unwrap().to_owned();
+    // Among several servers the clock alone begins it; here it is asked to look.
+    lab.pipeline().ingest.look_at_shared().await.unwrap();
+    let state = |alerts: &[Value]| {
+        let shift = alerts.iter().find(|alert| alert["rule"] == "imu_shift").expect("the IMU has moved");
+        shift["state"].as_str().unwrap().to_owned()
+    };
+    assert_eq!(state(&alerts(&lab).await), "firing");
+    let said = json!({"author": "Li Wei", "reason": "clamped askew"});
+    lab.post(&format!("/v1/records/{id}/void"), &said).await.ok();
+    assert_eq!(state(&alerts(&lab).await), "resolved");
+    assert_eq!(lab.verified().await.faults, []);
+}
+
+#[tokio::test]
 async fn an_imu_that_is_calibrated_again_before_anybody_looks_is_one_alert_since_it_moved() {
     let lab = lab_whose_clock_looks_every(0.5).await;
     let dropped = |slot: i64| [0.02, -0.03, 0.045][slot as usize];

@@ -28,7 +28,7 @@ mod temperatures;
 
 pub use check::{CampaignLimits, check_dwells};
 pub use columns::notes;
-pub(crate) use columns::{missing_errors, temperature_outliers};
+pub(crate) use columns::{missing_errors, temperature_outliers, time_unit};
 pub(crate) use contradicting::contradicting;
 pub use earth_rate::with_earth_rate;
 pub use note::{CampaignNote, DwellColumn, EffectNotFitted, StationUndetermined};
@@ -143,6 +143,12 @@ pub struct Campaign {
 }
 
 impl Campaign {
+    /// When its last dwell ends.
+    pub fn ends_at(&self) -> UtcMicros {
+        let length_s = self.dwells.last().map_or(0.0, |last| last.start_s + last.duration_s);
+        self.measured_at.plus_days(length_s / 86_400.0)
+    }
+
     /// Whether the output of gyro `j` is the same in every dwell: nothing can be said of it.
     pub fn is_silent(&self, j: usize) -> bool {
         self.dwells.windows(2).all(|pair| pair[0].output_pulse_s[j] == pair[1].output_pulse_s[j])

@@ -33,6 +33,10 @@ pub enum HistoryNote {
     IdenticalFigures { serials: Vec<String>, record: NamedRecord },
     /// E or G is so many times what it was before; `by_scale`: as by the gyro's own |E|.
     UnitFactor { serials: Vec<String>, quantity: Quantity, factor: f64, by_scale: bool },
+    /// A campaign or bench test of these gyros was under way at the time.
+    OverlapsInTime { serials: Vec<String>, record: NamedRecord },
+    /// D_I and D_S of these gyros are both off their levels, by so many budgets at least.
+    AnotherGyro { serials: Vec<String>, budgets: f64 },
     /// The gyro was elsewhere in its last record.
     Moved { serial: String, from: Seat, to: Seat },
     /// The stated standard deviations are so many times those before.
@@ -99,6 +103,8 @@ impl HistoryNote {
             Self::OtherUnit { .. } => "other_unit",
             Self::IdenticalFigures { .. } => "identical_figures",
             Self::UnitFactor { .. } => "unit_factor",
+            Self::OverlapsInTime { .. } => "overlaps_in_time",
+            Self::AnotherGyro { .. } => "another_gyro",
             Self::Moved { .. } => "moved",
             Self::UncertaintyFactor { .. } => "uncertainty_factor",
         }
@@ -109,6 +115,8 @@ impl HistoryNote {
 const COMPANY_DAYS: f64 = 730.0;
 /// Decades from every other record: a receiver that has miscounted its weeks is 19.6 years behind.
 pub const FAR_DAYS: f64 = 15.0 * 365.25;
+/// A campaign or bench test may have lasted so many days where it is asked what was under way.
+pub const LONGEST_DAYS: f64 = 7.0;
 /// A clock that was never set has run for so many days at the most, the day before for those that are behind UTC.
 const RUNNING_DAYS: std::ops::Range<f64> = -1.0..100.0;
 /// Before so many days after 1970-01-01 nothing is taken: see [`is_unset`].

@@ -48,6 +48,9 @@ const STRANGE_BUDGETS: f64 = 3.0;
 const NEARER: f64 = 4.0;
 /// A factor is a unit's when it is met within this part of it.
 const UNIT_TOLERANCE: f64 = 0.02;
+/// Where both D_I and D_S are so many budgets off, and |E| by more than this part of it, the gyro is another.
+const UNLIKE_BUDGETS: f64 = 20.0;
+const OWN_SCALE: f64 = 1e-4;
 /// |E| that moved by more has another unit, or is another gyro's.
 const SAME_SCALE: f64 = 0.2;
 
@@ -121,6 +124,13 @@ fn of_figures(gyros: &[CheckedGyro<'_>]) -> Vec<HistoryNote> {
         let least = gyros.iter().map(CheckedGyro::off_by).fold(f64::INFINITY, f64::min);
         let serials = gyros.iter().map(|gyro| gyro.serial.to_owned()).collect();
         notes.push(HistoryNote::OtherUnit { serials, budgets: least });
+    } else {
+        let others: Vec<_> =
+            gyros.iter().filter_map(|gyro| Some((gyro.serial.to_owned(), gyro.unlike_itself()?))).collect();
+        if let Some(budgets) = others.iter().map(|(_, budgets)| *budgets).reduce(f64::min) {
+            let serials = others.into_iter().map(|(serial, _)| serial).collect();
+            notes.push(HistoryNote::AnotherGyro { serials, budgets });
+        }
     }
     notes
 }
@@ -130,6 +140,17 @@ impl CheckedGyro<'_> {
     /// where it has no history.
     fn off_by(&self) -> f64 {
         self.distance_to(self.before).unwrap_or(0.0)
+    }
+
+    /// By how many budgets both D_I and D_S are off its level and its last record, where that is more than any gyro
+    /// changes by and |E| is not the same.
+    fn unlike_itself(&self) -> Option<f64> {
+        let last = self.before.last()?;
+        let off = |i: usize, from: f64| (self.now.d[i] - from).abs() / self.tolerance(self.before, i);
+        let level = level(self.before);
+        let least = (0..2).map(|i| off(i, level[i]).min(off(i, last.d[i]))).fold(f64::INFINITY, f64::min);
+        let is_same = self.now.scale.zip(last.scale).is_some_and(|(a, b)| (a / b - 1.0).abs() < OWN_SCALE);
+        (least > UNLIKE_BUDGETS && !is_same).then_some(least)
     }
 
     /// As [`CheckedGyro::off_by`], from its level alone.

@@ -26,6 +26,8 @@ enum Coded {
     SerialsExchanged { fits: Vec<FitBody> },
     OtherUnit { serials: Vec<String>, budgets: f64 },
     IdenticalFigures { serials: Vec<String>, record: String, calibrated_at: String },
+    OverlapsInTime { serials: Vec<String>, record: String, calibrated_at: String },
+    AnotherGyro { serials: Vec<String>, budgets: f64 },
     UnitFactor { serials: Vec<String>, quantity: Quantity, factor: f64, unit: Option<String> },
     Moved { serial: String, from: SeatBody, to: SeatBody },
     UncertaintyFactor { serials: Vec<String>, factor: f64 },
@@ -95,6 +97,11 @@ impl From<HistoryNote> for Coded {
                 let NamedBody { record, calibrated_at } = named(record);
                 Self::IdenticalFigures { serials, record, calibrated_at }
             }
+            HistoryNote::OverlapsInTime { serials, record } => {
+                let NamedBody { record, calibrated_at } = named(record);
+                Self::OverlapsInTime { serials, record, calibrated_at }
+            }
+            HistoryNote::AnotherGyro { serials, budgets } => Self::AnotherGyro { serials, budgets },
             HistoryNote::UnitFactor { serials, quantity, factor, by_scale } => {
                 let of_drift = (by_scale && quantity == Quantity::G && factor.abs() < 1.0).then_some("deg/(h g0)");
                 let unit = likely_unit(quantity, factor).or(of_drift).map(str::to_owned);
@@ -215,6 +222,12 @@ impl Coded {
             Self::IdenticalFigures { serials, record, calibrated_at: at } => {
                 message!("identical_figures", serials = list(serials), record, at)
             }
+            Self::OverlapsInTime { serials, record, calibrated_at: at } => {
+                message!("overlaps_in_time", serials = list(serials), record, at)
+            }
+            Self::AnotherGyro { serials, budgets } => {
+                message!("another_gyro", serials = list(serials), budgets = figure(budgets, 0))
+            }
             Self::UnitFactor { serials, quantity, factor, unit } => {
                 let (quantity, serials) = (quantity.name(), list(serials));
                 if factor == -1.0 {
@@ -277,6 +290,8 @@ mod tests {
             HistoryNote::UncertaintyFactor { serials: vec!["A".to_owned()], factor: 1000.2 },
             HistoryNote::UncertaintyFactor { serials: vec!["A".to_owned()], factor: 1.0 / 3600.0 },
             HistoryNote::SameTimeSetAside { records: vec!["r1".to_owned(), "r2".to_owned()] },
+            HistoryNote::OverlapsInTime { serials: vec!["A".to_owned()], record: named("r1") },
+            HistoryNote::AnotherGyro { serials: vec!["A".to_owned()], budgets: 91.0 },
         ];
         kinds.into_iter().map(Note::History).collect()
     }
@@ -321,6 +336,8 @@ mod tests {
             (19, "G of A is 1/1.6 times what it was before: is it in deg/(h g0)?"),
             (20, "the stated standard deviations of A are 1000 times those before"),
             (21, "the stated standard deviations of A are 1/3600 times those before"),
+            (23, "test r1 of 2026-01-01T08:00:00Z"),
+            (24, "D_I and D_S of A are both off their last levels by more than 91 budgets"),
             (22, "only one of them can count: r1, r2"),
         ] {
             assert!(said[place].contains(words), "{}", said[place]);

@@ -48,7 +48,9 @@ impl NoteBody {
         let named = |member: &str| self.parameters.get(member).and_then(Value::as_array).into_iter().flatten();
         match self.code.as_ref() {
             "serials_exchanged" => named("fits").any(|fit| fit["serial"] == serial),
-            "other_unit" | "unit_factor" | "uncertainty_factor" => named("serials").any(|one| one == serial),
+            "other_unit" | "another_gyro" | "unit_factor" | "uncertainty_factor" => {
+                named("serials").any(|one| one == serial)
+            }
             "look_alike" => match self.parameters.get("of").and_then(Value::as_str) {
                 Some("serial") => self.parameters.get("name").is_some_and(|name| name == serial),
                 of => of == Some("imu"),

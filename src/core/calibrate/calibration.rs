@@ -118,6 +118,9 @@ pub struct Calibration {
     pub gyros: Vec<GyroCalibration>,
     /// Effects of the model that this campaign could not be fitted with, and why; what its figures look like.
     pub notes: Vec<CampaignNote>,
+    /// Effects that these dwells tell less well than the model and yet contradict: fitted anew, with what that leaves of
+    /// D_I and D_S.
+    pub contradicted: Vec<(Slot, Effect)>,
     /// What the noise is beyond white, independent and as stated; its memory is in the covariances.
     pub noise_found: NoiseFound,
 }
@@ -151,6 +154,10 @@ impl Calibration {
     /// The notes of the fit, and what its noise is found to be: nothing that is said of it anywhere else is missing.
     pub fn all_notes(&self) -> Vec<CampaignNote> {
         let mut notes = self.notes.clone();
+        notes.extend(self.contradicted.iter().map(|(slot, effect)| {
+            let (slot, effect) = (*slot, *effect);
+            CampaignNote::EffectContradicted { slot, effect }
+        }));
         notes.extend((!self.has_sem).then_some(CampaignNote::NoStandardErrors));
         let grows = self.growth_chance < GROWTH_CHANCE;
         notes.extend(grows.then(|| CampaignNote::NoiseGrows { times: (1.0 + self.growth).sqrt() }));

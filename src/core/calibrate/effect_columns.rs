@@ -11,11 +11,15 @@ use crate::core::effects::{Effect, Entry, MissingInput, OwnHypothesis, Scope, Se
 use crate::core::mounting::Slot;
 use crate::core::numerics::basis::Basis;
 use crate::core::numerics::least_squares::{Factor, Fit};
+use crate::core::numerics::normal_equations::inverse_of_covariance;
+use crate::core::numerics::tails::squares_tail;
 
 /// A coefficient is held where the campaign's standard deviation of it is so many times the model's,
 const KNOWN_BETTER: f64 = 1.5;
-/// unless the two are so many standard deviations apart.
-const CONTRADICTED: f64 = 3.5;
+/// unless chance is as small as this that the gyro's are so far from the model's, or those of all gyros together
+const CONTRADICTED: f64 = 1e-3;
+/// and the gyro's own are not near.
+const DOUBTED: f64 = 0.2;
 
 pub(super) struct Regressors {
     /// Of each gyro for itself.
@@ -129,43 +133,79 @@ pub(super) fn visible(base: &Factor, regressors: Vec<Regressor>) -> (Vec<Regress
     told_apart(regressors, &adds, |regressor| Some(regressor.effect))
 }
 
-/// Those regressors that are fitted, and those that are held with what is known of them: of an effect that the model
-/// knows so much better than these dwells tell it, or that they do not tell, and that they do not contradict.
-pub(super) fn to_hold<'a>(
+/// What a gyro's dwells say of an effect that the model knows, each of its coefficients fitted freely.
+pub(super) struct Retold {
+    slot: Slot,
+    effect: Effect,
+    /// Whether they tell it clearly less well than the model, or not at all.
+    worse: bool,
+    /// Sum of squares of how far its coefficients are from the model's, over their standard deviations.
+    squares: f64,
+    count: usize,
+    /// Degrees of freedom of the noise.
+    dof: f64,
+}
+
+/// Fits the effects that the model knows to one gyro anew: (k - k_model)' (C + C_model)^-1 (k - k_model), effect by
+/// effect. `of_noise` gives the variance over that of the weights and its degrees of freedom.
+pub(super) fn retold(
     WeightedDesign { design, sd, factor: base }: &WeightedDesign,
     y: &DVector<f64>,
-    regressors: Vec<Regressor>,
-    known: &[&'a KnownCoefficient],
-    variance: impl Fn(&Fit) -> f64,
-) -> (Vec<Regressor>, Vec<(Regressor, &'a KnownCoefficient)>) {
-    let known_of = |one: &Regressor| {
-        known.iter().copied().find(|known| known.effect == one.effect && known.name == one.coefficient.name)
-    };
-    let (kept, hidden) = visible(base, regressors.clone());
+    regressors: &[Regressor],
+    (slot, known): (Slot, &[KnownCoefficient]),
+    of_noise: impl Fn(&Fit) -> (f64, f64),
+) -> Vec<Retold> {
+    let known_of = |one: &Regressor| known.iter().find(|known| is_of(known, slot, one));
+    let mut effects: Vec<Effect> = regressors.iter().filter_map(|one| known_of(one).map(|_| one.effect)).collect();
+    effects.dedup();
+    if effects.is_empty() {
+        return Vec::new();
+    }
+    let (kept, hidden) = visible(base, regressors.to_vec());
     let fit = Factor::new(extended(design, &kept).reduced, sd).fit(y);
     let first = fit.estimate.len() - kept.len();
-    let variance = variance(&fit);
-    let (mut worse, mut denied) = (hidden, Vec::new());
-    for (m, one) in kept.iter().enumerate() {
-        let Some(known) = known_of(one) else { continue };
-        let place = first + m;
-        let sd = (fit.covariance[(place, place)] * variance).sqrt();
-        if sd > KNOWN_BETTER * known.sd {
-            worse.push(one.effect);
-        }
-        if (fit.estimate[place] - known.value).abs() > CONTRADICTED * sd.hypot(known.sd) {
-            denied.push(one.effect);
-        }
-    }
-    let is_held = |one: &Regressor| worse.contains(&one.effect) && !denied.contains(&one.effect);
-    let (mut fitted, mut held) = (Vec::new(), Vec::new());
-    for one in regressors {
-        match known_of(&one).filter(|_| is_held(&one)) {
-            Some(known) => held.push((one, known)),
-            None => fitted.push(one),
-        }
-    }
-    (fitted, held)
+    let (variance, dof) = of_noise(&fit);
+    let of = |effect: Effect| {
+        let told = kept.iter().enumerate().filter(|(_, one)| one.effect == effect);
+        let told: Vec<_> = told.filter_map(|(m, one)| Some((first + m, known_of(one)?))).collect();
+        let covariance = |a: usize, b: usize| fit.covariance[(told[a].0, told[b].0)] * variance;
+        let own = DMatrix::from_fn(told.len(), told.len(), covariance);
+        let worse = told.iter().enumerate().any(|(i, (_, known))| own[(i, i)].sqrt() > KNOWN_BETTER * known.sd);
+        let off = told.iter().map(|(place, known)| fit.estimate[*place] - known.value);
+        let off = DVector::from_iterator(told.len(), off);
+        let of_model = DVector::from_iterator(told.len(), told.iter().map(|(_, known)| known.sd * known.sd));
+        let squares = inverse_of_covariance(&(own + DMatrix::from_diagonal(&of_model)))
+            .map_or(0.0, |inverse| off.dot(&(inverse * &off)));
+        let worse = worse || hidden.contains(&effect);
+        Retold { slot, effect, worse, squares, count: told.len(), dof }
+    };
+    effects.into_iter().map(of).collect()
+}
+
+/// Of what is known that which is held: of effects that the model knows so much better than these dwells tell them, and
+/// that they do not contradict; and where those that are contradicted are.
+pub(super) fn to_hold(retold: &[Retold], known: &[KnownCoefficient]) -> (Vec<KnownCoefficient>, Vec<(Slot, Effect)>) {
+    let chance = |effect: Effect, slot: Option<Slot>| {
+        let those = retold.iter().filter(|one| one.effect == effect && slot.is_none_or(|slot| one.slot == slot));
+        let (squares, count, dof) =
+            those.fold((0.0, 0, 0.0), |sum, one| (sum.0 + one.squares, sum.1 + one.count, sum.2 + one.dof));
+        squares_tail(squares, count, dof)
+    };
+    let is_denied = |one: &Retold| {
+        let own = chance(one.effect, Some(one.slot));
+        own < CONTRADICTED || own < DOUBTED && chance(one.effect, None) < CONTRADICTED
+    };
+    let (denied, rest): (Vec<&Retold>, Vec<&Retold>) =
+        retold.iter().filter(|one| one.worse).partition(|o| is_denied(o));
+    let is_held =
+        |known: &&KnownCoefficient| rest.iter().any(|one| (one.slot, one.effect) == (known.slot, known.effect));
+    let held = known.iter().filter(is_held).cloned().collect();
+    (held, denied.into_iter().map(|one| (one.slot, one.effect)).collect())
+}
+
+/// Whether it is of the coefficient that a regressor of the gyro in `slot` is of.
+pub(super) fn is_of(known: &KnownCoefficient, slot: Slot, one: &Regressor) -> bool {
+    (known.slot, known.effect, known.name) == (slot, one.effect, one.coefficient.name)
 }
 
 /// The design with the regressors after model (6)'s columns.

@@ -11,7 +11,7 @@ use super::growth::{Exposure, Unweighted};
 use super::noise::{Evidence, NoiseScale};
 use super::uncertainty::{StationResponse, Uncertainty};
 use crate::core::augmented::KnownCoefficient;
-use crate::core::calibrate::effect_columns;
+use crate::core::calibrate::effect_columns::{self, Retold};
 use crate::core::calibrate::regressor::Regressor;
 use crate::core::calibrate::shared_coefficients::{CommonFit, OwnFit};
 use crate::core::campaign::repeats::PureError;
@@ -94,6 +94,30 @@ fn parameter(regressor: &Regressor, value: f64, sd: Option<f64>) -> EffectParame
     EffectParameter { effect: regressor.effect, coefficient: regressor.coefficient, value, sd }
 }
 
+/// What the gyro's dwells say of the effects that the model knows.
+pub(super) fn retold(
+    c: &Campaign,
+    j: usize,
+    terms: Terms,
+    (regressors, known): (&[Regressor], &[KnownCoefficient]),
+    sd: Vec<f64>,
+    shared: &mut SharedDesigns,
+) -> Vec<Retold> {
+    let y = DVector::from_iterator(c.dwells.len(), c.free_outputs(j));
+    let plain = shared.of(&c.dwells, own_terms(c, j, terms), sd);
+    let of_noise = |fit: &Fit| match c.states_errors() {
+        true => (1.0, f64::INFINITY),
+        false => (fit.chi2 / fit.dof.max(1) as f64, fit.dof.max(1) as f64),
+    };
+    effect_columns::retold(&plain, &y, regressors, (c.gyros[j].slot, known), of_noise)
+}
+
+/// E alone is never taken off: nothing would be left to fit.
+fn own_terms(c: &Campaign, j: usize, terms: Terms) -> Terms {
+    if terms == Terms::of(&[Term::Scale]) { terms } else { c.gyros[j].fitted_terms(terms) }
+}
+
+/// Those effects that are `known` are held at that.
 pub(super) fn fit_gyro(
     c: &Campaign,
     j: usize,
@@ -103,23 +127,19 @@ pub(super) fn fit_gyro(
     shared: &mut SharedDesigns,
 ) -> GyroFit {
     let known_e = c.gyros[j].known_e;
-    // E alone is never taken off: nothing would be left to fit.
-    let fitted = if terms == Terms::of(&[Term::Scale]) { terms } else { c.gyros[j].fitted_terms(terms) };
     let mut y = DVector::from_iterator(c.dwells.len(), c.free_outputs(j));
-    let plain = shared.of(&c.dwells, fitted, sd);
-    let known: Vec<&KnownCoefficient> = known.iter().filter(|known| known.slot == c.gyros[j].slot).collect();
-    let (mut regressors, to_hold) = match known.is_empty() {
-        true => (regressors, Vec::new()),
-        false => {
-            let variance = |fit: &Fit| if c.states_errors() { 1.0 } else { fit.chi2 / fit.dof.max(1) as f64 };
-            effect_columns::to_hold(&plain, &y, regressors, &known, variance)
+    let plain = shared.of(&c.dwells, own_terms(c, j, terms), sd);
+    let (mut to_hold, mut to_fit) = (Vec::new(), Vec::new());
+    for one in regressors {
+        match known.iter().find(|known| effect_columns::is_of(known, c.gyros[j].slot, &one)) {
+            Some(known) => to_hold.push((one, known)),
+            None => to_fit.push(one),
         }
-    };
+    }
     for (regressor, known) in &to_hold {
         y.axpy(-known.value, &regressor.column, 1.0);
     }
-    let hidden;
-    (regressors, hidden) = effect_columns::visible(&plain.factor, regressors);
+    let (regressors, hidden) = effect_columns::visible(&plain.factor, to_fit);
     let weighted = match regressors.as_slice() {
         [] => plain,
         some => WeightedDesign::new(effect_columns::extended(&plain.design, some), plain.sd.clone()),

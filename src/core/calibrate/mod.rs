@@ -36,13 +36,13 @@ use super::augmented::{Adopted, KnownCoefficient, Options};
 use super::campaign::{Campaign, CampaignNote, Dwell, EffectNotFitted, Phase, StationUncertainty};
 use super::effects::Effect;
 use super::model::Terms;
-use crate::core::calibrate::effect_columns::Regressors;
+use crate::core::calibrate::effect_columns::{Regressors, Retold};
 use crate::core::calibrate::regressor::Regressor;
 use crate::core::calibrate::shared_coefficients::{CommonFit, OwnFit, SharedRegressors};
 use crate::core::campaign::repeats::PureError;
 use correlated_noise::FittedGyro;
 use growth::{Exposure, NoiseGrowth};
-use gyro_fit::{GyroFit, SharedDesigns, fit_gyro};
+use gyro_fit::{GyroFit, SharedDesigns, fit_gyro, retold};
 use law::DwellConditions;
 use noise::{Evidence, NoiseScale};
 
@@ -83,7 +83,8 @@ pub fn calibrate_augmented(campaign: &Campaign, terms: Terms, adopted: &[Adopted
 }
 
 /// As [`calibrate_augmented`], with what the campaign states of its station in the covariances: [`station`]. An effect
-/// that the model knows clearly better than these dwells tell it is held at the model's value, with its uncertainty.
+/// that the model knows clearly better than these dwells tell it is held at the model's value, with its uncertainty,
+/// unless they contradict it: then it is fitted, and D_I and D_S are as uncertain as that leaves them.
 /// Effects of temperature count from `reference_c` (deg C; the campaign's mean where there is none): D0, G and E are
 /// then those at that temperature.
 pub fn calibrate_at_station(
@@ -131,16 +132,19 @@ fn calibrate_in(
     let has_sem = campaign.states_errors();
     let repeats = crate::core::campaign::repeats::repeats(dwells);
     let mut shared = SharedDesigns::default();
-    let mut fit_each = |sd: &dyn Fn(usize) -> Vec<f64>| -> Vec<GyroFit> {
+    let mut fit_each = |sd: &dyn Fn(usize) -> Vec<f64>| {
+        let of_gyro = |(j, r): (usize, &Vec<Regressor>)| retold(campaign, j, terms, (r, &known), sd(j), &mut shared);
+        let retold: Vec<Retold> = own.iter().enumerate().flat_map(of_gyro).collect();
+        let (held, contradicted) = effect_columns::to_hold(&retold, &known);
         let one = |(j, r): (usize, &Vec<Regressor>)| {
-            fit_gyro(campaign, j, terms, (r.clone(), &known), (sd(j), &repeats), &mut shared)
+            fit_gyro(campaign, j, terms, (r.clone(), &held), (sd(j), &repeats), &mut shared)
         };
-        own.iter().enumerate().map(one).collect()
+        (own.iter().enumerate().map(one).collect::<Vec<GyroFit>>(), contradicted)
     };
-    let mut fits = fit_each(&|j| weights_sd(campaign, j));
+    let (mut fits, mut contradicted) = fit_each(&|j| weights_sd(campaign, j));
     let shrunken = shrunken_errors::shrunken(campaign, &fits);
     if let Some(shrunken) = &shrunken {
-        fits = fit_each(&|j| shrunken.sd[j].clone());
+        (fits, contradicted) = fit_each(&|j| shrunken.sd[j].clone());
     }
     for (fit, gyro) in fits.iter().zip(&campaign.gyros) {
         let note = |effect: &Effect, why| CampaignNote::EffectLeftOut { slot: Some(gyro.slot), effect: *effect, why };
@@ -183,7 +187,7 @@ fn calibrate_in(
         gyro.effects.retain(|one| !any_temperature.contains(&one.effect));
     }
     let noise_found = found.map(|found| noise_report::report(&found, &gyros)).unwrap_or_default();
-    Calibration { terms, has_sem, repeats, growth, growth_chance, gyros, notes, noise_found }
+    Calibration { terms, has_sem, repeats, growth, growth_chance, gyros, notes, contradicted, noise_found }
 }
 
 /// Averages the covariance of each gyro's coordinates over the kinds of noise.

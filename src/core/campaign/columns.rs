@@ -7,6 +7,7 @@ use super::contradicting::contradicting;
 use super::temperatures::Temperatures;
 use super::{Campaign, CampaignNote, Dwell, DwellColumn, Phase, stuck};
 use crate::core::note::Note;
+use crate::core::numerics::median::median_of;
 
 /// What the dwells lack and what is odd about them: for the campaign's answer.
 pub fn notes(campaign: &Campaign) -> Vec<Note> {
@@ -26,8 +27,23 @@ pub fn notes(campaign: &Campaign) -> Vec<Note> {
     let stated = [Temperatures::of(campaign).median].into_iter().chain(campaign.temperature_c);
     let in_another_unit = stated.filter(|celsius| !CALIBRATED_AT.contains(celsius));
     notes.extend(in_another_unit.take(1).map(|median| Note::Campaign(CampaignNote::TemperatureUnit { median })));
+    notes.extend(time_unit(campaign).map(Note::Campaign));
     notes.extend(missing_errors(campaign));
     notes
+}
+
+/// How long a dwell may last, s, in the median: shorter or longer ones are in hours or in milliseconds.
+const DWELLS_LAST: RangeInclusive<f64> = 1.0..=43_200.0;
+/// A rate dwell goes over whole turns: where none turns by so much, degrees, times are in minutes or in hours.
+const LEAST_TURN: f64 = 90.0;
+
+/// Dwells whose times are in another unit: effects of time are then off by that factor.
+pub(crate) fn time_unit(campaign: &Campaign) -> Option<CampaignNote> {
+    let median_s = median_of(campaign.dwells.iter().map(|d| d.duration_s))?;
+    let turns = campaign.dwells.iter().filter(|d| d.phase == Phase::Rate);
+    let turn_deg = turns.map(|d| d.rate_arcsec_s.norm() * d.duration_s / 3600.0).reduce(f64::max);
+    let turn_deg = turn_deg.filter(|turn| *turn < LEAST_TURN);
+    (turn_deg.is_some() || !DWELLS_LAST.contains(&median_s)).then_some(CampaignNote::TimeUnit { median_s, turn_deg })
 }
 
 /// Temperatures at which gyros are calibrated, deg C. What lies outside is in kelvin or in degrees Fahrenheit.

@@ -18,6 +18,8 @@ pub enum CampaignNote {
     TemperatureOutlier { dwell: usize, celsius: f64, median: f64 },
     /// The median of the temperatures is none that a gyro is calibrated at: another unit.
     TemperatureUnit { median: f64 },
+    /// Dwells are too short or too long for seconds: their median, s, and the most that one turns, degrees.
+    TimeUnit { median_s: f64, turn_deg: Option<f64> },
     /// What was commanded contradicts itself, where that hardly matters.
     Commanded(CommandFinding),
     /// Static dwells whose rate is not the Earth's at their attitude: how many of how many, and the worst of them.
@@ -48,6 +50,8 @@ pub enum CampaignNote {
     ResidualsExceedNoise { gyros: Vec<Slot> },
     /// An effect of the model was not fitted.
     EffectLeftOut { slot: Option<Slot>, effect: Effect, why: EffectNotFitted },
+    /// The dwells contradict what the model says of an effect, but tell it less well: D_I and D_S hold that uncertainty.
+    EffectContradicted { slot: Slot, effect: Effect },
     /// D_I and D_S leave out what a hypothesis of one's own is at the reference temperature.
     EffectAtReference { effect: Effect },
     /// None of the model's effects was fitted.
@@ -115,6 +119,7 @@ impl CampaignNote {
             Self::Missing { column: DwellColumn::StandardErrors, .. } => "standard_errors_missing",
             Self::TemperatureOutlier { .. } => "temperature_outlier",
             Self::TemperatureUnit { .. } => "temperature_unit",
+            Self::TimeUnit { .. } => "time_unit",
             Self::Commanded(finding) => finding.symptom.name(),
             Self::RateNotOfAttitude { .. } => "rate_not_of_attitude",
             Self::OutputsContradict { .. } => "dwells_contradict",
@@ -130,6 +135,7 @@ impl CampaignNote {
             Self::ErrorsUnderstated { .. } => "standard_errors_understated",
             Self::ResidualsExceedNoise { .. } => "residuals_exceed_noise",
             Self::EffectLeftOut { .. } => "effect_left_out",
+            Self::EffectContradicted { .. } => "effect_contradicted",
             Self::EffectAtReference { .. } => "effect_at_reference",
             Self::EffectsLeftOut { .. } => "effects_left_out",
             Self::StationLeftOut { .. } => "station_left_out",

@@ -260,11 +260,11 @@ impl AlertCache {
     }
 
     /// Ends or lowers what fires, because of what somebody has said of a record or bench result. `still`: how grave an
-    /// alert is by what is left; none where nothing bears it out.
+    /// alert is by what is left; none where nothing bears it out. `newest`: what is then found of it, as it is kept.
     pub fn undo(
         &mut self,
         of: impl Into<AlertOf>,
-        still: impl Fn(&AlertRow) -> Option<Severity>,
+        (still, newest): (impl Fn(&AlertRow) -> Option<Severity>, impl Fn(&AlertRow) -> Option<String>),
         undone: &Undone,
         context: &mut AlertContext<'_>,
     ) {
@@ -277,6 +277,9 @@ impl AlertCache {
                 None => alert_decision::reset(&row.alert, context.now),
             };
             let said = (Some(undone.author.clone()), Some(undone.reason.clone()));
+            if let Some(finding) = newest(row) {
+                self.alerts.entry(at.0).or_default()[at.1].finding = finding;
+            }
             self.enter(at, decision, false, said, context);
         }
     }

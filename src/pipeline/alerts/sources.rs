@@ -68,14 +68,27 @@ pub(crate) fn follow_group<'a>(
                 fires.get(&(row.coefficient, rule)).map(|left| left.severity)
             }),
         };
+        let newest = judged.newest.iter().rfind(|newest| newest.gyro == *gyro);
+        let naming = context.naming;
+        let found_of = |row: &AlertRow| {
+            let is_it = |verdict: &&Verdict| (verdict.coefficient, verdict.rule) == (row.coefficient, row.rule);
+            let of_newest = || {
+                let figures = &newest?.figures;
+                let verdict = judged.verdicts.get(&(figures.record, *gyro))?.iter().find(is_it)?;
+                Some(naming.finding(verdict, &Origin::from(figures)))
+            };
+            let mut compared = agreements.iter().filter(|agreement| agreement.gyro == *gyro);
+            let of_methods = || compared.find_map(|a| Some(naming.finding(a.verdicts.iter().find(is_it)?, &a.origin)));
+            of_newest().or_else(of_methods).map(|finding| finding.kept())
+        };
         let is_followed =
             |newest: &HistoryRow| newest.gyro == *gyro && judged.verdicts.contains_key(&(newest.figures.record, *gyro));
         if judged.newest.iter().any(is_followed) {
             alerts.resume(*gyro, undone);
         }
-        alerts.undo(*gyro, still, undone, context);
+        alerts.undo(*gyro, (still, found_of), undone, context);
         // The newest that counts may be older than before.
-        if let Some(HistoryRow { figures, .. }) = judged.newest.iter().rfind(|newest| newest.gyro == *gyro) {
+        if let Some(HistoryRow { figures, .. }) = newest {
             follow_clock(alerts, judge, *gyro, figures.at, figures.imu, context);
         }
     }

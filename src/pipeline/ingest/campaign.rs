@@ -72,6 +72,7 @@ impl Reader {
             }
             Outcome::Bench(bench) => Submission::Bench(Box::new(BenchTest {
                 result: bench.result(&fit.campaign),
+                ends_at: fit.campaign.ends_at(),
                 body: body.clone(),
                 body_sha256,
                 idempotency_key: None,
@@ -202,6 +203,7 @@ impl Reader {
             imu: campaign.imu.clone(),
             station: campaign.station.clone(),
             calibrated_at: campaign.measured_at,
+            ends_at: campaign.ends_at(),
             model: *model,
             gyros,
             temperature_c: campaign.temperature_c.or_else(of_dwells),

@@ -56,6 +56,7 @@ impl Reader {
             imu,
             station,
             calibrated_at,
+            ends_at: calibrated_at,
             model: by.of_records(),
             gyros,
             temperature_c,
@@ -101,7 +102,7 @@ impl Reader {
         check_names(&[("/serial", &result.serial), ("/station", &result.station)], [].into_iter())?;
         self.check_time("/measured_at", result.measured_at)?;
         let (body, body_sha256) = kept(bytes)?;
-        Ok(BenchTest { result, body, body_sha256, idempotency_key: None })
+        Ok(BenchTest { ends_at: result.measured_at, result, body, body_sha256, idempotency_key: None })
     }
 
     /// Refuses a time that cannot be: the sender's clock is wrong, or its year. What lies too far ahead of the clock

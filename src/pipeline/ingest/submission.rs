@@ -146,6 +146,8 @@ pub struct Calibration {
     pub imu: Name,
     pub station: Name,
     pub calibrated_at: UtcMicros,
+    /// Of a campaign, when its last dwell ended.
+    pub ends_at: UtcMicros,
     /// The adopted model that it was fitted with, or a record restated by, if it was one.
     pub model: Option<Id>,
     pub gyros: Vec<CalibratedGyro>,
@@ -197,6 +199,8 @@ impl CalibratedGyro {
 #[derive(Debug, Clone)]
 pub struct BenchTest {
     pub result: BenchResult,
+    /// When its last dwell ended; when it was measured, of what states no dwells.
+    pub ends_at: UtcMicros,
     pub body: Arc<str>,
     pub body_sha256: [u8; 32],
     pub idempotency_key: Option<String>,

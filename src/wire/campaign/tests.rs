@@ -293,6 +293,31 @@ fn a_rate_that_is_not_the_earths_at_attitude_and_site_is_told_of() {
 }
 
 #[test]
+fn times_in_minutes_hours_or_milliseconds_are_told_of() {
+    let told = |unit: f64, with_turns: bool| {
+        let mut document = document();
+        for dwell in document["dwells"].as_array_mut().expect("dwells") {
+            for time in ["start_s", "duration_s"] {
+                dwell[time] = (dwell[time].as_f64().expect("a number") * unit).into();
+            }
+        }
+        if !with_turns {
+            document["dwells"].as_array_mut().expect("dwells").pop();
+        }
+        let campaign = parse_json(document.to_string().as_bytes()).expect("no fault");
+        let notes = crate::core::campaign::notes(&campaign);
+        let note = notes.iter().find(|note| note.code() == "time_unit");
+        note.map(|note| crate::wire::note::NoteBody::of(note).parameters)
+    };
+    // A turn at 2 deg/s takes 180 s: 3 min.
+    assert_eq!(json!(told(1.0 / 60.0, true)), json!({"median_s": 3.0, "turn_deg": 6.0}));
+    assert_eq!(json!(told(1.0 / 3600.0, false)), json!({"median_s": 0.05}));
+    assert_eq!(json!(told(1000.0, true)), json!({"median_s": 180_000.0}));
+    // Without turns three seconds may be what they say.
+    assert!([(1.0, true), (1.0, false), (0.26, true), (1.0 / 60.0, false)].iter().all(|(u, t)| told(*u, *t).is_none()));
+}
+
+#[test]
 fn temperatures_in_another_unit_are_told_of() {
     let told = |celsius: f64| {
         let mut document = document();

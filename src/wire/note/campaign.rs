@@ -20,6 +20,12 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             message!("temperature_outlier", dwell = text(dwell), celsius = text(celsius), median = figure(*median, 2),)
         }
         CampaignNote::TemperatureUnit { median } => message!("temperature_unit", median = figure(*median, 1)),
+        CampaignNote::TimeUnit { median_s, turn_deg: None } => {
+            message!("time_unit", median = significant(*median_s, 2))
+        }
+        CampaignNote::TimeUnit { median_s, turn_deg: Some(turn) } => {
+            message!("time_unit_of_turns", median = significant(*median_s, 2), turn = significant(*turn, 2))
+        }
         CampaignNote::Commanded(finding) => commanded::message(finding),
         CampaignNote::RateNotOfAttitude { off, of, dwell, most_arcsec_s } => message!(
             "rate_not_of_attitude",
@@ -68,6 +74,9 @@ pub(super) fn message(note: &CampaignNote) -> Message {
         }
         CampaignNote::EffectLeftOut { slot: Some(slot), effect, why } => {
             message!("effect_left_out_of_gyro", slot = slot.name(), effect = effect.id(), why = left_out(why))
+        }
+        CampaignNote::EffectContradicted { slot, effect } => {
+            message!("effect_contradicted", slot = slot.name(), effect = effect.id())
         }
         CampaignNote::EffectAtReference { effect } => message!("effect_at_reference", effect = effect.word()),
         CampaignNote::EffectsLeftOut { why } => message!("effects_left_out", why = why.message()),
@@ -141,6 +150,10 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
             "pointer": format!("/dwells/{dwell}/temperature_c"), "value": celsius, "median": median
         }),
         CampaignNote::TemperatureUnit { median } => json!({"median": median}),
+        CampaignNote::TimeUnit { median_s, turn_deg } => match turn_deg {
+            Some(turn_deg) => json!({"median_s": median_s, "turn_deg": turn_deg}),
+            None => json!({"median_s": median_s}),
+        },
         CampaignNote::Commanded(finding) => commanded::parameters(finding),
         CampaignNote::RateNotOfAttitude { off, of, dwell, most_arcsec_s } => json!({
             "pointer": format!("/dwells/{dwell}/rate_arcsec_s"), "dwells": off, "of": of, "arcsec_s": most_arcsec_s
@@ -180,6 +193,7 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
             Some(slot) => json!({"slot": slot.name(), "effect": effect.id()}),
             None => json!({"effect": effect.id()}),
         },
+        CampaignNote::EffectContradicted { slot, effect } => json!({"slot": slot.name(), "effect": effect.id()}),
         CampaignNote::EffectAtReference { effect } => json!({"effect": effect.id()}),
         CampaignNote::StationLeftOut { parts, .. } => {
             json!({"parts": parts.iter().map(|part| part.name()).collect::<Vec<_>>()})

@@ -6,6 +6,7 @@ use super::noise::{self, Noise};
 use crate::core::augmented::{Adopted, Options, PlausibleSizes};
 use crate::core::campaign::{
     Campaign, CampaignGyro, CampaignNote, TestKind, contradicting, missing_errors, stuck, temperature_outliers,
+    time_unit,
 };
 use crate::core::effects::{CATALOGUE, Effect, Entry, Refusal, Scope, Setting, axes};
 use crate::core::message::Message;
@@ -80,7 +81,8 @@ impl Frame {
         let (setting, of_axes) = axes::setting(campaign)?;
         let of_columns = temperature_outliers(campaign).chain(missing_errors(campaign));
         let stands = stuck(campaign).into_iter().map(CampaignNote::OutputStuck);
-        let of_fit = of_axes.into_iter().chain(contradicting(campaign)).chain(stands).map(Note::Campaign);
+        let of_fit = of_axes.into_iter().chain(time_unit(campaign)).chain(contradicting(campaign)).chain(stands);
+        let of_fit = of_fit.map(Note::Campaign);
         let of_campaign = of_columns.chain(of_fit).collect();
         let outputs: Vec<Vec<f64>> = (0..campaign.gyros.len()).map(|j| drift_output(campaign, &setting, j)).collect();
         let designs = |adopted: &[Adopted]| -> Vec<Vec<Vec<f64>>> {

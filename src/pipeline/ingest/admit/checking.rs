@@ -3,6 +3,7 @@
 
 use super::group::Group;
 use super::lookup::{Admission, Lookup};
+use super::overlapping::{Tested, overlapping};
 use super::recent_records::{NearbyRecords, RecentRecord};
 use crate::core::history_note::{
     EARLIER_IN_DOUBT, FAR_DAYS, HistoryNote, NameKind, NamedRecord, SERVICE, Seat, TimeDoubt, doubt, slipped_year,
@@ -102,6 +103,13 @@ impl<'c> Check<'c> {
         let is_suspect = check.check_window(&admission.lookup(group)).await?;
         check.check_names(&admission.lookup(group)).await?;
         check.check_figures(&admission.lookup(group)).await?;
+        if sent.kind == Kind::Campaign {
+            let tested = check.gyros.iter();
+            let tested = tested.filter_map(|one| Some((one.number?, one.sent.serial.as_str(), &one.around)));
+            let tested: Vec<Tested<'_>> = tested.collect();
+            let span = Span { from: at, to: sent.ends_at };
+            check.notes.extend(overlapping(span, &tested, &admission.lookup(group)).await?);
+        }
         let notes = check.notes.into_iter().map(Note::History).collect();
         Ok(Checked { notes, set_aside: in_doubt || is_suspect })
     }
@@ -217,7 +225,7 @@ impl<'c> Check<'c> {
                 if let HistoryNote::SerialsExchanged { fits } = &note {
                     exchanged.extend(fits.iter().map(|(serial, _)| serial.clone()));
                 }
-                let explained = matches!(note, HistoryNote::OtherUnit { .. })
+                let explained = matches!(note, HistoryNote::OtherUnit { .. } | HistoryNote::AnotherGyro { .. })
                     && something_was_done(gyros, sent.calibrated_at, known).await?;
                 if !explained {
                     notes.push(note);

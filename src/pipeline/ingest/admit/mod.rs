@@ -4,6 +4,7 @@ mod checking;
 mod correction;
 mod group;
 mod lookup;
+mod overlapping;
 mod prefetched;
 mod recent_records;
 
@@ -28,6 +29,7 @@ use checking::{Check, Checked};
 pub(crate) use group::Group;
 pub(crate) use lookup::Admission;
 use lookup::Lookup;
+use overlapping::overlapping;
 pub(crate) use prefetched::Prefetched;
 use recent_records::RecentRecord;
 pub(crate) use recent_records::RecentRecords;
@@ -103,7 +105,8 @@ impl Admission<'_> {
             } else {
                 group.changes.history.push(HistoryRow { gyro: number, figures });
                 group.rows.insert((number, at), id);
-                self.memory.add(number, RecentRecord { shown: checking::shown(gyro), ..RecentRecord::from(&figures) });
+                let (shown, ends_at) = (checking::shown(gyro), Some(sent.ends_at));
+                self.memory.add(number, RecentRecord { shown, ends_at, ..RecentRecord::from(&figures) });
             }
             sheet.0.push((number, gyro.requirements.iter().flatten().map(StoredVerdict::from).collect()));
         }
@@ -162,7 +165,13 @@ impl Admission<'_> {
             }
         }
         let names = [(NameKind::Serial, result.serial.as_str()), (NameKind::Station, result.station.as_str())];
-        let notes = self.lookup(group).look_alikes(&names).into_iter().map(Note::History).collect();
+        let mut notes = self.lookup(group).look_alikes(&names);
+        if let Some(gyro) = self.lookup(group).number(NamesOf::Gyros, result.serial.as_str()) {
+            let around = self.memory.around(self.store, gyro, at, group).await?;
+            let tested = [(gyro, result.serial.as_str(), &around)];
+            notes.extend(overlapping(Span { from: at, to: sent.ends_at }, &tested, &self.lookup(group)).await?);
+        }
+        let notes = notes.into_iter().map(Note::History).collect();
         let id = self.ids.next(self.now);
         let home = store::names::cell_of_gyro(self.store, result.serial.as_str());
         let gyro = self.take_number(NamesOf::Gyros, result.serial.as_str(), home, group);

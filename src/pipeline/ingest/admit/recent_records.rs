@@ -45,13 +45,15 @@ pub(super) struct RecentRecord {
     pub imu: u32,
     pub slot: Slot,
     pub shown: RecordFigures,
+    /// When its last dwell ended; none where that is not remembered.
+    pub ends_at: Option<UtcMicros>,
 }
 
 impl From<&Figures> for RecentRecord {
     fn from(figures: &Figures) -> Self {
         let sd = figures.rigid_sd.map(|[d_i, d_s, _]| [d_i, d_s]);
         let shown = RecordFigures { d: figures.rigid, sd, scale: None };
-        Self { at: figures.at, record: figures.record, imu: figures.imu, slot: figures.slot, shown }
+        Self { at: figures.at, record: figures.record, imu: figures.imu, slot: figures.slot, shown, ends_at: None }
     }
 }
 
@@ -62,6 +64,8 @@ pub(super) struct NearbyRecords {
     pub before: Vec<RecentRecord>,
     /// The first few after it, the newest first; looked for only where there are none before.
     pub after: Vec<RecentRecord>,
+    /// The first at it or after it.
+    pub next: Option<RecentRecord>,
 }
 
 impl NearbyRecords {
@@ -140,12 +144,17 @@ impl RecentRecords {
     ) -> Result<NearbyRecords, StoreError> {
         let ring = self.recall(store, gyro, group).await?;
         let place = ring.rows.partition_point(|row| row.at < at);
-        let mut around =
-            NearbyRecords { before: ring.rows[place.saturating_sub(BEFORE)..place].to_vec(), after: Vec::new() };
+        let mut around = NearbyRecords {
+            before: ring.rows[place.saturating_sub(BEFORE)..place].to_vec(),
+            after: Vec::new(),
+            next: ring.rows.get(place).copied(),
+        };
         if place == 0 && !ring.whole {
             let upto = Span { to: UtcMicros(at.0 - 1), ..Span::EVER };
             let stored = store::history::newest(store, gyro, upto, BEFORE).await?;
             around.before = stored.iter().filter(|row| !group.withdraws(row.record)).map(RecentRecord::from).collect();
+            let stored = store::history::oldest(store, gyro, Span { from: at, ..Span::EVER }, 1).await?;
+            around.next = stored.first().map(RecentRecord::from);
         }
         if around.before.is_empty() {
             around.after = ring.rows[place..].iter().take(BEFORE).rev().copied().collect();

@@ -88,7 +88,7 @@ fn undo(state: &mut WriterState, (imu, left): (u32, Option<Verdict>), undone: &U
         _ => Some(row.alert.severity),
     };
     let undo = |alerts: &mut AlertCache, context: &mut AlertContext<'_>| {
-        alerts.undo(AlertOf::Imu(imu), still, undone, context);
+        alerts.undo(AlertOf::Imu(imu), (still, |_| None), undone, context);
     };
     state.change_alerts(now, Late::Quiet, undo);
 }

@@ -28,7 +28,7 @@ use crate::pipeline::hooks::{Found, HookCache, HookHandler};
 use crate::pipeline::ingest::judge::Judge;
 use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::{Job, ReplyTo, StoreJob};
-use crate::pipeline::{AccessOrder, DiagnosisOrder, HypothesisOrder, Order, Reply};
+use crate::pipeline::{AccessOrder, DiagnosisOrder, HypothesisOrder, Order, Reply, Submission};
 use crate::store::{Cells, LeasedTask, Writer};
 use crate::telemetry;
 use group::{answer, prepare, settle};
@@ -311,6 +311,11 @@ impl Task {
         let mut replies = Vec::with_capacity(items.len());
         let begun = Instant::now();
         let stored = self.store_group(&items).await;
+        // What an IMU's gyros shared by a record that counts no more is over with it, not with the next tick.
+        let withdraws = items.iter().any(|item| matches!(item.sent, Submission::Correction(_)));
+        if withdraws && stored.is_ok() && self.state.alerts.shared().firing().next().is_some() {
+            clock::look_at_shared(&mut self.state).await;
+        }
         let a_turn = items.len() as f64 * TURN.as_secs_f64() / begun.elapsed().as_secs_f64();
         self.items_at_once = (a_turn as usize).clamp(*ITEMS.start(), *ITEMS.end());
         match stored {

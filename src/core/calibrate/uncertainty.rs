@@ -69,7 +69,7 @@ impl Uncertainty {
 
     /// What the standard deviations come from.
     pub fn covariance(&self) -> DMatrix<f64> {
-        let beside = self.discrepancy().filter(|_| self.share.statistical == 1.0);
+        let beside = self.discrepancy().filter(|_| self.share.statistical >= 1.0);
         let parts = self.station.iter().map(|(_, part)| part.clone()).chain(beside);
         parts.fold(self.fit.clone(), |sum, part| sum + part)
     }

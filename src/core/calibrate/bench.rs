@@ -405,6 +405,7 @@ impl BenchProblem<'_> {
                 share: noise.share(&evidence, noise_report::is_other(&kinds)),
                 station: StationResponse::by_part(&station.responses, &identity),
             }
+                contradicted: StationResponse::contradicted(&station.responses, &identity),
         };
         let mixed = coordinates.map(|mixed| (mixed, of_white[0]));
         let uncertainties: Vec<Uncertainty> =

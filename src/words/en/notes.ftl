@@ -40,6 +40,7 @@ residuals_exceed_noise = { $slots }: residuals exceed the noise; the model leave
 effect_left_out = { $effect } is left out of the fit: { $why }
 effect_left_out_of_gyro = { $slot }: { $effect } is left out of the fit: { $why }
 effect_at_reference = { $effect } is not zero at the reference temperature, and no drift of model (6) there: D_I and D_S leave that out
+station_contradicted = the residuals look like a rotation ({ $part }) { $times } times as large as the station states ({ $stated } arcsec). The sigmas hold a rotation of that size
 station_left_out = the stated uncertainty of { $parts } is not in the sigmas: { $why }
 station_needs_scale = { $slot } has no E that is held or determined
 effects_left_out = the effects of the model are left out: { $why }

@@ -38,6 +38,7 @@ residuals_exceed_noise = { $slots }：残差大于噪声，模型有所遗漏（
 effect_left_out = { $effect }未参与拟合：{ $why }
 effect_left_out_of_gyro = { $slot }：{ $effect }未参与拟合：{ $why }
 effect_at_reference = { $effect }在参考温度下不为零，且不属于模型(6)的漂移：D_I、D_S未计入这一部分
+station_contradicted = 残差形似一个转动（{ $part }），为测试站给定值（{ $stated } arcsec）的{ $times }倍；标准差已按此大小计入
 station_left_out = 标准差未计入给定的测试站不确定度（{ $parts }）：{ $why }
 station_needs_scale = { $slot }的E既未给定也不能确定
 effects_left_out = 模型中的附加效应未计入：{ $why }

@@ -74,6 +74,8 @@ pub struct BenchCalibration {
     pub method: BenchMethod,
     /// E, pulse/arcsec (arcsec per arcsec in the servo test), fixture axes.
     pub e: Vector3<f64>,
+    /// Whether the direction of E is held, at what is stated or nominal.
+    pub holds_direction: bool,
     pub scale_source: ScaleSource,
     /// Axes on which drift was resolved: the stated ones, carried along with the measured input axis.
     pub axes: Matrix3<f64>,
@@ -442,6 +444,7 @@ impl BenchProblem<'_> {
         Ok(BenchCalibration {
             slot,
             has_sem,
+            holds_direction: scale.fitted.len() < 3,
             method: self.method,
             e,
             scale_source: if scale.held.is_some() { ScaleSource::Held } else { ScaleSource::Fitted },

@@ -52,7 +52,7 @@ not_told_apart = these dwells cannot tell it from the other terms
 latitude_sign = D_I of every gyro is near { $shift } deg/(h g0), which a wrong sign of the latitude makes: is the station north (+) or south (-) of the equator?
 gravity_off = |specific_force_g0| of static dwells is { $percent } % off the site's gravity (- is less): D_I and D_S are off by as much the other way, up to { $moves } deg/(h g0) ({ $slot })
 latitude_off = rate_arcsec_s of static dwells is that of latitude { $degrees } deg, and the site states another: where the rates are wrong, D_I is by { $moves } deg/(h g0)
-held_scale = E is held, and taken as exact: { $arcsec } arcsec of its direction would move D_I or D_S by { $moves } deg/(h g0) ({ $slot }). State how well it is known in station_uncertainty.fixture_arcsec
+held_scale = the direction of E is held, and taken as exact: { $arcsec } arcsec of it would move D_I or D_S by { $moves } deg/(h g0) ({ $slot }). State how well it is known in station_uncertainty.fixture_arcsec
 held_scale_size = |E| is held, and taken as exact: { $percent } % of it would move D_I or D_S by { $moves } deg/(h g0) ({ $slot }), which is in no sigma
 nominal_axis = { $slot }: the campaign does not determine E; the nominal input axis and { $scale } pulse/arcsec are used
 

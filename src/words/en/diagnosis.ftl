@@ -150,6 +150,7 @@ explained_outside_catalogue = outside the catalogue, { $effect } explains the sa
 
 hard_to_tell_from_g_linear = g_linear takes { $share } % of its power in these dwells (principal angle { $angle } deg). What is just too small to be seen of it shifts D_I and D_S by up to { $sds } of their standard deviations
 seen_in_closure_of_g_only = D_O a_O is part of G; it shows in the closure of G only
+temperature_too_steady = temperatures span { $span } K: below { $least } { $unit } it is more often missed than named, and gyros have up to { $most }
 absorbed_by_model = the model in use absorbs it in every dwell of this campaign
 mostly_absorbed_by_model = the model in use absorbs all but { $share } of its power in every dwell of this campaign
 

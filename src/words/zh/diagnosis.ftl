@@ -150,6 +150,7 @@ explained_outside_catalogue = 目录之外的“{ $effect }”能更好地解释
 
 hard_to_tell_from_g_linear = 在这些测点中，与比力成正比的漂移占去其{ $share } %的能量（主角{ $angle }°）。其中恰好看不到的部分最多可使D_I、D_S偏移{ $sds }倍标准差
 seen_in_closure_of_g_only = D_O·a_O包含在G之内，只在G的闭合差中显现
+temperature_too_steady = 温度变化范围仅{ $span } K：小于{ $least } { $unit }时多半看不到，而陀螺通常不超过{ $most }
 absorbed_by_model = 现用模型在本次试验的每个测点中都将其吸收
 mostly_absorbed_by_model = 现用模型在本次试验的每个测点中吸收其能量，只剩{ $share }
 

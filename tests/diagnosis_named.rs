@@ -81,6 +81,22 @@ fn every_practice_campaign_is_answered_as_its_key_says() {
 }
 
 #[test]
+fn temperatures_that_hardly_change_leave_their_effects_unseen() {
+    for (span, blind) in [(1e-6, 3), (1e-3, 2), (20.0, 0)] {
+        let mut campaign = practice("campaign-00.json");
+        for (k, dwell) in campaign["dwells"].as_array_mut().unwrap().iter_mut().enumerate() {
+            dwell["temperature_c"] = json!(45.0 + 0.5 * span * (7.3 * k as f64).sin());
+        }
+        let answer = diagnosed(&campaign);
+        let listed = answer.not_identifiable.iter().filter(|entry| entry.reason.code == "temperature_too_steady");
+        let unseen: Vec<&str> = listed.map(|entry| entry.effect.id()).collect();
+        // At 7,200 arcsec/s a scale factor of 0.1 % a kelvin would still show.
+        let all = ["temperature_bias", "temperature_g", "temperature_scale"];
+        assert_eq!(unseen, all[..blind], "{span} K");
+    }
+}
+
+#[test]
 fn noise_alone_gets_no_name_and_no_gap() {
     let answers = drawn(Case::Clean, 24);
     let named: Vec<usize> = answers.iter().filter(|(_, d)| !d.effects.is_empty()).map(|(t, _)| t.number).collect();

@@ -238,3 +238,19 @@ fn what_a_station_states_of_itself_makes_its_sigmas_honest() {
     }
     assert!(dishonest.is_empty(), "{dishonest:#?}");
 }
+
+#[test]
+fn a_levelling_that_the_residuals_contradict_is_told_and_in_the_sigmas() {
+    let truth = Design { stated: [Some(60.0), None, None], ..DESIGNS[0] };
+    let told = |design: &Design, stated: f64, seed: u64| {
+        let outcome = evaluate(&draw(design, [Some(stated), None, None], seed).0, &Plausibility::default());
+        let Ok(Outcome::Imu { calibration, .. }) = outcome else { panic!("an IMU") };
+        calibration.all_notes().iter().any(|note| note.code() == "station_contradicted")
+    };
+    let count = |design: &Design, stated: f64| (41_000..41_200).filter(|seed| told(design, stated, *seed)).count();
+    let (of_five, of_sixty, of_twenty) = (count(&truth, 5.0), count(&truth, 60.0), count(&DESIGNS[0], 20.0));
+    let rms = pulls(&truth, [Some(5.0), None, None], 41_000..41_200)["D_I"][0];
+    println!("said {of_five} of 200, falsely {of_sixty} and {of_twenty}; rms(error/sd) of D_I {rms:.2}");
+    assert!(of_five >= 180 && of_sixty <= 2 && of_twenty <= 2);
+    assert!((0.6..1.4).contains(&rms), "{rms}");
+}

@@ -333,10 +333,10 @@ impl GyroFit {
     }
 
     /// Covariance of model (6)'s parameters by what is stated of the station.
-    fn of_station(&self, design: &Design) -> Vec<(StationPart, DMatrix<f64>)> {
-        let p = design.terms.columns();
-        let whole = StationResponse::by_part(&self.station, &design.expand);
-        whole.into_iter().map(|(part, whole)| (part, whole.view((0, 0), (p, p)).into_owned())).collect()
+    fn of_station(&self, design: &Design) -> (Vec<(StationPart, DMatrix<f64>)>, Option<DMatrix<f64>>) {
+        let expand = design.expand.rows(0, design.terms.columns()).into_owned();
+        let contradicted = StationResponse::contradicted(&self.station, &expand);
+        (StationResponse::by_part(&self.station, &expand), contradicted)
     }
 
     /// `coordinates` are the covariance on the design's basis, of which `white` noise as stated has its part.
@@ -357,11 +357,13 @@ impl GyroFit {
             .map(|(coordinates, scale)| expanded(self.covariance(factor.covariance_of(&coordinates), scale)));
         let sds = covariance.as_ref().map(|c| c.diagonal().map(|variance| variance.max(0.0).sqrt()));
         let effects = self.effects((values.rows_range(p..), sds.map(|sds| sds.rows_range(p..).into_owned())), scale);
+        let (station, contradicted) = self.of_station(design);
         let uncertainty = covariance.map(|c| Uncertainty {
             fit: c.view((0, 0), (p, p)).into_owned(),
             white: self.white(&noise).map_or(c, |own| expanded(own) * white).view((0, 0), (p, p)).into_owned(),
             share: noise.share(&self.evidence, is_other_noise),
-            station: self.of_station(design),
+            station,
+            contradicted,
         });
         let covariance = uncertainty.as_ref().map(Uncertainty::covariance);
         let parameters = parameters(design, factor, &values, covariance.as_ref());

@@ -207,7 +207,7 @@ fn held_on_bench(campaign: &Campaign, bench: &BenchCalibration) -> Vec<CampaignN
         let by = |name: &str| Some(longer.coefficient(name)?.value - bench.coefficient(name)?.value);
         Some(CampaignNote::HeldSize { slot: gyro.slot, share: HELD_TO_SHARE, moves: most(&by)? })
     };
-    let is_held = bench.scale_source == ScaleSource::Held && campaign.station_uncertainty.fixture.is_none();
+    let is_held = bench.holds_direction && campaign.station_uncertainty.fixture.is_none();
     let direction = is_held.then(direction).flatten();
     let size = (campaign.test == TestKind::TorqueFeedback).then(size).flatten();
     direction.into_iter().chain(size).collect()

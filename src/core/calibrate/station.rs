@@ -22,6 +22,8 @@ use crate::core::campaign::{Campaign, CampaignNote, StationPart, StationUncertai
 use crate::core::effects::{Effect, GyroAxes, Setting, Shape};
 use crate::core::numerics::least_squares::{Factor, Fit};
 use crate::core::numerics::normal_equations::{NormalEquations, Solution};
+use crate::core::numerics::tails::chi2_tail;
+use crate::core::units::arcsec;
 
 /// A rotation of its standard uncertainty: what it makes of each gyro's outputs, pulse/s.
 pub struct StationRotation {
@@ -95,17 +97,34 @@ pub(super) fn spread(
             }
         }
         for ((fit, seen), column) in fits.iter_mut().zip(seen).zip(&columns) {
-            let response = StationResponse { part: rotation.part, estimate: seen.estimate, residuals: seen.residuals };
-            fit.station.extend(column.map(|_| response));
+            fit.station.extend(column.map(|_| response(rotation.part, seen)));
         }
     }
     let seen: Vec<InResiduals> =
         fits.iter().map(|fit| InResiduals { factor: fit.factor(), fit: &fit.fit, responses: &fit.station }).collect();
-    let net = take_out(&seen, has_sem).unwrap_or_default();
+    let Some(TakenOut { net, times }) = take_out(&seen, has_sem) else { return notes };
     for (fit, (net, taken)) in fits.iter_mut().zip(net) {
         fit.leave(net, taken);
+        fit.station.iter_mut().zip(&times).for_each(|(response, times)| response.times = *times);
     }
-    notes
+    let parts: Vec<StationPart> = rotations.iter().map(|rotation| rotation.part).collect();
+    notes.into_iter().chain(contradictions(stated, &parts, &times)).collect()
+}
+
+fn response(part: StationPart, seen: Fit) -> StationResponse {
+    StationResponse { part, estimate: seen.estimate, residuals: seen.residuals, times: 1.0 }
+}
+
+/// A note of each part of which the residuals hold more than is stated.
+fn contradictions<'a>(
+    stated: &'a StationUncertainty,
+    parts: &'a [StationPart],
+    times: &'a [f64],
+) -> impl Iterator<Item = CampaignNote> + 'a {
+    StationPart::ALL.into_iter().filter_map(move |part| {
+        let times = parts.iter().zip(times).find(|(of, times)| **of == part && **times > 1.0)?.1;
+        Some(CampaignNote::StationContradicted { part, times: *times, arcsec: arcsec(stated.of(part)?) })
+    })
 }
 
 /// What a station makes of the fit of one gyro by itself.
@@ -120,16 +139,17 @@ pub(super) struct OfOne {
 /// As [`spread`], of the only gyro of a campaign.
 pub(super) fn of_one(campaign: &Campaign, axes: GyroAxes, (factor, fit): (&Factor, &Fit), has_sem: bool) -> OfOne {
     let (rotations, _, notes) = of_gyros(campaign, &campaign.station_uncertainty, vec![Some(axes)]);
-    let response = |rotation: StationRotation| {
-        let seen = factor.fit(&rotation.columns[0]);
-        StationResponse { part: rotation.part, estimate: seen.estimate, residuals: seen.residuals }
-    };
-    let responses: Vec<StationResponse> = rotations.into_iter().map(response).collect();
-    let net = match responses.as_slice() {
+    let of = |rotation: &StationRotation| response(rotation.part, factor.fit(&rotation.columns[0]));
+    let mut responses: Vec<StationResponse> = rotations.iter().map(of).collect();
+    let taken = match responses.as_slice() {
         [] => None,
         responses => take_out(&[InResiduals { factor, fit, responses }], has_sem),
     };
-    OfOne { net: net.map(|mut net| net.swap_remove(0)), responses, notes }
+    let Some(TakenOut { mut net, times }) = taken else { return OfOne { responses, net: None, notes } };
+    responses.iter_mut().zip(&times).for_each(|(response, times)| response.times = *times);
+    let parts: Vec<StationPart> = rotations.iter().map(|rotation| rotation.part).collect();
+    let notes = notes.into_iter().chain(contradictions(&campaign.station_uncertainty, &parts, &times)).collect();
+    OfOne { net: Some(net.swap_remove(0)), responses, notes }
 }
 
 /// The rotations of the gyros whose axes are known, the place of each gyro among them, and what cannot be told.
@@ -159,6 +179,20 @@ fn of_gyros(
 /// Rounds in which the noise, where nothing states it, and what the station leaves in the residuals are told apart.
 const ROUNDS: usize = 4;
 
+/// Chance of rotations as large as those found, below which they contradict what is stated.
+const CONTRADICTED: f64 = 1e-3;
+
+/// Share of its stated variance that the residuals must tell of a rotation to speak of its size.
+const TOLD: f64 = 0.05;
+
+/// What [`take_out`] answers.
+struct TakenOut {
+    /// By gyro: whitened residuals, and the degrees of freedom that were taken out.
+    net: Vec<(DVector<f64>, usize)>,
+    /// By rotation: how many times what is stated the residuals say that it is, 1 where they do not contradict that.
+    times: Vec<f64>,
+}
+
 /// A fit in whose residuals the rotations may have left something.
 struct InResiduals<'a> {
     factor: &'a Factor,
@@ -169,7 +203,11 @@ struct InResiduals<'a> {
 /// The residuals without what the rotations, each N(0, u^2) and one for all gyros, most likely left in them (ridge
 /// regression): what the station's own uncertainty explains is neither noise nor lack of fit, and not counted twice.
 /// By gyro, whitened, with the degrees of freedom that it costs.
-fn take_out(fits: &[InResiduals], has_sem: bool) -> Option<Vec<(DVector<f64>, usize)>> {
+///
+/// What is found, d = P X'r with P = (1 + X'X)^-1 for the stated prior, has the variance (1 - P)(1 - P + s^2 P) in noise
+/// of a scale s^2. A part whose d are too large for that (chi-square, p < 0.001) contradicts what is stated: its prior
+/// is then as wide as what is found, d/(1 - P), and it stays in the residuals as lack of fit.
+fn take_out(fits: &[InResiduals], has_sem: bool) -> Option<TakenOut> {
     let m = fits.iter().map(|fit| fit.responses.len()).max().unwrap_or(0);
     let whitened = |fit: &InResiduals, v: &DVector<f64>| v.component_mul(fit.factor.weights());
     let left: Vec<DMatrix<f64>> = fits
@@ -190,23 +228,49 @@ fn take_out(fits: &[InResiduals], has_sem: bool) -> Option<Vec<(DVector<f64>, us
     };
     let mut variances: Vec<f64> =
         (0..fits.len()).map(|j| if has_sem { 1.0 } else { scatter(j, &residuals[j], 0.0) }).collect();
-    let mut net: Vec<(DVector<f64>, f64)> = Vec::new();
-    for _ in 0..if has_sem { 1 } else { ROUNDS } {
-        let mut normal = NormalEquations { matrix: DMatrix::identity(m, m), right: DVector::zeros(m) };
+    let parts: Vec<StationPart> =
+        fits.iter().map(|fit| fit.responses).max_by_key(|of| of.len())?.iter().map(|one| one.part).collect();
+    let mut times = vec![1.0; m];
+    let mut round = 0;
+    let (net, taken): (Vec<_>, Vec<f64>) = loop {
+        let prior = DMatrix::from_diagonal(&DVector::from_iterator(m, times.iter().map(|times| 1.0 / (times * times))));
+        let mut normal = NormalEquations { matrix: prior, right: DVector::zeros(m) };
         for j in 0..fits.len() {
             normal.matrix += left[j].tr_mul(&left[j]) / variances[j];
             normal.right += left[j].tr_mul(&residuals[j]) / variances[j];
         }
         let Solution { estimate: likely, covariance } = normal.solve_beyond(&normal.matrix.diagonal(), 0.0)?;
-        let of_gyro = |j: usize| {
-            let taken = (&covariance * left[j].tr_mul(&left[j])).trace() / variances[j];
-            (&residuals[j] - &left[j] * &likely, taken)
+        let without = |kept: &dyn Fn(usize) -> bool, j: usize| {
+            let own = DMatrix::from_fn(left[j].nrows(), m, |k, i| if kept(i) { 0.0 } else { left[j][(k, i)] });
+            let taken = (&covariance * left[j].tr_mul(&own)).trace() / variances[j];
+            (&residuals[j] - own * &likely, taken)
         };
-        net = (0..fits.len()).map(of_gyro).collect();
-        if !has_sem {
-            variances = net.iter().enumerate().map(|(j, (net, taken))| scatter(j, net, *taken)).collect();
+        let all: Vec<(DVector<f64>, f64)> = (0..fits.len()).map(|j| without(&|_| false, j)).collect();
+        round += 1;
+        if !has_sem && round % ROUNDS != 0 {
+            variances = all.iter().enumerate().map(|(j, (net, taken))| scatter(j, net, *taken)).collect();
+            continue;
         }
-    }
-    let (net, taken): (Vec<_>, Vec<f64>) = net.into_iter().unzip();
-    Some(net.into_iter().zip(shared_coefficients::in_whole_numbers(taken.into_iter())).collect())
+        let squares: f64 = all.iter().zip(&variances).map(|((net, _), variance)| net.norm_squared() / variance).sum();
+        let dof = fits.iter().zip(&all).map(|(fit, (_, taken))| fit.fit.dof as f64 - taken).sum::<f64>();
+        let noise = (squares / dof.max(1.0)).max(1.0);
+        let told = |i: usize| 1.0 - covariance[(i, i)] / (times[i] * times[i]);
+        let found = |part: StationPart| {
+            let own: Vec<usize> = (0..m).filter(|i| parts[*i] == part && times[*i] == 1.0 && told(*i) > TOLD).collect();
+            let over = |i: &usize| likely[*i].powi(2) / (told(*i) * (told(*i) + noise * (1.0 - told(*i))));
+            let chance = chi2_tail(own.iter().map(over).sum(), own.len()).filter(|chance| *chance < CONTRADICTED)?;
+            let size = own.iter().map(|i| (likely[*i] / told(*i)).powi(2)).sum::<f64>() / own.len() as f64;
+            Some((part, chance, size.sqrt().max(1.0)))
+        };
+        match StationPart::ALL.into_iter().filter_map(found).min_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some((part, _, size)) => {
+                times.iter_mut().zip(&parts).filter(|(_, of)| **of == part).for_each(|(times, _)| *times = size);
+            }
+            None => {
+                break (0..fits.len()).map(|j| without(&|i| times[i] > 1.0, j)).unzip();
+            }
+        }
+    };
+    let net = net.into_iter().zip(shared_coefficients::in_whole_numbers(taken.into_iter())).collect();
+    Some(TakenOut { net, times })
 }

@@ -17,6 +17,8 @@ pub struct Uncertainty {
     pub(super) share: Share,
     /// S diag(u^2) S' of what the station states and the campaign can tell; empty where it does neither.
     pub(super) station: Vec<(StationPart, DMatrix<f64>)>,
+    /// The same of rotations that the residuals contradict, beyond what is stated: a part of the discrepancy.
+    pub(super) contradicted: Option<DMatrix<f64>>,
 }
 
 /// What one rotation of its standard uncertainty makes of a gyro's fit.
@@ -27,6 +29,8 @@ pub(super) struct StationResponse {
     pub estimate: DVector<f64>,
     /// Of the residuals, pulse/s.
     pub residuals: DVector<f64>,
+    /// By how many times the residuals say that it is larger; 1 where they do not contradict what is stated.
+    pub times: f64,
 }
 
 impl StationResponse {
@@ -44,6 +48,15 @@ impl StationResponse {
             those().next().map(|_| (part, Self::covariance(those(), expand)))
         };
         StationPart::ALL.into_iter().filter_map(of_part).collect()
+    }
+
+    /// The same of those that are contradicted, beyond what is stated.
+    pub fn contradicted(responses: &[Self], expand: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+        let beyond = |response: &Self| {
+            let s = expand * &response.estimate;
+            &s * s.transpose() * (response.times * response.times - 1.0)
+        };
+        responses.iter().filter(|response| response.times > 1.0).map(beyond).reduce(|sum, one| sum + one)
     }
 }
 
@@ -64,7 +77,8 @@ impl Uncertainty {
     /// What the model leaves out: in the variance of the fit, or beside that of white noise.
     fn discrepancy(&self) -> Option<DMatrix<f64>> {
         let Share { statistical, discrepancy } = self.share;
-        discrepancy.map(|share| if statistical < 1.0 { &self.fit * share } else { &self.white * share })
+        let of_noise = discrepancy.map(|share| if statistical < 1.0 { &self.fit * share } else { &self.white * share });
+        of_noise.into_iter().chain(self.contradicted.clone()).reduce(|sum, one| sum + one)
     }
 
     /// What the standard deviations come from.

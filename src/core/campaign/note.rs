@@ -58,6 +58,8 @@ pub enum CampaignNote {
     EffectsLeftOut { why: Refusal },
     /// What a station states of itself is not in the standard deviations.
     StationLeftOut { parts: Vec<StationPart>, why: StationUndetermined },
+    /// Residuals look like a rotation of so many times the standard uncertainty that is stated, arcsec.
+    StationContradicted { part: StationPart, times: f64, arcsec: f64 },
     /// A product of specific forces that a bench test does not fit moves a coefficient by so much of itself.
     ProductAliased(Alias),
     /// The positions of a bench test follow time: a drift of so many deg/h an hour moves D_I and D_S, deg/(h g0).
@@ -139,6 +141,7 @@ impl CampaignNote {
             Self::EffectAtReference { .. } => "effect_at_reference",
             Self::EffectsLeftOut { .. } => "effects_left_out",
             Self::StationLeftOut { .. } => "station_left_out",
+            Self::StationContradicted { .. } => "station_contradicted",
             Self::ProductAliased(_) => "product_aliased",
             Self::DriftAliased { .. } => "drift_aliased",
             Self::OffsetInGauge { .. } => "d_f_in_gauge",

@@ -222,7 +222,7 @@ fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
         closure,
         remaining,
         candidates: why_not_named::candidates(settled, &search, &named, &variances, remains),
-        not_identifiable: identifiability::not_identifiable(frame, bank, &g_confounders),
+        not_identifiable: identifiability::not_identifiable((frame, bank), (&parts, &variances), &g_confounders),
         impact: impact::impact(&calibrated, &campaign.geometry),
         next_dwells: next_dwells::next_dwells(frame, bank, &parts, &fit, &classes, &g_confounders),
         residuals: where_in_campaign::residuals(frame, &fit.residuals, &variances),

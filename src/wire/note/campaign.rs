@@ -87,6 +87,10 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             };
             message!("station_left_out", parts = list(parts.iter().map(|part| part.name())), why)
         }
+        CampaignNote::StationContradicted { part, times, arcsec } => {
+            let (times, stated) = (figure(*times, 1), significant(*arcsec, 3));
+            message!("station_contradicted", part = part.name(), times, stated)
+        }
         CampaignNote::ProductAliased(Alias { product, coefficient, moves }) => message!(
             "product_aliased",
             product = *product,
@@ -197,6 +201,9 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
         CampaignNote::EffectAtReference { effect } => json!({"effect": effect.id()}),
         CampaignNote::StationLeftOut { parts, .. } => {
             json!({"parts": parts.iter().map(|part| part.name()).collect::<Vec<_>>()})
+        }
+        CampaignNote::StationContradicted { part, times, arcsec } => {
+            json!({"part": part.name(), "times": times, "stated_arcsec": arcsec})
         }
         CampaignNote::ProductAliased(Alias { product, coefficient, moves }) => {
             json!({"product": product, "coefficient": coefficient, "moves": moves})

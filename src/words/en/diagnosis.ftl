@@ -151,6 +151,7 @@ explained_outside_catalogue = outside the catalogue, { $effect } explains the sa
 
 hard_to_tell_from_g_linear = g_linear takes { $share } % of its power in these dwells (principal angle { $angle } deg). What is just too small to be seen of it shifts D_I and D_S by up to { $sds } of their standard deviations
 seen_in_closure_of_g_only = D_O a_O is part of G; it shows in the closure of G only
+temperature_too_steady = temperatures span { $span } K: below { $least } { $unit } it is more often missed than named, and gyros have up to { $most }
 absorbed_by_model = the model in use absorbs it in every dwell of this campaign
 mostly_absorbed_by_model = the model in use absorbs all but { $share } of its power in every dwell of this campaign
 
@@ -185,8 +186,8 @@ acts_in_part = { $effect } acts in a part of the campaign only: from { $from } t
 noise_shared = gyros share noise: their correlation is up to { $correlation }
 noise_memory = the noise has a memory (probability { $probability }): a wander of about { $size } deg/h
 noise_of_duration = the noise falls with duration to the power { $power }, which the standard errors do not say
-noise_of_rate = the noise is { $times } times as large at the fastest rate as at rest, which the standard errors do not say
-noise_of_time = the noise is { $times } times as large at the end as at the beginning, which the standard errors do not say
+noise_of_rate = the noise is about { $times } times as large at the fastest rate as at rest, which the standard errors do not say
+noise_of_time = the noise is about { $times } times as large at the end as at the beginning, which the standard errors do not say
 standard_errors_understated = { $slots }: outputs scatter { $times } times as much as the stated standard errors say, in repeated dwells too. Those are too small, or what changes from one time to the next is no noise
 
 ## Against a reference

@@ -43,6 +43,7 @@ effect_left_out = { $effect } is left out of the fit: { $why }
 effect_left_out_of_gyro = { $slot }: { $effect } is left out of the fit: { $why }
 effect_contradicted = { $slot }: these dwells contradict the model's { $effect } and tell it less well than the model did: D_I and D_S at the reference temperature are as uncertain as that. Adopt a model that holds these dwells
 effect_at_reference = { $effect } is not zero at the reference temperature, and no drift of model (6) there: D_I and D_S leave that out
+station_contradicted = the residuals look like a rotation ({ $part }) { $times } times as large as the station states ({ $stated } arcsec). The sigmas hold a rotation of that size
 station_left_out = the stated uncertainty of { $parts } is not in the sigmas: { $why }
 station_needs_scale = { $slot } has no E that is held or determined
 effects_left_out = the effects of the model are left out: { $why }
@@ -54,7 +55,7 @@ not_told_apart = these dwells cannot tell it from the other terms
 latitude_sign = D_I of every gyro is near { $shift } deg/(h g0), which a wrong sign of the latitude makes: is the station north (+) or south (-) of the equator?
 gravity_off = |specific_force_g0| of static dwells is { $percent } % off the site's gravity (- is less): D_I and D_S are off by as much the other way, up to { $moves } deg/(h g0) ({ $slot })
 latitude_off = rate_arcsec_s of static dwells is that of latitude { $degrees } deg, and the site states another: where the rates are wrong, D_I is by { $moves } deg/(h g0)
-held_scale = E is held, and taken as exact: { $arcsec } arcsec of its direction would move D_I or D_S by { $moves } deg/(h g0) ({ $slot }). State how well it is known in station_uncertainty.fixture_arcsec
+held_scale = the direction of E is held, and taken as exact: { $arcsec } arcsec of it would move D_I or D_S by { $moves } deg/(h g0) ({ $slot }). State how well it is known in station_uncertainty.fixture_arcsec
 held_scale_size = |E| is held, and taken as exact: { $percent } % of it would move D_I or D_S by { $moves } deg/(h g0) ({ $slot }), which is in no sigma
 nominal_axis = { $slot }: the campaign does not determine E; the nominal input axis and { $scale } pulse/arcsec are used
 

@@ -151,6 +151,7 @@ explained_outside_catalogue = 目录之外的“{ $effect }”能更好地解释
 
 hard_to_tell_from_g_linear = 在这些测点中，与比力成正比的漂移占去其{ $share } %的能量（主角{ $angle }°）。其中恰好看不到的部分最多可使D_I、D_S偏移{ $sds }倍标准差
 seen_in_closure_of_g_only = D_O·a_O包含在G之内，只在G的闭合差中显现
+temperature_too_steady = 温度变化范围仅{ $span } K：小于{ $least } { $unit }时多半看不到，而陀螺通常不超过{ $most }
 absorbed_by_model = 现用模型在本次试验的每个测点中都将其吸收
 mostly_absorbed_by_model = 现用模型在本次试验的每个测点中吸收其能量，只剩{ $share }
 
@@ -185,8 +186,8 @@ acts_in_part = { $effect }仅在部分试验中起作用：从{ $from }到{ $to 
 noise_shared = 各陀螺噪声相关：相关系数最高{ $correlation }
 noise_memory = 噪声有记忆（概率{ $probability }）：游走约{ $size }度每小时
 noise_of_duration = 噪声随时长的{ $power }次幂下降，而标准误差未反映
-noise_of_rate = 最快角速度时噪声为静止时的{ $times }倍，而标准误差未反映
-noise_of_time = 结束时噪声为开始时的{ $times }倍，而标准误差未反映
+noise_of_rate = 最快角速度时噪声约为静止时的{ $times }倍，而标准误差未反映
+noise_of_time = 结束时噪声约为开始时的{ $times }倍，而标准误差未反映
 standard_errors_understated = { $slots }：输出（包括重复测点）的散布是给定标准误差的{ $times }倍。标准误差偏小，或随时间变化的并非噪声
 
 ## Against a reference

@@ -41,6 +41,7 @@ effect_left_out = { $effect }未参与拟合：{ $why }
 effect_left_out_of_gyro = { $slot }：{ $effect }未参与拟合：{ $why }
 effect_contradicted = { $slot }：这些测点与模型中的{ $effect }矛盾，自身又不如模型确定得准：参考温度下D_I、D_S的不确定度随之增大。请采用包含这些测点的模型
 effect_at_reference = { $effect }在参考温度下不为零，且不属于模型(6)的漂移：D_I、D_S未计入这一部分
+station_contradicted = 残差形似一个转动（{ $part }），为测试站给定值（{ $stated } arcsec）的{ $times }倍；标准差已按此大小计入
 station_left_out = 标准差未计入给定的测试站不确定度（{ $parts }）：{ $why }
 station_needs_scale = { $slot }的E既未给定也不能确定
 effects_left_out = 模型中的附加效应未计入：{ $why }
@@ -52,7 +53,7 @@ not_told_apart = 这些测点不能将其与其他项区分
 latitude_sign = 各陀螺的D_I均接近{ $shift } (°)/(h·g0)，恰为纬度正负号有误所致：测试站在北纬（+）还是南纬（-）？
 gravity_off = 静态测点的|specific_force_g0|与测试站重力相差{ $percent } %（负号为偏小）：D_I、D_S反向差同样比例，最大{ $moves } (°)/(h·g0)（{ $slot }）
 latitude_off = 静态测点的rate_arcsec_s对应纬度{ $degrees } °，与测试站所给纬度不符：若角速度有误，D_I即差{ $moves } (°)/(h·g0)
-held_scale = E取给定值，视为准确：其方向若差{ $arcsec } arcsec，D_I或D_S即变化{ $moves } (°)/(h·g0)（{ $slot }）。请在station_uncertainty.fixture_arcsec中给出其不确定度
+held_scale = E的方向取给定值，视为准确：若差{ $arcsec } arcsec，D_I或D_S即变化{ $moves } (°)/(h·g0)（{ $slot }）。请在station_uncertainty.fixture_arcsec中给出其不确定度
 held_scale_size = |E|取给定值，视为准确：若差{ $percent } %，D_I或D_S即变化{ $moves } (°)/(h·g0)（{ $slot }），标准差未计入
 nominal_axis = { $slot }：本次试验不能确定E；采用标称输入轴与{ $scale } pulse/arcsec
 

@@ -7,7 +7,7 @@ use nalgebra::Rotation3;
 use super::*;
 use crate::core::calibrate::outcome::{Outcome, evaluate};
 use crate::core::campaign::made_for_tests::{self, name};
-use crate::core::campaign::{CampaignGyro, Dwell, Site, StationUncertainty};
+use crate::core::campaign::{CampaignGyro, Dwell, Site, StationPart, StationUncertainty};
 use crate::core::frames::Rotation;
 use crate::core::model::Terms;
 use crate::core::mounting::Slot;
@@ -482,6 +482,42 @@ fn what_is_stated_of_the_station_moves_coefficients_as_the_sd_says() {
     blind.dwells.iter_mut().for_each(|dwell| dwell.attitude = None);
     let codes: Vec<&str> = fitted(&blind).all_notes().iter().map(CampaignNote::code).collect();
     assert!(codes.contains(&"station_left_out"), "{codes:?}");
+}
+
+#[test]
+fn a_rotation_that_contradicts_what_is_stated_is_told_and_in_the_sd() {
+    let stated = StationUncertainty { levelling: Some(1e-4), azimuth: None, fixture: None };
+    let of = |tilt: f64| fitted(&on_table(Vector3::new(tilt, tilt, 0.0), Vector3::zeros(), None, stated));
+    let (level, within, beyond) = (of(0.0), of(1e-4), of(1.2e-3));
+    let told = |found: &BenchCalibration| found.notes.iter().any(|note| note.code() == "station_contradicted");
+    assert_eq!([&level, &within, &beyond].map(told), [false, false, true]);
+    let Some(CampaignNote::StationContradicted { part: StationPart::Levelling, times, arcsec }) = beyond.notes.first()
+    else {
+        panic!("{:?}", beyond.notes)
+    };
+    assert!((times / 12.0 - 1.0).abs() < 0.2 && (arcsec - 20.626_5).abs() < 1e-3, "{times} {arcsec}");
+    assert!(beyond.p_value.unwrap() < 1e-3, "it is no longer taken out of the residuals");
+    let [off, plain] = [&beyond, &level].map(|found| *found.coefficient("D_I").unwrap());
+    let (error, sd, budget) = ((off.value - plain.value).abs(), off.sd.unwrap(), off.uncertainty.unwrap());
+    assert!(error > 3.0 * plain.sd.unwrap() && error < 2.0 * sd, "{error} {sd}");
+    assert!(budget.discrepancy.unwrap() > 5.0 * budget.station.unwrap(), "{budget:?}");
+}
+
+#[test]
+fn a_direction_of_e_that_the_positions_do_not_show_is_told_as_held() {
+    // The rate along S goes with a_S and that along O with D_F; that along I is told.
+    let of_input = |(k, (a, _)): (usize, Position)| {
+        let turn = std::f64::consts::TAU * k as f64 / 24.0;
+        (a, [EARTH * 0.8 * (3.0 * turn).cos(), EARTH * 0.8 * turn.sin(), EARTH * 0.6])
+    };
+    let positions: Vec<Position> = tumble().into_iter().enumerate().map(of_input).collect();
+    let outputs = outputs(1.4, &DRIFT, &positions);
+    for known_e in [Some([1.4, 0.0, 0.0]), None] {
+        let campaign = bench(TestKind::TorqueFeedback, &positions, &outputs, Some(1e-4), known_e);
+        let Ok(Outcome::Bench(found)) = evaluate(&campaign, &Plausibility::ever()) else { panic!("it can be fitted") };
+        assert!(found.holds_direction, "{known_e:?}");
+        assert!(found.notes.iter().any(|note| note.code() == "held_scale"), "{known_e:?}: {:?}", found.notes);
+    }
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::effects::{Effect, Entry, Shape};
-use crate::core::message::{Message, figure};
+use crate::core::message::{Message, figure, significant, text};
 use crate::core::model::Term;
 use crate::core::numerics::basis::{Basis, dot};
 use crate::message;
@@ -19,10 +19,21 @@ const SHARED: f64 = 0.5;
 /// Detectability below which an effect is more often missed than named.
 pub(crate) const JUST_MISSED: f64 = 4.5;
 
-/// Entries that the campaign lacks a column for, that the model in use absorbs, or that hide in D_I and D_S.
-pub(crate) fn not_identifiable(frame: &Frame, bank: &Bank, g_confounders: &[GConfounder]) -> Vec<NotIdentifiable> {
-    let unseen = frame.nameable().filter(|entry| !held(frame, entry)).filter_map(|entry| judged(frame, bank, entry));
-    let mut list: Vec<NotIdentifiable> = unseen.collect();
+/// Span below which temperatures may be too steady for effects that are as large as usual, K.
+const STEADY_K: f64 = 1.0;
+
+/// Entries that the campaign lacks a column for, that the model in use absorbs, that temperatures are too steady for, or
+/// that hide in D_I and D_S. `variances` are those of the noise, gyro by gyro, over that of the frame.
+pub(crate) fn not_identifiable(
+    (frame, bank): (&Frame, &Bank),
+    (parts, variances): (&[Part], &[f64]),
+    g_confounders: &[GConfounder],
+) -> Vec<NotIdentifiable> {
+    let open = |entry: &&Entry| !held(frame, entry);
+    let named = |entry: &Entry| parts.iter().any(|part| part.effect == entry.effect);
+    let steady = |entry: &Entry| if named(entry) { None } else { too_steady(frame, variances, entry) };
+    let unseen = |entry: &'static Entry| judged(frame, bank, entry).or_else(|| steady(entry));
+    let mut list: Vec<NotIdentifiable> = frame.nameable().filter(open).filter_map(unseen).collect();
     let further: Vec<&GConfounder> =
         g_confounders.iter().filter(|m| list.iter().all(|n| n.effect != m.effect)).collect();
     list.extend(further.into_iter().map(GConfounder::not_identifiable));
@@ -155,6 +166,41 @@ fn judged(frame: &Frame, bank: &Bank, entry: &Entry) -> Option<NotIdentifiable> 
         false => message!("absorbed_by_model"),
     };
     listed(visible, reason)
+}
+
+/// An entry of temperature that, as large as it usually is at most, would more often be missed than named.
+fn too_steady(frame: &Frame, variances: &[f64], entry: &Entry) -> Option<NotIdentifiable> {
+    let (most, temperature) = (entry.typical[1], frame.setting.temperature.as_ref().filter(|_| entry.of_temperature)?);
+    let extreme = |pick: fn(f64, f64) -> f64| temperature.iter().copied().reduce(pick);
+    let span = extreme(f64::max)? - extreme(f64::min)?;
+    if span > STEADY_K || most <= 0.0 {
+        return None;
+    }
+    let (mut longest, mut visible_fraction) = (0.0_f64, 0.0_f64);
+    for (shape, _) in (entry.shapes)(&frame.setting) {
+        for (j, (gyro, variance)) in frame.gyros.iter().zip(variances).enumerate() {
+            for column in (entry.columns)(&frame.setting, j, shape) {
+                let mut left = gyro.whiten(column);
+                let whole = dot(&left, &left);
+                gyro.basis.project_out(&mut left);
+                let power = dot(&left, &left);
+                longest = longest.max((power / variance).sqrt());
+                visible_fraction = visible_fraction.max(power / whole.max(f64::MIN_POSITIVE));
+            }
+        }
+    }
+    (longest * most < JUST_MISSED).then(|| NotIdentifiable {
+        effect: entry.effect,
+        visible_fraction,
+        confounded_with: Vec::new(),
+        reason: message!(
+            "temperature_too_steady",
+            span = significant(span, 2),
+            least = significant(JUST_MISSED / longest.max(f64::MIN_POSITIVE), 2),
+            most = text(most),
+            unit = entry.unit
+        ),
+    })
 }
 
 /// Largest visible share over shapes and gyros.

@@ -2,7 +2,7 @@
 
 use super::bench::{BenchCalibration, calibrate_bench};
 use super::drift::NotSeparated;
-use super::{Calibration, GyroCalibration, Kinds, ScaleSource, calibrate_at_station, calibrate_in};
+use super::{Calibration, GyroCalibration, Kinds, calibrate_at_station, calibrate_in};
 use crate::core::augmented::{AugmentedModel, Options};
 use crate::core::campaign::commanded::{force_off_gravity, latitude_of_rates};
 use crate::core::campaign::{

@@ -83,9 +83,8 @@ impl Uncertainty {
 
     /// What the standard deviations come from.
     pub fn covariance(&self) -> DMatrix<f64> {
-        let beside = self.discrepancy().filter(|_| self.share.statistical >= 1.0);
-        let parts = self.station.iter().map(|(_, part)| part.clone()).chain(beside);
-        parts.fold(self.fit.clone(), |sum, part| sum + part)
+        let parts = self.station.iter().map(|(_, part)| part.clone()).chain(self.discrepancy());
+        parts.fold(&self.fit * self.share.statistical, |sum, part| sum + part)
     }
 
     /// `variances` of some figures, each linear in the covariance of the parameters.

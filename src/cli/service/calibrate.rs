@@ -122,9 +122,17 @@ impl Calibrate {
         let is_asked = campaign.test == TestKind::Imu && matches!(self.format, Format::Table);
         let diagnosed = is_asked.then(|| diagnose(&campaign, &options).ok()).flatten();
         let seen = diagnosed.filter(|diagnosis| diagnosis.verdict != Verdict::NoGap);
-        let gap = seen.map(|diagnosis| DiagnosisBody::from(&diagnosis).verdict_in_words(asked()));
+        let gap = seen.map(|diagnosis| gap_in_words(&DiagnosisBody::from(&diagnosis)));
         Ok(FittedFile { file: file(), campaign, outcome, answer, gap })
     }
+}
+
+/// The verdict of a diagnosis, and what it names.
+fn gap_in_words(diagnosis: &DiagnosisBody) -> String {
+    let causes: Vec<String> =
+        diagnosis.effects.iter().map(|one| format!("{} ({})", one.effect, one.gyros.join(", "))).collect();
+    let named = (!causes.is_empty()).then(|| said(message!("terminal_causes", causes = causes.join(", "))));
+    [Some(diagnosis.verdict_in_words(asked())), named].into_iter().flatten().collect::<Vec<_>>().join(" ")
 }
 
 /// D_I and D_S of every campaign, and what repeats between them.

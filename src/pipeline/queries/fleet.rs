@@ -3,6 +3,7 @@
 use std::cmp::Reverse;
 use std::sync::{Mutex, PoisonError};
 
+use futures::{StreamExt, TryStreamExt, stream};
 use tokio::time::Instant;
 
 use super::entries::fleet_histories;
@@ -24,6 +25,9 @@ use crate::pipeline::prelude::*;
 use crate::store::head::{CalibratedRow, HeadFilter, HeadStatusFilter, Ranks, SerialSearch, StationTally, Tally};
 use crate::store::{Stretch, Table};
 use crate::wire::answer::VerdictBody;
+
+/// IMUs of a list whose gyros are read at once.
+const IMUS_AT_ONCE: usize = 4;
 
 /// The gyros whose newest calibration was made in one IMU.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -439,11 +443,10 @@ impl Fleet {
 
     /// IMUs by name with their gyros, after IMU number `after` (0: all), as many as `limit`.
     pub async fn imus(&self, after: u32, limit: u32) -> Result<Vec<ListedImu>, StorageError> {
-        let mut imus = Vec::new();
-        for (number, name) in store::head::imus_after(&self.store, after, limit).await? {
-            imus.push(ListedImu { number, name, seats: self.seated_in(number).await? });
-        }
-        Ok(imus)
+        let imus = store::head::imus_after(&self.store, after, limit).await?;
+        let listed =
+            |(number, name)| async move { Ok(ListedImu { number, name, seats: self.seated_in(number).await? }) };
+        stream::iter(imus).map(listed).buffered(IMUS_AT_ONCE).try_collect().await
     }
 
     /// The gyros whose newest calibration was made in this IMU: a slot holds one of them.

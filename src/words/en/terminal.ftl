@@ -88,6 +88,7 @@ terminal_directions_coincide = the input and spin directions of equations (8) to
 terminal_mounting = Mounting: |E| in pulse/arcsec, angles of the input axis in deg, clocking of S about I if D_O = 0 in truth
 terminal_mounting_head = gyro | |E| | alpha x | alpha y | alpha z | off nominal | clocking
 terminal_calibrated = { $imu }, measured by { $station } at { $at }: { $dwells } dwells, model { $model }
+terminal_causes = Causes: { $causes }.
 terminal_gap_beside_fit = { $verdict } What that does to D_I and D_S: gyrowatch diagnose { $file }
 terminal_fit = Fit
 terminal_fit_head = gyro | serial | E | rank | left over | chi2/dof | p, lack of fit | noise, deg/h | its source

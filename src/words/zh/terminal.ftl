@@ -85,6 +85,7 @@ terminal_directions_coincide = 对此E，公式(8)至(13)的输入轴与电机�
 terminal_mounting = 安装：|E|的单位为pulse/arcsec；输入轴各角的单位为°；转角为D_O实际为0时电机轴绕输入轴的转角
 terminal_mounting_head = 陀螺 | |E| | alpha x | alpha y | alpha z | 偏离标称 | 转角
 terminal_calibrated = { $imu }，{ $station }，{ $at }：{ $dwells }个测点，模型{ $model }
+terminal_causes = 原因：{ $causes }。
 terminal_gap_beside_fit = { $verdict }对D_I、D_S的影响：gyrowatch diagnose { $file }
 terminal_fit = 拟合
 terminal_fit_head = 陀螺 | 编号 | E | 秩 | 自由度 | 约化卡方 | 失拟p值 | 噪声，deg/h | 噪声来源

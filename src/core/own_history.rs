@@ -143,14 +143,14 @@ impl CheckedGyro<'_> {
     }
 
     /// By how many budgets both D_I and D_S are off its level and its last record, where that is more than any gyro
-    /// changes by and |E| is not the same.
+    /// changes by and |E| is known not to be the same.
     fn unlike_itself(&self) -> Option<f64> {
         let last = self.before.last()?;
         let off = |i: usize, from: f64| (self.now.d[i] - from).abs() / self.tolerance(self.before, i);
         let level = level(self.before);
         let least = (0..2).map(|i| off(i, level[i]).min(off(i, last.d[i]))).fold(f64::INFINITY, f64::min);
-        let is_same = self.now.scale.zip(last.scale).is_some_and(|(a, b)| (a / b - 1.0).abs() < OWN_SCALE);
-        (least > UNLIKE_BUDGETS && !is_same).then_some(least)
+        let (now, then) = self.now.scale.zip(last.scale)?;
+        (least > UNLIKE_BUDGETS && (now / then - 1.0).abs() >= OWN_SCALE).then_some(least)
     }
 
     /// As [`CheckedGyro::off_by`], from its level alone.

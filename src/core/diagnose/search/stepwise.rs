@@ -461,11 +461,11 @@ impl Search<'_> {
                 let hypothesis = range.find(|&i| shape(i) == shape(whole.hypothesis)).unwrap_or(first);
                 Some(Choice { kind: *part, hypothesis, ..whole.clone() })
             };
-            let parts: Vec<Choice> = whole.kind.entry().parts.iter().filter_map(part).collect();
+            let parts: Option<Vec<Choice>> = whole.kind.entry().parts.iter().map(part).collect();
+            let Some(parts) = parts.filter(|parts| !parts.is_empty()) else { continue };
             let count = choices.len() - 1;
             let all = [without(&choices, i), parts].concat();
-            let each = (count..all.len()).all(|i| self.earned_beside_others(&all, i) > self.needed(&without(&all, i)));
-            if all.len() > count && each {
+            if (count..all.len()).all(|i| self.earned_beside_others(&all, i) > self.needed(&without(&all, i))) {
                 choices = all;
             }
         }
@@ -479,7 +479,8 @@ impl Search<'_> {
         for (kind, range) in &self.bank.kinds {
             let parts = kind.entry().parts;
             let of_it = |choice: &Choice| parts.contains(&choice.kind);
-            if parts.is_empty() || all.iter().filter(|choice| of_it(choice)).count() < parts.len() {
+            let is_held = |part: &Effect| all.iter().any(|choice| choice.kind == *part);
+            if parts.is_empty() || !parts.iter().all(is_held) {
                 continue;
             }
             let shape = |hypothesis: usize| self.bank.hypotheses[hypothesis].shape;

@@ -9,8 +9,9 @@ use crate::wire::campaign;
 /// A gyro of what is sent: its number, its serial, and what is known of it about that time.
 pub(super) type Tested<'a> = (u32, &'a str, &'a NearbyRecords);
 
-/// Each campaign and bench test that was under way while these gyros were tested, from the first to the last instant of
-/// `sent`. A longer one than [`LONGEST_DAYS`] is not looked for; nor is what states no dwells.
+/// Campaigns and bench tests that were under way while these gyros were tested, from the first to the last instant of
+/// `sent`: of the few campaigns before it, the next after it, and all bench tests. One longer than [`LONGEST_DAYS`] is
+/// not looked for, nor is what states no dwells.
 pub(super) async fn overlapping(
     sent: Span,
     gyros: &[Tested<'_>],
@@ -18,7 +19,7 @@ pub(super) async fn overlapping(
 ) -> Result<Vec<HistoryNote>, StoreError> {
     let mut near: BTreeMap<(UtcMicros, Id), (Option<UtcMicros>, Vec<&str>)> = BTreeMap::new();
     for (_, serial, around) in gyros {
-        for row in around.before.last().into_iter().chain(&around.next).filter(|row| may_overlap(row.at, sent)) {
+        for row in around.before.iter().chain(&around.next).filter(|row| may_overlap(row.at, sent)) {
             near.entry((row.at, row.record)).or_insert_with(|| (row.ends_at, Vec::new())).1.push(serial);
         }
     }

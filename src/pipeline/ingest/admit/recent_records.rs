@@ -153,8 +153,8 @@ impl RecentRecords {
             let upto = Span { to: UtcMicros(at.0 - 1), ..Span::EVER };
             let stored = store::history::newest(store, gyro, upto, BEFORE).await?;
             around.before = stored.iter().filter(|row| !group.withdraws(row.record)).map(RecentRecord::from).collect();
-            let stored = store::history::oldest(store, gyro, Span { from: at, ..Span::EVER }, 1).await?;
-            around.next = stored.first().map(RecentRecord::from);
+            let stored = store::history::oldest(store, gyro, Span { from: at, ..Span::EVER }, BEFORE).await?;
+            around.next = stored.iter().find(|row| !group.withdraws(row.record)).map(RecentRecord::from);
         }
         if around.before.is_empty() {
             around.after = ring.rows[place..].iter().take(BEFORE).rev().copied().collect();

@@ -45,6 +45,9 @@ const AFTER_START: Duration = Duration::from_secs(1);
 /// Items of one transaction, as many as are stored in a [`TURN`].
 const ITEMS: RangeInclusive<usize> = 64..=8192;
 
+/// Gyros that are looked at within the turn that corrects a record of one.
+const SMALL_FLEET: usize = 10_000;
+
 /// Orders that concern hooks, and where their answers go.
 type Orders = Vec<(Order, Actor, ReplyTo<Id>)>;
 
@@ -311,11 +314,6 @@ impl Task {
         let mut replies = Vec::with_capacity(items.len());
         let begun = Instant::now();
         let stored = self.store_group(&items).await;
-        // What an IMU's gyros shared by a record that counts no more is over with it, not with the next tick.
-        let withdraws = items.iter().any(|item| matches!(item.sent, Submission::Correction(_)));
-        if withdraws && stored.is_ok() && self.state.alerts.shared().firing().next().is_some() {
-            clock::look_at_shared(&mut self.state).await;
-        }
         let a_turn = items.len() as f64 * TURN.as_secs_f64() / begun.elapsed().as_secs_f64();
         self.items_at_once = (a_turn as usize).clamp(*ITEMS.start(), *ITEMS.end());
         match stored {
@@ -332,7 +330,21 @@ impl Task {
                 replies.resize(items.len(), Err(error.into()));
             }
         }
+        let is_corrected =
+            |(item, reply): (&Item<'_>, &Reply)| reply.is_ok() && matches!(item.sent, Submission::Correction(_));
+        if items.iter().zip(&replies).any(is_corrected) {
+            self.look_at_imus().await;
+        }
         answer(jobs, replies);
+    }
+
+    /// What an IMU's gyros shared by a record that counts no more is over with it; in a large fleet with the next tick,
+    /// because it takes a look at all of them.
+    async fn look_at_imus(&mut self) {
+        let is_small = self.state.store.names().read().gyros.len() <= SMALL_FLEET;
+        if is_small && self.state.alerts.shared().firing().any(|row| row.rule == Rule::ImuShift) {
+            clock::look_at_shared(&mut self.state).await;
+        }
     }
 
     async fn store_group(&mut self, items: &[Item<'_>]) -> Result<Vec<Reply>, StoreError> {

@@ -82,11 +82,11 @@ impl WriterState {
 
     /// Reads again the models and who may use the service, where somebody else has changed them.
     async fn read_again(&self, remote_changes: &RemoteChanges) -> Result<(), StoreError> {
-        if remote_changes.brings(ChangeTopic::Models) {
-            self.after.models.read_again(&self.store).await?;
-        }
         if remote_changes.brings(ChangeTopic::Access) {
             self.after.guard.read_again().await?;
+        }
+        if remote_changes.brings(ChangeTopic::Models) {
+            self.after.models.read_again(&self.store).await?;
         }
         Ok(())
     }

@@ -267,29 +267,6 @@ fn noise_with_a_memory_is_in_the_sigmas() {
 }
 
 #[test]
-fn a_wander_is_said_as_large_as_it_is() {
-    for kind in [Kind::Flicker(1.0), Kind::Flicker(3.0), Kind::Flicker(6.0)] {
-        let Kind::Flicker(truth) = kind else { continue };
-        let mut said = Vec::new();
-        for seed in 22_000..22_040 {
-            let fit = calibrate(&draw(kind, true, seed).0, Terms::MODEL_6);
-            let Some(memory) = &fit.noise_found.memory else { continue };
-            let scales = fit.gyros.iter().map(|gyro| gyro.scale_factor().expect("E is fitted"));
-            said.extend(memory.deg_per_h.iter().zip(scales).map(|((_, size), scale)| size * scale / SIGMA / truth));
-        }
-        said.sort_by(f64::total_cmp);
-        let middle = said[said.len() / 2];
-        println!(
-            "{} sizes of {truth} sigma: median {middle:.2}, {:.2} to {:.2}",
-            said.len(),
-            said[0],
-            said[said.len() - 1]
-        );
-        assert!((0.7..1.4).contains(&middle), "{truth} sigma: {middle}");
-    }
-}
-
-#[test]
 fn a_gyro_that_scatters_alone_has_its_own_sigmas() {
     for states_errors in [true, false] {
         for times in [3.0, 10.0] {

@@ -33,6 +33,7 @@ use crate::core::message::{Message, figure, list};
 use crate::core::model::Term;
 use crate::core::mounting::{Slot, Triad};
 use crate::core::numerics::least_squares::{Factor, Fit};
+use crate::core::numerics::median::median_of;
 use crate::message;
 
 /// Condition that makes D_F, D_II and D_SS unique in a tumble about the output axis.
@@ -73,9 +74,9 @@ pub struct BenchCalibration {
     pub method: BenchMethod,
     /// E, pulse/arcsec (arcsec per arcsec in the servo test), fixture axes.
     pub e: Vector3<f64>,
-    pub scale_source: ScaleSource,
     /// Whether the direction of E is held, at what is stated or nominal.
     pub holds_direction: bool,
+    pub scale_source: ScaleSource,
     /// Axes on which drift was resolved: the stated ones, carried along with the measured input axis.
     pub axes: Matrix3<f64>,
     /// D_F, D_I, D_S and, where the positions allow, D_II, D_SS and D_O.
@@ -221,7 +222,7 @@ impl BenchProblem<'_> {
     fn weigh(&self, factor: &Factor, fit: &Fit, station: &OfOne, coordinates: &mut Option<DMatrix<f64>>) -> Weighed {
         let has_sem = self.campaign.states_errors();
         if has_sem && overstated(fit.chi2, fit.dof).is_some() {
-            return Weighed::white(1);
+            return Weighed { kinds: Vec::new(), white: vec![1.0] };
         }
         let net = station.net.as_ref().map(|(net, taken)| (net.component_div(factor.weights()), *taken));
         let (residuals, taken) = net.unwrap_or_else(|| (fit.residuals.clone(), 0));
@@ -396,7 +397,7 @@ impl BenchProblem<'_> {
         let rank = factor.rank();
         let white = noise.covariance_scale().map(|scale| DMatrix::from_diagonal_element(rank, rank, scale));
         let mut coordinates = white.clone();
-        let Weighed { kinds, white: of_white, wander } = self.weigh(factor, fit, &station, &mut coordinates);
+        let Weighed { kinds, white: of_white } = self.weigh(factor, fit, &station, &mut coordinates);
         // Of one gyro, kinds may widen what white noise makes of a coefficient, and not narrow it.
         let of_kind = |(coordinates, of_white): (DMatrix<f64>, f64)| {
             let identity = DMatrix::identity(fit.estimate.len(), fit.estimate.len());
@@ -405,13 +406,15 @@ impl BenchProblem<'_> {
                 white: factor.covariance_of(&white.clone().unwrap_or(coordinates)) * of_white,
                 share: noise.share(&evidence, noise_report::is_other(&kinds)),
                 station: StationResponse::by_part(&station.responses, &identity),
-                contradicted: StationResponse::contradicted(&station.responses, &identity),
             }
+                contradicted: StationResponse::contradicted(&station.responses, &identity),
         };
         let mixed = coordinates.map(|mixed| (mixed, of_white[0]));
         let uncertainties: Vec<Uncertainty> =
             white.clone().map(|white| (white, 1.0)).into_iter().chain(mixed).map(of_kind).collect();
         let slot = self.campaign.gyros[0].slot;
+        let usual = sigma.as_ref().and_then(|sigma| median_of(sigma.iter().copied()));
+        let sds = |power: f64| usual.map(|usual| (slot, power.sqrt() * usual / k.abs())).into_iter().collect();
         if let Some(parts) = uncertainties.first().filter(|_| first > 0)
             && self.method == BenchMethod::TorqueFeedback
             && k.abs() < LEAST_SCALE_TO_NOISE * parts.fit.view((0, 0), (first, first)).trace().max(0.0).sqrt()
@@ -441,10 +444,10 @@ impl BenchProblem<'_> {
         Ok(BenchCalibration {
             slot,
             has_sem,
+            holds_direction: scale.fitted.len() < 3,
             method: self.method,
             e,
             scale_source: if scale.held.is_some() { ScaleSource::Held } else { ScaleSource::Fitted },
-            holds_direction: scale.fitted.len() < 3,
             axes,
             coefficients,
             gauge: (form.squares == Squares::Difference).then_some(GAUGE),
@@ -459,7 +462,7 @@ impl BenchProblem<'_> {
             sigma,
             noise,
             errors_scatter: self.shrunken.as_ref().and_then(|shrunken| shrunken.scatter),
-            noise_found: noise_report::of_kinds(&kinds, vec![(slot, wander[0] / k.abs())]),
+            noise_found: noise_report::of_kinds(&kinds, sds),
             notes: station.notes,
             residuals: fit.residuals,
             leverage: fit.leverage,

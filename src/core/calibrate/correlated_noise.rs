@@ -208,16 +208,6 @@ pub(super) struct Weighed {
     pub kinds: DepartureWeights,
     /// The part that white noise as stated has in the covariance of each gyro.
     pub white: Vec<f64>,
-    /// Standard deviation of what wanders in each gyro, pulse/s, as the likeliest kernel has it; of a random walk at
-    /// mid-campaign. Zeros where there is none.
-    pub wander: Vec<f64>,
-}
-
-impl Weighed {
-    /// Nothing but white noise as stated.
-    pub fn white(gyros: usize) -> Self {
-        Self { kinds: Vec::new(), white: vec![1.0; gyros], wander: vec![0.0; gyros] }
-    }
 }
 
 /// Powers of what the dwell before leaves, over those of a memory.
@@ -312,7 +302,7 @@ pub(super) fn weigh(
     let white = gyros.iter().zip(&d).map(|(gyro, d)| gyro.independent(d, is_told)).collect::<Option<Vec<_>>>();
     let Some(white) = white.filter(|_| gyros.iter().all(|gyro| gyro.dof > LEAST_DOF && gyro.residuals.norm() > 0.0))
     else {
-        return Weighed::white(gyros.len());
+        return Weighed { kinds: Vec::new(), white: vec![1.0; gyros.len()] };
     };
     let usual: Vec<f64> = d.iter().map(|d| median_of(d.iter().copied()).unwrap_or(1.0)).collect();
     let under = |kind: NoiseDeparture, j: usize| match kind {
@@ -374,23 +364,7 @@ pub(super) fn weigh(
             white[j] = 0.0;
         }
     }
-    let kernel = likely.iter().filter(|(kind, ..)| kind.has_memory()).max_by(|a, b| a.1.total_cmp(&b.1));
-    let powers = likely.iter().filter_map(|(kind, log, rss)| match (kind, kernel?.0) {
-        (NoiseDeparture::CorrelatedNoise(of, power), NoiseDeparture::CorrelatedNoise(likeliest, _)) => {
-            (*of == likeliest).then_some((*power, weight(*log), rss))
-        }
-        _ => None,
-    });
-    let powers: Vec<(f64, f64, &Vec<f64>)> = powers.collect();
-    let all: f64 = powers.iter().map(|(_, weight, _)| weight).sum();
-    let wander = |j: usize| {
-        let k = if is_told { PRIOR_DOF } else { 0.0 };
-        let scale = |rss: &[f64]| (k + rss[j]) / (gyros[j].dof as f64 + k);
-        let mean = powers.iter().map(|(power, weight, rss)| weight / all * power * scale(rss)).sum::<f64>();
-        mean.sqrt() * usual[j]
-    };
-    let wander = (0..gyros.len()).map(wander).collect();
-    Weighed { kinds: likely.into_iter().map(|(kind, log, _)| (kind, weight(log))).collect(), white, wander }
+    Weighed { kinds: likely.into_iter().map(|(kind, log, _)| (kind, weight(log))).collect(), white }
 }
 
 /// Degrees of freedom from which on a memory is looked for.

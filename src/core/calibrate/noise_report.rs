@@ -28,19 +28,19 @@ fn certain(found: &DepartureWeights, memory: bool) -> Option<(NoiseDeparture, f6
 }
 
 /// What the residuals of a fit say.
-pub(super) fn report(found: &DepartureWeights, wander: &[f64], gyros: &[GyroCalibration]) -> NoiseFound {
-    let over_scale = |(gyro, wander): (&GyroCalibration, &f64)| Some((gyro.slot, wander / gyro.scale_factor()?));
-    let of_kinds = of_kinds(found, gyros.iter().zip(wander).filter_map(over_scale).collect());
+pub(super) fn report(found: &DepartureWeights, gyros: &[GyroCalibration]) -> NoiseFound {
+    let sds = |power| gyros.iter().filter_map(|gyro| Some((gyro.slot, gyro.correlated_noise_sd(power)?))).collect();
+    let of_kinds = of_kinds(found, sds);
     // Gyros that wander each for itself seem to go together, too.
     let between_gyros = if of_kinds.memory.is_some() { Vec::new() } else { between(gyros) };
     NoiseFound { between_gyros, ..of_kinds }
 }
 
-/// What is certain of each gyro by itself; `deg_per_h` is what wanders in each.
-pub(super) fn of_kinds(found: &DepartureWeights, deg_per_h: Vec<(Slot, f64)>) -> NoiseFound {
+/// What is certain of each gyro by itself; `sds` are those of correlated noise of a power, deg/h.
+pub(super) fn of_kinds(found: &DepartureWeights, sds: impl Fn(f64) -> Vec<(Slot, f64)>) -> NoiseFound {
     let memory = match certain(found, true) {
-        Some((NoiseDeparture::CorrelatedNoise(memory, _), probability)) => {
-            Some(CorrelatedNoiseFound { kind: memory.name(), deg_per_h, probability })
+        Some((NoiseDeparture::CorrelatedNoise(memory, power), probability)) => {
+            Some(CorrelatedNoiseFound { kind: memory.name(), deg_per_h: sds(power), probability })
         }
         _ => None,
     };

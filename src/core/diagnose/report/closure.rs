@@ -117,7 +117,7 @@ pub(crate) fn signs(
     list.extend(competitors.map(|choice| sign(search, choice.kind.id(), &choice.members, choice.evidence)));
     let of_rival = |named: &Named| Some(sign(search, named.rival?.id(), &named.part.members, named.evidence));
     list.extend(named.iter().filter_map(of_rival));
-    if let Some((_, _, without)) = &settled.noise_found.memory {
+    if let Some((_, _, without)) = settled.noise_found.memory {
         list.push(Sign::of_no_dwell("noise_with_memory", all_slots(frame), without.min(CERTAIN)));
     }
     let parts: Vec<&Part> = named.iter().map(|named| &named.part).collect();

@@ -20,7 +20,7 @@ use crate::core::calibrate::law::{AS_STATED, DwellConditions, Law};
 use crate::core::calibrate::noise_found::{CorrelatedNoiseFound, NoiseFound};
 use crate::core::diagnose::residuals::noise_growth::spanned;
 use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
-use crate::core::diagnose::residuals::whitened::{Frame, GyroFrame};
+use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::Setting;
 use crate::core::numerics::basis::dot;
 use crate::core::numerics::log_sum::LogSum;
@@ -72,8 +72,9 @@ pub(crate) struct NoiseModels {
 pub(crate) struct Found {
     /// Correlation between gyros, and the variances of their whitened residuals.
     pub between_gyros: Option<Shared>,
-    /// The kind of memory, its standard deviation in each gyro, deg/h, and the probability that there is none.
-    pub memory: Option<(CorrelatedNoise, Vec<f64>, f64)>,
+    /// Power of each kind of memory over the square of the median standard deviation, and the probability that there
+    /// is none.
+    pub memory: Option<(CorrelatedNoise, f64, f64)>,
     /// Whether there may be one: it weighs something beside the names.
     pub may_have_memory: bool,
     /// Whether it may go with rate where that is not stated.
@@ -84,16 +85,17 @@ impl Found {
     /// As it is answered.
     pub fn report(&self, frame: &Frame, laws: &[Law]) -> NoiseFound {
         let gyros = &frame.setting.gyros;
-        let by_slot = |sds: &[f64]| gyros.iter().zip(sds).map(|(axes, sd)| (axes.slot, *sd)).collect();
         let pairs = (0..gyros.len()).flat_map(|i| (0..i).map(move |j| (j, i)));
         let correlated = |shared: &Shared| {
             pairs.map(|(j, i)| (gyros[j].slot, gyros[i].slot, shared.correlation(i, j))).collect::<Vec<_>>()
         };
         NoiseFound {
             between_gyros: self.between_gyros.as_ref().map(correlated).unwrap_or_default(),
-            memory: self.memory.as_ref().map(|(memory, sds, without)| CorrelatedNoiseFound {
+            memory: self.memory.map(|(memory, power, without)| CorrelatedNoiseFound {
                 kind: memory.name(),
-                deg_per_h: by_slot(sds),
+                deg_per_h: (frame.gyros.iter().zip(gyros))
+                    .map(|(gyro, axes)| (axes.slot, power.sqrt() * median_of(gyro.sd.iter().copied()).unwrap_or(1.0)))
+                    .collect(),
                 probability: 1.0 - without,
             }),
             laws: laws.iter().map(|law| law.found()).collect(),
@@ -251,14 +253,7 @@ impl NoiseModels {
         let may_go_with_rate = with_rate.log() - of_all.log() > MAY_BE.ln();
         let likeliest = memories.iter().max_by(|a, b| a.0.total_cmp(&b.0));
         let memory = likeliest.filter(|_| 1.0 - without > CERTAIN).and_then(|(_, model)| match model.kind {
-            NoiseDeparture::CorrelatedNoise(memory, power) => {
-                // In the scale that the residuals have under it: what is stated, or was fitted, may hold the wander.
-                let scatters = scatters(&model.frame, columns).into_iter();
-                let sd = |((scatter, _), gyro): ((Scatter, f64), &GyroFrame)| {
-                    (power * scatter.variance()).sqrt() * median_of(gyro.sd.iter().copied()).unwrap_or(1.0)
-                };
-                Some((memory, scatters.zip(&model.frame.gyros).map(sd).collect(), without))
-            }
+            NoiseDeparture::CorrelatedNoise(memory, power) => Some((memory, power, without)),
             NoiseDeparture::Law(_) => None,
         });
         let between_gyros = shared

@@ -74,9 +74,9 @@ pub struct BenchCalibration {
     pub method: BenchMethod,
     /// E, pulse/arcsec (arcsec per arcsec in the servo test), fixture axes.
     pub e: Vector3<f64>,
+    pub scale_source: ScaleSource,
     /// Whether the direction of E is held, at what is stated or nominal.
     pub holds_direction: bool,
-    pub scale_source: ScaleSource,
     /// Axes on which drift was resolved: the stated ones, carried along with the measured input axis.
     pub axes: Matrix3<f64>,
     /// D_F, D_I, D_S and, where the positions allow, D_II, D_SS and D_O.
@@ -406,8 +406,8 @@ impl BenchProblem<'_> {
                 white: factor.covariance_of(&white.clone().unwrap_or(coordinates)) * of_white,
                 share: noise.share(&evidence, noise_report::is_other(&kinds)),
                 station: StationResponse::by_part(&station.responses, &identity),
-            }
                 contradicted: StationResponse::contradicted(&station.responses, &identity),
+            }
         };
         let mixed = coordinates.map(|mixed| (mixed, of_white[0]));
         let uncertainties: Vec<Uncertainty> =
@@ -444,10 +444,10 @@ impl BenchProblem<'_> {
         Ok(BenchCalibration {
             slot,
             has_sem,
-            holds_direction: scale.fitted.len() < 3,
             method: self.method,
             e,
             scale_source: if scale.held.is_some() { ScaleSource::Held } else { ScaleSource::Fitted },
+            holds_direction: scale.fitted.len() < 3,
             axes,
             coefficients,
             gauge: (form.squares == Squares::Difference).then_some(GAUGE),

@@ -1,7 +1,7 @@
 //! Whether D_I and D_S can still be relied on.
 
 use super::{EARTH, MistakeKind};
-use crate::core::calibrate::{Calibration, calibrate_in_white_noise};
+use crate::core::calibrate::{Calibration, GyroCalibration, calibrate_in_white_noise};
 use crate::core::campaign::Campaign;
 use crate::core::numerics::median::median_of;
 use crate::core::record::Plausibility;
@@ -142,14 +142,18 @@ impl<'a> TrialFits<'a> {
         self.drift().iter().any(|(drift, sd)| share * drift.abs() > MAY_MOVE.max(*sd))
     }
 
-    /// D_I and D_S of each gyro with their standard deviations.
+    /// D_I and D_S of each gyro with their standard deviations by noise: what the mistake itself leaves in the residuals
+    /// is no reason to let it pass.
     fn drift(&mut self) -> Vec<(f64, f64)> {
         let geometry = &self.campaign.geometry;
-        let separations = self.as_sent().calibration.separate(geometry, &Plausibility::ever());
-        let pairs = |rigid: &Rigid| {
-            let sd = rigid.sd()?;
-            Some([(rigid.d_i, sd[0]), (rigid.d_s, sd[1])])
+        let calibration = &self.as_sent().calibration;
+        let separations = calibration.separate(geometry, &Plausibility::ever());
+        let pairs = |(rigid, gyro): (&Rigid, &GyroCalibration)| {
+            let [d_i, d_s, ..] = gyro.budgets(geometry, false)?;
+            Some([(rigid.d_i, d_i.statistical), (rigid.d_s, d_s.statistical)])
         };
-        separations.iter().flatten().filter_map(|s| pairs(&s.rigid)).flatten().collect()
+        let separated = separations.iter().zip(&calibration.gyros);
+        let rigid = separated.filter_map(|(separated, gyro)| Some((&separated.as_ref().ok()?.rigid, gyro)));
+        rigid.filter_map(pairs).flatten().collect()
     }
 }

@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 use std::collections::HashMap;
+use std::ops::Range;
 use std::rc::Rc;
 
 use crate::core::diagnose::residuals::augmented_fit::Part;
@@ -175,11 +176,8 @@ impl Search<'_> {
 
     /// A choice as a part of the augmented model; none of a competitor.
     pub fn part(&self, choice: &Choice) -> Option<Part> {
-        let part = || Part {
-            effect: choice.kind,
-            shape: self.bank.hypotheses[choice.hypothesis].shape,
-            members: choice.members.clone(),
-        };
+        let part =
+            || Part { effect: choice.kind, shape: self.shape(choice.hypothesis), members: choice.members.clone() };
         choice.kind.is_nameable().then(part)
     }
 
@@ -440,26 +438,37 @@ impl Search<'_> {
 
     /// Evidence of all choices together less what each further cause costs beforehand.
     pub(crate) fn worth(&self, choices: &[Choice]) -> f64 {
-        self.evidence_together(choices) - PER_CAUSE * self.as_wholes(choices).len() as f64
+        let wholes = self.as_wholes(choices);
+        self.evidence_of_wholes(&wholes) - PER_CAUSE * wholes.len() as f64
     }
 
     /// Evidence of all choices: each given those before it, in its own gyros.
     fn evidence_together(&self, choices: &[Choice]) -> f64 {
-        let choices = self.as_wholes(choices);
+        self.evidence_of_wholes(&self.as_wholes(choices))
+    }
+
+    fn evidence_of_wholes(&self, choices: &[Choice]) -> f64 {
         (0..choices.len()).map(|i| self.in_members(&choices[..i], &choices[i])).sum()
+    }
+
+    fn shape(&self, hypothesis: usize) -> Shape {
+        self.bank.hypotheses[hypothesis].shape
+    }
+
+    /// The hypotheses of one kind, where the bank has any.
+    fn hypotheses_of(&self, kind: Effect) -> Option<Range<usize>> {
+        self.bank.kinds.iter().find(|(of, _)| *of == kind).map(|(_, range)| range.clone())
     }
 
     /// `choices` with each whole as its parts, where each of them earns its place beside the others.
     fn in_parts(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
-        let shape = |hypothesis: usize| self.bank.hypotheses[hypothesis].shape;
         for i in (0..choices.len()).rev() {
             let whole = &choices[i];
-            let range = |part: &Effect| self.bank.kinds.iter().find(|(kind, _)| kind == part).map(|(_, range)| range);
             let part = |part: &Effect| {
-                let mut range = range(part)?.clone();
+                let mut range = self.hypotheses_of(*part)?;
                 let first = range.start;
-                let hypothesis = range.find(|&i| shape(i) == shape(whole.hypothesis)).unwrap_or(first);
-                Some(Choice { kind: *part, hypothesis, ..whole.clone() })
+                let alike = range.find(|&of_part| self.shape(of_part) == self.shape(whole.hypothesis));
+                Some(Choice { kind: *part, hypothesis: alike.unwrap_or(first), ..whole.clone() })
             };
             let parts: Option<Vec<Choice>> = whole.kind.entry().parts.iter().map(part).collect();
             let Some(parts) = parts.filter(|parts| !parts.is_empty()) else { continue };
@@ -483,9 +492,8 @@ impl Search<'_> {
             if parts.is_empty() || !parts.iter().all(is_held) {
                 continue;
             }
-            let shape = |hypothesis: usize| self.bank.hypotheses[hypothesis].shape;
-            let held: Vec<Shape> = all.iter().filter(|choice| of_it(choice)).map(|c| shape(c.hypothesis)).collect();
-            let Some(hypothesis) = range.clone().find(|&i| held.contains(&shape(i))) else { continue };
+            let is_shape_held = |&i: &usize| all.iter().any(|c| of_it(c) && self.shape(c.hypothesis) == self.shape(i));
+            let Some(hypothesis) = range.clone().find(is_shape_held) else { continue };
             let members = vec![true; self.frame.gyros.len()];
             all.retain(|choice| !of_it(choice));
             all.push(Choice { kind: *kind, hypothesis, members, evidence: 0.0, rival: None });
@@ -498,7 +506,7 @@ impl Search<'_> {
     /// other's. For the same reason each gyro's noise is its own here: what is taken out of one must not make
     /// another's evidence stronger.
     fn in_members(&self, before: &[Choice], choice: &Choice) -> f64 {
-        let Some((_, range)) = self.bank.kinds.iter().find(|(kind, _)| *kind == choice.kind) else { return 0.0 };
+        let Some(range) = self.hypotheses_of(choice.kind) else { return 0.0 };
         let (mut total, mut weights) = (LogSum::default(), LogSum::default());
         for WeightedModel { log_weight, bank, state, shared, .. } in self.under(before) {
             let hypotheses = &bank.hypotheses[range.clone()];

@@ -222,7 +222,7 @@ impl BenchProblem<'_> {
     fn weigh(&self, factor: &Factor, fit: &Fit, station: &OfOne, coordinates: &mut Option<DMatrix<f64>>) -> Weighed {
         let has_sem = self.campaign.states_errors();
         if has_sem && overstated(fit.chi2, fit.dof).is_some() {
-            return Weighed { kinds: Vec::new(), white: vec![1.0] };
+            return Weighed::white(1);
         }
         let net = station.net.as_ref().map(|(net, taken)| (net.component_div(factor.weights()), *taken));
         let (residuals, taken) = net.unwrap_or_else(|| (fit.residuals.clone(), 0));

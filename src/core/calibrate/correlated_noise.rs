@@ -210,6 +210,13 @@ pub(super) struct Weighed {
     pub white: Vec<f64>,
 }
 
+impl Weighed {
+    /// Of gyros whose noise is white as stated.
+    pub fn white(gyros: usize) -> Self {
+        Self { kinds: Vec::new(), white: vec![1.0; gyros] }
+    }
+}
+
 /// Powers of what the dwell before leaves, over those of a memory.
 const OF_LOAD: f64 = 10.0;
 
@@ -302,7 +309,7 @@ pub(super) fn weigh(
     let white = gyros.iter().zip(&d).map(|(gyro, d)| gyro.independent(d, is_told)).collect::<Option<Vec<_>>>();
     let Some(white) = white.filter(|_| gyros.iter().all(|gyro| gyro.dof > LEAST_DOF && gyro.residuals.norm() > 0.0))
     else {
-        return Weighed { kinds: Vec::new(), white: vec![1.0; gyros.len()] };
+        return Weighed::white(gyros.len());
     };
     let usual: Vec<f64> = d.iter().map(|d| median_of(d.iter().copied()).unwrap_or(1.0)).collect();
     let under = |kind: NoiseDeparture, j: usize| match kind {

@@ -107,8 +107,7 @@ pub(super) fn spread(
         fit.leave(net, taken);
         fit.station.iter_mut().zip(&times).for_each(|(response, times)| response.times = *times);
     }
-    let parts: Vec<StationPart> = rotations.iter().map(|rotation| rotation.part).collect();
-    notes.into_iter().chain(contradictions(stated, &parts, &times)).collect()
+    notes.into_iter().chain(contradictions(stated, &rotations, &times)).collect()
 }
 
 fn response(part: StationPart, seen: Fit) -> StationResponse {
@@ -118,11 +117,11 @@ fn response(part: StationPart, seen: Fit) -> StationResponse {
 /// A note of each part of which the residuals hold more than is stated.
 fn contradictions<'a>(
     stated: &'a StationUncertainty,
-    parts: &'a [StationPart],
+    rotations: &'a [StationRotation],
     times: &'a [f64],
 ) -> impl Iterator<Item = CampaignNote> + 'a {
     StationPart::ALL.into_iter().filter_map(move |part| {
-        let times = parts.iter().zip(times).find(|(of, times)| **of == part && **times > 1.0)?.1;
+        let times = rotations.iter().zip(times).find(|(of, times)| of.part == part && **times > 1.0)?.1;
         Some(CampaignNote::StationContradicted { part, times: *times, arcsec: arcsec(stated.of(part)?) })
     })
 }
@@ -147,8 +146,7 @@ pub(super) fn of_one(campaign: &Campaign, axes: GyroAxes, (factor, fit): (&Facto
     };
     let Some(TakenOut { mut net, times }) = taken else { return OfOne { responses, net: None, notes } };
     responses.iter_mut().zip(&times).for_each(|(response, times)| response.times = *times);
-    let parts: Vec<StationPart> = rotations.iter().map(|rotation| rotation.part).collect();
-    let notes = notes.into_iter().chain(contradictions(&campaign.station_uncertainty, &parts, &times)).collect();
+    let notes = notes.into_iter().chain(contradictions(&campaign.station_uncertainty, &rotations, &times)).collect();
     OfOne { net: Some(net.swap_remove(0)), responses, notes }
 }
 

@@ -42,7 +42,7 @@ pub(crate) fn time_unit(campaign: &Campaign) -> Option<CampaignNote> {
     let median_s = median_of(campaign.dwells.iter().map(|d| d.duration_s))?;
     let turns = campaign.dwells.iter().filter(|d| d.phase == Phase::Rate);
     let turn_deg = turns.map(|d| d.rate_arcsec_s.norm() * d.duration_s / 3600.0).reduce(f64::max);
-    let turn_deg = turn_deg.filter(|turn| (f64::MIN_POSITIVE..LEAST_TURN).contains(turn));
+    let turn_deg = turn_deg.filter(|turn| *turn > 0.0 && *turn < LEAST_TURN);
     (turn_deg.is_some() || !DWELLS_LAST.contains(&median_s)).then_some(CampaignNote::TimeUnit { median_s, turn_deg })
 }
 

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::common::{mid, picked};
 use crate::core::campaign::Phase;
-use crate::core::effects::entry::{COMPETING, Effect, Entry, Scope, Shape, no_attitude};
+use crate::core::effects::entry::{COMPETING, Effect, Entry, Scope, Shape};
 use crate::core::effects::setting::Setting;
 use crate::core::effects::station::{AZIMUTH, LEVELLING, afterwards, instants, tilted};
 use crate::core::units::STANDARD_GRAVITY_M_S2;
@@ -69,7 +69,7 @@ pub const MISALIGNMENT: Entry = Entry {
     confused_with: &[Effect::Levelling, Effect::Azimuth, Effect::Magnetic],
     parts: &[Effect::Levelling, Effect::Azimuth],
     scope: Scope::Common,
-    missing: &no_attitude,
+    missing: LEVELLING.missing,
     shapes: LEVELLING.shapes,
     columns: &|s, j, shape| [(LEVELLING.columns)(s, j, shape), (AZIMUTH.columns)(s, j, shape)].concat(),
     ..COMPETING

@@ -312,13 +312,18 @@ async fn what_hooks_are_asked(s: &mut Scenario) {
     let at = format!("/v1/hooks/{hook}");
     s.call("get_hooks", "/v1/hooks", None).await.ok();
     s.call("get_hook", &at, None).await.ok();
+    // What is answered tells of a delivery that waits, however quickly the target answers.
+    let held = target.held().await;
     let test = s.call("test_hook", &format!("{at}/test"), None).await;
+    drop(held);
     assert_eq!(test.status, 202);
     let delivery = format!("/v1/deliveries/{}", id(&test.json()));
     delivered(s, &target, &delivery, 1).await;
     s.call("get_delivery", &delivery, None).await.ok();
     s.call("get_deliveries", &format!("{at}/deliveries?limit=2"), None).await.ok();
+    let held = target.held().await;
     s.call("redeliver", &format!("{delivery}/redeliver"), None).await;
+    drop(held);
     delivered(s, &target, &delivery, 2).await;
     s.call("patch_hook", &at, sent(&json!({ "enabled": false }))).await.ok();
     s.call("test_hook", &format!("{at}/test"), None).await.refused(409);

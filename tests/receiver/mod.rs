@@ -46,6 +46,7 @@ pub struct Receiver {
     pub address: SocketAddr,
     told: Arc<Mutex<Vec<Told>>>,
     answer: Answer,
+    gate: Arc<tokio::sync::Mutex<()>>,
 }
 
 impl Receiver {
@@ -56,7 +57,7 @@ impl Receiver {
     pub async fn answering(answer: impl Fn(usize, &Told) -> Response + Send + Sync + 'static) -> Self {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).await.unwrap();
         let address = listener.local_addr().unwrap();
-        let receiver = Self { address, told: Arc::default(), answer: Arc::new(answer) };
+        let receiver = Self { address, told: Arc::default(), answer: Arc::new(answer), gate: Arc::default() };
         let router = Router::new().fallback(record).with_state(receiver.clone());
         tokio::spawn(async move { axum::serve(listener, router).await });
         receiver
@@ -71,6 +72,11 @@ impl Receiver {
             false => refusal.into_response(),
         });
         (target.await, switch)
+    }
+
+    /// While what is returned lives, requests come in and wait for their answers.
+    pub async fn held(&self) -> tokio::sync::OwnedMutexGuard<()> {
+        self.gate.clone().lock_owned().await
     }
 
     pub fn url(&self) -> String {
@@ -99,6 +105,7 @@ async fn record(State(receiver): State<Receiver>, uri: Uri, headers: HeaderMap, 
         all.push(told.clone());
         all.len() - 1
     };
+    drop(receiver.gate.lock().await);
     (receiver.answer)(earlier, &told)
 }
 

@@ -35,6 +35,31 @@ pub enum LawFound {
     Time { times: f64 },
 }
 
+impl LawFound {
+    /// Laws that hold at once, each kind as one: powers add, factors multiply.
+    pub(crate) fn together(laws: impl Iterator<Item = Self>) -> Vec<Self> {
+        let mut all: Vec<Self> = Vec::new();
+        for law in laws {
+            let joined = all.iter_mut().any(|held| match (held, law) {
+                (Self::Duration { power }, Self::Duration { power: more }) => {
+                    *power += more;
+                    true
+                }
+                (Self::Rate { times }, Self::Rate { times: more })
+                | (Self::Time { times }, Self::Time { times: more }) => {
+                    *times *= more;
+                    true
+                }
+                _ => false,
+            });
+            if !joined {
+                all.push(law);
+            }
+        }
+        all
+    }
+}
+
 impl CorrelatedNoiseFound {
     /// Standard deviation in the gyro that wanders most, deg/h.
     pub fn largest(&self) -> f64 {
@@ -75,6 +100,15 @@ impl NoiseFound {
 mod tests {
     use super::*;
     use crate::words::Language;
+
+    #[test]
+    fn laws_of_one_kind_are_said_as_one() {
+        let (rate, time) = (|times| LawFound::Rate { times }, |times| LawFound::Time { times });
+        let found = LawFound::together([rate(2.0), time(3.0), rate(1.5), time(0.5)].into_iter());
+        assert_eq!(found, [rate(3.0), time(1.5)]);
+        let durations = [0.25, 0.5].map(|power| LawFound::Duration { power });
+        assert_eq!(LawFound::together(durations.into_iter()), [LawFound::Duration { power: 0.75 }]);
+    }
 
     #[test]
     fn the_size_of_a_wander_is_said_in_two_digits() {

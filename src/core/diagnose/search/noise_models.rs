@@ -17,7 +17,7 @@ use super::shared_noise::Shared;
 use super::temperature_odds::odds_of_temperature;
 use crate::core::calibrate::correlated_noise::{CorrelatedNoise, NoiseDeparture, POWERS, WITHOUT_MEMORY};
 use crate::core::calibrate::law::{AS_STATED, DwellConditions, Law};
-use crate::core::calibrate::noise_found::{CorrelatedNoiseFound, NoiseFound};
+use crate::core::calibrate::noise_found::{CorrelatedNoiseFound, LawFound, NoiseFound};
 use crate::core::diagnose::residuals::noise_growth::spanned;
 use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
 use crate::core::diagnose::residuals::whitened::Frame;
@@ -98,7 +98,7 @@ impl Found {
                     .collect(),
                 probability: 1.0 - without,
             }),
-            laws: laws.iter().map(|law| law.found()).collect(),
+            laws: LawFound::together(laws.iter().map(|law| law.found())),
         }
     }
 }
@@ -115,20 +115,19 @@ pub(crate) struct WeightedModel<'a> {
     pub shared: Option<(f64, Shared)>,
 }
 
-/// The law by which the noise goes, where it is likelier than what is stated, with `found` in the model: ln of its odds,
-/// and the campaign with it.
-pub(crate) fn likelier_law(frame: &Frame, bank: &Bank, found: &[Choice]) -> Option<(f64, Law, Frame)> {
+/// The law by which the noise goes, where it is likelier than what is stated, with `columns` in the model: ln of its
+/// odds, and the campaign with it.
+pub(crate) fn likelier_law(frame: &Frame, columns: &[Vec<Vec<f64>>]) -> Option<(f64, Law, Frame)> {
     if !frame.noise.stated {
         return None;
     }
     let laws = Law::all(&course(&frame.setting));
     let odds = (1.0 - AS_STATED) / AS_STATED / laws.len().max(1) as f64;
-    let columns = designs(frame, bank, found);
-    let pooled = is_pooled(frame, &columns);
-    let as_stated = log_likelihood(frame, &columns, pooled);
+    let pooled = is_pooled(frame, columns);
+    let as_stated = log_likelihood(frame, columns, pooled);
     let tried = laws.into_iter().filter_map(|law| {
         let changed = frame.with_factors(&law.factors(&course(&frame.setting))).ok()?;
-        Some((odds.ln() + log_likelihood(&changed, &columns, pooled) - as_stated, law, changed))
+        Some((odds.ln() + log_likelihood(&changed, columns, pooled) - as_stated, law, changed))
     });
     let (gain, law, changed) = tried.max_by(|a, b| a.0.total_cmp(&b.0))?;
     (gain > 0.0).then_some((gain, law, changed))

@@ -160,7 +160,7 @@ impl SearchOutcome {
         let (mut laws, mut rebased) = (Vec::new(), None::<Self>);
         while laws.len() < MOST_LAWS {
             let now = rebased.as_ref().unwrap_or(self);
-            let Some((gain, law, frame)) = likelier_law(&now.frame, &now.bank, &now.found) else { break };
+            let Some((gain, law, frame)) = likelier_law(&now.frame, &now.columns()) else { break };
             // Scatter that goes with something is no noise.
             if now.likeliest_component() > gain {
                 break;
@@ -168,21 +168,33 @@ impl SearchOutcome {
             laws.push(law);
             rebased = Some(Self { components: Rc::clone(&self.components), ..Self::of(frame)? });
         }
-        let plain = rebased.as_ref().unwrap_or(self);
-        let candidates = Candidates::closer(&plain.frame, &plain.more);
+        // What seems to follow a law may be what a suspect explains.
+        let as_stated = self.among_suspects(Vec::new());
+        let is_explained = || likelier_law(&self.frame, &as_stated.columns()).is_none();
+        Ok(match rebased {
+            Some(by_laws) if !(as_stated.found.iter().any(Choice::is_competitor) && is_explained()) => {
+                by_laws.among_suspects(laws)
+            }
+            _ => as_stated,
+        })
+    }
+
+    /// The search once more against suspects, where the noise goes by `laws`.
+    fn among_suspects(&self, laws: Vec<law::Law>) -> Self {
+        let candidates = Candidates::closer(&self.frame, &self.more);
         let mut closer = Self {
-            noise: NoiseModels::of(&plain.frame, &plain.bank, &plain.found, &candidates),
-            more: plain.more.clone(),
+            noise: NoiseModels::of(&self.frame, &self.bank, &self.found, &candidates),
+            more: self.more.clone(),
             laws,
             components: Rc::clone(&self.components),
             ..Self::before_search(
-                plain.frame.clone(),
-                Bank::of(&plain.frame, &candidates),
-                plain.null.clone(),
-                plain.threshold,
+                self.frame.clone(),
+                Bank::of(&self.frame, &candidates),
+                self.null.clone(),
+                self.threshold,
             )
         };
-        if !plain.found.is_empty() {
+        if !self.found.is_empty() {
             let search = closer.search();
             let mut found = search.run();
             if let Some(law) = closer.frame.noise.law {
@@ -213,7 +225,7 @@ impl SearchOutcome {
             closer.found.remove(of_another_form);
             closer.another_form = true;
         }
-        Ok(closer)
+        closer
     }
 
     /// ln of the odds that the residuals beside what was found go with some component, of which each is as likely,
@@ -235,8 +247,13 @@ impl SearchOutcome {
         self.components.get_or_init(|| components(&self.frame.setting))
     }
 
+    /// Raw columns of the model and of what was found.
+    fn columns(&self) -> Vec<Vec<Vec<f64>>> {
+        designs(&self.frame, &self.bank, &self.found)
+    }
+
     fn noise_beside(&self) -> Found {
-        let columns = designs(&self.frame, &self.bank, &self.found);
+        let columns = self.columns();
         let state = || each_by_itself(&self.frame, self.search().extras(&self.found));
         self.noise.found(&self.frame, &columns, state)
     }

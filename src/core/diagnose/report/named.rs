@@ -12,9 +12,8 @@ use crate::core::mounting::Slot;
 /// ln of evidence by which two named courses in time must beat a single wandering one to stand without a doubt.
 const LEAD_OVER_WANDERING: f64 = 10.0;
 
-/// The same for one course, which lies in all gyros of an IMU or in some of them: noise that wanders is in all.
-const LEAD_OF_ALL: f64 = 5.0;
-const LEAD_OF_SOME: f64 = 2.0;
+/// The same for one course.
+const LEAD_OF_ONE: f64 = 2.0;
 
 /// ln of odds by which noise with a memory is likelier, where a course in time is to stand without a doubt, than where
 /// it is to be named: some 10 % of stations instead of 0.5 %.
@@ -99,9 +98,7 @@ fn wandering(search: &Search, found: &[Choice]) -> Vec<Sign> {
     let mut signs = Vec::new();
     let slow = |c: &Choice| c.kind.is_nameable() && (course(c) || c.kind.entry().follows_time);
     for (i, choice) in found.iter().enumerate().filter(|(_, choice)| slow(choice)) {
-        let all = choice.members.iter().all(|member| *member);
-        let lead = if all { LEAD_OF_ALL } else { LEAD_OF_SOME };
-        if search.lead_of_one(found, i) < lead || search.lead_over_memory(found, i, ODDS_OF_MEMORY) < 0.0 {
+        if search.lead_of_one(found, i) < LEAD_OF_ONE || search.lead_over_memory(found, i, ODDS_OF_MEMORY) < 0.0 {
             signs.push(sign(search, "wandering_in_time", &choice.members, choice.evidence));
         }
     }

@@ -12,6 +12,7 @@ use super::tally::Tally;
 use crate::core::effects::Effect;
 use crate::core::fault::Faults;
 use crate::core::mounting::Slot;
+use crate::core::numerics::median::upper_median_of;
 use crate::simulate::augment::NotPossible;
 use crate::simulate::of_hypothesis::{Amount, hide};
 use crate::simulate::{Scenario, Simulated, simulate};
@@ -140,8 +141,7 @@ fn errors(outcomes: &[TrialOutcome]) -> Vec<String> {
 
 impl HiddenRow {
     fn of(detectability: f64, id: &str, outcomes: Vec<TrialOutcome>) -> Self {
-        let mut sizes: Vec<f64> = outcomes.iter().map(|outcome| outcome.size).collect();
-        sizes.sort_by(f64::total_cmp);
+        let size = upper_median_of(outcomes.iter().map(|outcome| outcome.size)).unwrap_or(0.0);
         let answers: Vec<Answer> = outcomes.into_iter().filter_map(|outcome| outcome.answer.ok()).collect();
         let own =
             |answer: &Answer| answer.effects.iter().find(|named| named.means(id)).map(|named| named.class.clone());
@@ -156,7 +156,7 @@ impl HiddenRow {
         beside.sort_by(|a, b| b.0.cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
         Self {
             detectability,
-            size: sizes.get(sizes.len() / 2).copied().unwrap_or(0.0),
+            size,
             named: Tally::of(answers.iter().map(|answer| names(answer, id))),
             in_class: Tally::of(classes.iter().map(|class| class.len() > 1)),
             class: beside.into_iter().map(|(_, id)| id).collect(),

@@ -14,6 +14,7 @@ use super::reach::Structure;
 use super::run::{CampaignDiagnoser, timed};
 use super::score::{Closure, closures};
 use super::tally::Tally;
+use crate::core::numerics::median::upper_median_of;
 use crate::core::units::radians_from_arcsec;
 use crate::simulate::cause::{ALWAYS, FIELD, IN_TIME, NORTH, POWER_UP, SEAT, THROUGHOUT, TILT, TILT_FROM_A_DWELL};
 use crate::simulate::outside::{TILTED_FACES, depends_on, in_gyros};
@@ -271,8 +272,6 @@ pub fn row(kind: &CampaignKind, seed: u64, count: usize, diagnose: &CampaignDiag
     let is_visible = |s: &&KindScore| s.change.is_none_or(|change| change >= VISIBLE);
     let visibly_in_part = scores.iter().filter(|_| kind.hidden == PartOfTheTime).filter(is_visible);
     let hides = matches!(kind.hidden, Effects | PartOfTheTime);
-    let mut times: Vec<f64> = scores.iter().map(|score| score.milliseconds).collect();
-    times.sort_by(f64::total_cmp);
     KindRow {
         kind: kind.name,
         confident_wrong: tally(|s| s.wrong && s.explained),
@@ -283,7 +282,7 @@ pub fn row(kind: &CampaignKind, seed: u64, count: usize, diagnose: &CampaignDiag
         gap_without_a_name: tally(|s| s.gap && s.named.is_empty()),
         noise_said: tally(|s| s.said),
         described: tally(|s| s.described),
-        milliseconds: times.get(times.len() / 2).copied().unwrap_or(0.0),
+        milliseconds: upper_median_of(scores.iter().map(|score| score.milliseconds)).unwrap_or(0.0),
         errors: scores.iter().filter(|s| s.error.is_some()).count(),
         scores,
     }

@@ -17,7 +17,7 @@ pub use crate::logs::source::name;
 use crate::message;
 use crate::wire::document::open_table;
 use crate::wire::note;
-use crate::wire::text::{line_of, said_of_keys};
+use crate::wire::text::toml_fault;
 
 /// Largest document that is read: far above any campaign, far below memory.
 const MAX_BYTES: u64 = 16 << 20;
@@ -65,10 +65,7 @@ pub fn text(path: &Path) -> anyhow::Result<String> {
 /// What a file in TOML says.
 pub fn toml<T: DeserializeOwned>(path: &Path) -> anyhow::Result<T> {
     let text = text(path)?;
-    toml::from_str(&text).map_err(|error| {
-        let (line, fault) = (line_of(&error, &text), said_of_keys(error.message()));
-        LogError::new(name(path), message!("at_line", line, fault)).into()
-    })
+    toml::from_str(&text).map_err(|error| LogError::new(name(path), toml_fault(&error, &text)).into())
 }
 
 /// Writes a file as [`put`] does, and says on standard error where it took the place of another.

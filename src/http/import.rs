@@ -185,9 +185,8 @@ type Permits = Vec<OwnedSemaphorePermit>;
 /// A line after reading: what is needed to answer it.
 struct ReadLine {
     number: u64,
-    /// None where the line became a submission.
-    problem: Option<Problem>,
-    origin: Option<Origin>,
+    /// What the line's submission came from.
+    read: Result<Option<Origin>, Problem>,
 }
 
 impl Chunk {
@@ -202,15 +201,12 @@ impl Chunk {
                     pipeline.reader.document(&bytes).map_err(|faults| Document::problem(&bytes, on_a_line(faults)))
                 })
                 .and_then(|read| Ok(read.may_be_sent_by(caller).map(|()| read)?));
-            let (problem, origin) = match read {
-                Ok(submission) => {
-                    let origin = Origin::of(&submission);
-                    items.push(submission);
-                    (None, origin)
-                }
-                Err(problem) => (Some(problem), None),
-            };
-            read_lines.push(ReadLine { number, problem, origin });
+            let read = read.map(|submission| {
+                let origin = Origin::of(&submission);
+                items.push(submission);
+                origin
+            });
+            read_lines.push(ReadLine { number, read });
         }
         Self { items, lines: read_lines, room: taken }
     }
@@ -220,13 +216,13 @@ impl Chunk {
         let mut replies = replies.into_iter();
         let mut text = Vec::with_capacity(64 * self.lines.len());
         for line in self.lines {
-            let outcome = match (line.problem, line.origin) {
-                (Some(problem), _) => Err(problem),
-                (None, Some(origin)) => match replies.next() {
+            let outcome = match line.read {
+                Err(problem) => Err(problem),
+                Ok(Some(origin)) => match replies.next() {
                     Some(reply) => settled(reply, &origin, pipeline).await,
                     None => Err(Problem::new(500, "title_internal_error", message!("line_not_answered"))),
                 },
-                (None, None) => Err(Problem::new(500, "title_internal_error", message!("line_not_read"))),
+                Ok(None) => Err(Problem::new(500, "title_internal_error", message!("line_not_read"))),
             };
             let answer = match outcome {
                 Ok((status, id, notes)) => LineAnswer { line: line.number, status, id: Some(id), error: None, notes },

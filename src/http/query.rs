@@ -16,7 +16,7 @@ use crate::routes::AcceptedInputs;
 use crate::wire::cursor;
 use crate::wire::unreadable;
 
-pub use crate::wire::problem::{named, not_one_of};
+pub use crate::wire::problem::{id, named, not_one_of};
 
 pub const IDEMPOTENCY_KEY: &str = "idempotency-key";
 
@@ -135,11 +135,6 @@ pub fn link(uri: &Uri, next: Option<&str>) -> Option<[(HeaderName, String); 1]> 
     let kept = uri.query().unwrap_or_default().split('&').filter(|p| !p.is_empty() && !p.starts_with("cursor="));
     let query: Vec<String> = kept.map(str::to_owned).chain([format!("cursor={next}")]).collect();
     Some([(LINK, format!("<{}?{}>; rel=\"next\"", uri.path(), query.join("&")))])
-}
-
-/// The identifier in a path; `no_such` says that nothing has it.
-pub fn id<'t>(text: &'t str, no_such: fn(&'t str) -> Problem) -> Answer<Id> {
-    text.parse().map_err(|_| no_such(text))
 }
 
 pub fn gyro(app: &App, serial: &str) -> Answer<u32> {

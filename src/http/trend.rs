@@ -8,11 +8,11 @@ mod periods;
 mod point;
 mod request;
 
-use self::answer::{answer, etag};
+use self::answer::answer;
 use self::body::{ColumnTrend, Point, Trend};
 use self::periods::PeriodTrend;
 use self::point::{Seen, bench_point, seen_bench, separated_point};
-use self::request::{PointMethod, Request, TrendQuery, TrendText};
+use self::request::{PointMethod, Request, TrendQuery};
 use super::events::EventBody;
 use crate::core::bench::BenchItem;
 use crate::http::prelude::*;
@@ -54,9 +54,8 @@ pub async fn get_trend(
         let (summaries, next) = request.periods(&app, gyro, period).await?;
         let events: Vec<i64> = events.iter().map(|(id, _)| id.0).collect();
         let holds = (summaries.iter().map(periods::shown).collect::<Vec<_>>(), events);
-        let tag = etag(&request, &holds, &next);
-        let written = || request.written_by_period(&serial, period, &summaries, &done, next);
-        return answer((&uri, &headers), tag, written);
+        let written = |next| request.written_by_period(&serial, period, &summaries, &done, next);
+        return answer((&uri, &headers), &request, &holds, next, written);
     }
     let levels = request.levels(&app, gyro, &serial).await?;
     match request.method {
@@ -64,8 +63,8 @@ pub async fn get_trend(
             let (rows, next) = request.history(&app, gyro).await?;
             let (column, figures) = (request.column(), rows.iter().map(|row| &row.figures));
             let statuses = app.pipeline.queries.histories.statuses(gyro, figures, &[column]).await?;
-            let holds = seen(&mut rows.iter().map(|row| row.seen(&statuses, column, method)));
-            answer((&uri, &headers), etag(&request, &(holds, &levels), &next), || {
+            let holds = (seen(&mut rows.iter().map(|row| row.seen(&statuses, column, method))), &levels);
+            answer((&uri, &headers), &request, &holds, next, |next| {
                 let names = app.pipeline.queries.names();
                 let points = rows.iter().map(|row| separated_point(row, (column, &statuses), method, &names));
                 let points = points.map(|point| point.held_against(levels.as_ref())).collect();
@@ -75,7 +74,7 @@ pub async fn get_trend(
         PointMethod::Bench(method) => {
             let (rows, next) = request.benches(&app, gyro, method).await?;
             let holds = (seen(&mut rows.iter().map(seen_bench)), &levels);
-            answer((&uri, &headers), etag(&request, &holds, &next), || {
+            answer((&uri, &headers), &request, &holds, next, |next| {
                 let names = app.pipeline.queries.names();
                 let flag = |row: &BenchItem| request.voided.then_some(row.voided);
                 let points = rows.iter().filter_map(|row| bench_point(row, flag(row), request.coefficient, &names));
@@ -92,20 +91,11 @@ fn written(
     points: Vec<Point<'_>>,
     events: &[EventBody],
     next: Option<String>,
-) -> Answer<TrendText> {
-    let trend = Trend {
-        serial,
-        coefficient: request.coefficient.name(),
-        unit: "deg/(h*g0)",
-        points,
-        events,
-        next: next.clone(),
-    };
-    let text = match &request.columns {
+) -> Option<Vec<u8>> {
+    let trend = Trend { serial, coefficient: request.coefficient.name(), unit: "deg/(h*g0)", points, events, next };
+    match &request.columns {
         _ if request.csv => csv::written(&trend, request),
         Some(columns) => json::columns(&trend, columns, request.levels),
         None => json::written(&trend),
-    };
-    let text = text.ok_or_else(|| Problem::new(500, "title_internal_error", message!("not_written")))?;
-    Ok(TrendText { text, csv: request.csv, next })
+    }
 }

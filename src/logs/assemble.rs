@@ -20,7 +20,7 @@ use crate::core::dwells::programme::{
 use crate::core::dwells::turns::{TURN_ARCSEC, WHOLE};
 use crate::core::frames::{Body, Nav, Rotation, Vector};
 use crate::core::message::{Message, Parameter, figure, list, signed, significant, text};
-use crate::core::numerics::median::median_of;
+use crate::core::numerics::median::{median_of, upper_median_of};
 use crate::core::units::EARTH_RATE_DEG_H;
 use crate::message;
 
@@ -232,9 +232,7 @@ impl Work<'_> {
 
     /// Turns that became no dwell: in which nothing was steady, and which were left out.
     fn without_dwell(&self, dwells: &[Dwell], seen: &[(f64, f64)]) -> Vec<Message> {
-        let mut lengths: Vec<f64> = dwells.iter().map(|d| d.duration_s).collect();
-        lengths.sort_by(f64::total_cmp);
-        let usual = lengths.get(lengths.len() / 2).copied().unwrap_or(0.0);
+        let usual = upper_median_of(dwells.iter().map(|d| d.duration_s)).unwrap_or(0.0);
         let made: Vec<(f64, f64)> = dwells.iter().map(|d| (d.start_s, d.start_s + d.duration_s)).collect();
         let shared = |turn: &TurningInterval, of: &[(f64, f64)]| {
             let part = |&(from, to): &(f64, f64)| (to.min(turn.to_s) - from.max(turn.from_s)).max(0.0);

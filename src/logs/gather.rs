@@ -10,6 +10,7 @@ use super::text::SkippedLines;
 use super::units::{Counts, Quantity, Unit};
 use crate::core::dwells::blocks::{Blocks, Series, Track};
 use crate::core::message::{Message, figure, list, sent, text};
+use crate::core::numerics::median::upper_median_of;
 use crate::message;
 
 /// What a track of the series is.
@@ -289,9 +290,8 @@ impl BlockBuffer {
 
     fn begun(&mut self) -> &mut Blocks {
         self.blocks.get_or_insert_with(|| {
-            let mut steps: Vec<f64> = self.first.windows(2).map(|p| p[1].0 - p[0].0).filter(|d| *d > 0.0).collect();
-            steps.sort_by(f64::total_cmp);
-            let usual = steps.get(steps.len() / 2).copied().unwrap_or(1.0);
+            let steps = self.first.windows(2).map(|p| p[1].0 - p[0].0).filter(|d| *d > 0.0);
+            let usual = upper_median_of(steps).unwrap_or(1.0);
             let mut blocks = match self.unit_s {
                 Some(unit_s) => Blocks::beside(self.width, usual, unit_s),
                 None => Blocks::new(self.width, usual),
@@ -398,9 +398,7 @@ impl Clock {
         let step = time - last;
         if self.steps.len() < FIRST_ROWS {
             self.steps.push(step);
-            let mut steps = self.steps.clone();
-            steps.sort_by(f64::total_cmp);
-            self.interval = steps[steps.len() / 2];
+            self.interval = upper_median_of(self.steps.iter().copied()).unwrap_or(step);
         } else if step > 1.5 * self.interval {
             self.lost += (step / self.interval).round() as u64 - 1;
             self.gaps += 1;

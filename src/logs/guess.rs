@@ -8,6 +8,7 @@ use super::error::LogError;
 use super::source::{Source, name};
 use super::units::{Counts, Quantity};
 use crate::core::message::{Message, figure, text};
+use crate::core::numerics::median::upper_median_of;
 use crate::core::units::STANDARD_GRAVITY_M_S2;
 use crate::message;
 use crate::words::Language;
@@ -205,9 +206,7 @@ impl ScannedFile {
     }
 
     fn step(&self, place: usize) -> f64 {
-        let mut steps: Vec<f64> = self.values[place].windows(2).map(|p| p[1] - p[0]).collect();
-        steps.sort_by(f64::total_cmp);
-        steps.get(steps.len() / 2).copied().unwrap_or(0.0)
+        upper_median_of(self.values[place].windows(2).map(|p| p[1] - p[0])).unwrap_or(0.0)
     }
 
     /// The time column, where one can be told, and its line; else the line that asks for the rate.
@@ -424,11 +423,8 @@ impl ScannedFile {
 
     /// The unit in which most rows of three columns are as long as gravity.
     fn gravity(&self, places: &[usize]) -> Option<(&'static str, f64)> {
-        let count = self.values[places[0]].len();
         let square = |k: usize| places.iter().map(|&p| self.values[p][k].powi(2)).sum::<f64>();
-        let mut lengths: Vec<f64> = (0..count).map(|k| square(k).sqrt()).collect();
-        lengths.sort_by(f64::total_cmp);
-        let usual = *lengths.get(count / 2)?;
+        let usual = upper_median_of((0..self.values[places[0]].len()).map(|k| square(k).sqrt()))?;
         let units =
             [("m/s^2", STANDARD_GRAVITY_M_S2), ("g0", 1.0), ("mg", 1e3), ("cm/s^2", 100.0 * STANDARD_GRAVITY_M_S2)];
         let fits = units.into_iter().find(|(_, g)| (usual / g - 1.0).abs() < ROOM)?;

@@ -11,7 +11,7 @@ use crate::core::mounting::Slot;
 use crate::message;
 use crate::wire::campaign::SiteBody;
 use crate::wire::geometry::GeometryBody;
-use crate::wire::text::toml_fault;
+use crate::wire::text::map_fault;
 
 /// A map, in TOML.
 #[derive(Debug, Clone, Deserialize)]
@@ -169,7 +169,7 @@ impl std::fmt::Display for ColumnName {
 
 impl Map {
     pub fn parse(text: &str) -> Result<Self, Message> {
-        toml::from_str(text).map_err(|error| toml_fault(&error, text))
+        toml::from_str(text).map_err(|error| map_fault(&error, text))
     }
 
     /// Nominal input axes of the gyros, where all are known.

@@ -34,12 +34,12 @@ pub(super) async fn record(
 }
 
 async fn stored_record(pages: &Pages, id: &str) -> Result<StoredRecord, Problem> {
-    let number: Id = id.parse().map_err(|_| Problem::no_such_record(id))?;
+    let number = problem::id(id, Problem::no_such_record)?;
     pages.pipeline.queries.records.record(number).await?.ok_or_else(|| Problem::no_such_record(id))
 }
 
 pub(super) async fn stored_campaign(pages: &Pages, id: &str) -> Result<StoredCampaign, Problem> {
-    let number: Id = id.parse().map_err(|_| Problem::no_such_campaign(id))?;
+    let number = problem::id(id, Problem::no_such_campaign)?;
     pages.pipeline.queries.records.campaign(number).await?.ok_or_else(|| Problem::no_such_campaign(id))
 }
 

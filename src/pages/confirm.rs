@@ -15,10 +15,9 @@ impl ItemAction for ConfirmTime {
     type Item = Id;
 
     async fn form(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> Result<(Id, ActionForm), Problem> {
-        let unknown = || Problem::no_such_record(id);
-        let number: Id = id.parse().map_err(|_| unknown())?;
+        let number = problem::id(id, Problem::no_such_record)?;
         let records = &pages.pipeline.queries.records;
-        let item = records.sent(number).await?.ok_or_else(unknown)?;
+        let item = records.sent(number).await?.ok_or_else(|| Problem::no_such_record(id))?;
         if !records.status(number).await?.set_aside {
             let detail = message!("not_set_aside", id = text(number));
             return Err(Problem::new(409, "title_not_set_aside", detail));

@@ -22,9 +22,9 @@ impl ItemAction for VoidCalibration {
     type Item = Corrected;
 
     async fn form(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> Result<(Corrected, ActionForm), Problem> {
-        let unknown = || Problem::no_such_record(id);
-        let number: Id = id.parse().map_err(|_| unknown())?;
-        let stored = pages.pipeline.queries.records.record(number).await?.ok_or_else(unknown)?;
+        let number = problem::id(id, Problem::no_such_record)?;
+        let stored = pages.pipeline.queries.records.record(number).await?;
+        let stored = stored.ok_or_else(|| Problem::no_such_record(id))?;
         still_counts(pages, number).await?;
         let t = viewer.text();
         let (item, names) = (&stored.item, pages.pipeline.queries.names());
@@ -62,9 +62,9 @@ impl ItemAction for VoidBench {
     type Item = Corrected;
 
     async fn form(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> Result<(Corrected, ActionForm), Problem> {
-        let unknown = || Problem::no_such_bench_result(id);
-        let number: Id = id.parse().map_err(|_| unknown())?;
-        let bench = pages.pipeline.queries.records.bench(number).await?.ok_or_else(unknown)?;
+        let number = problem::id(id, Problem::no_such_bench_result)?;
+        let bench = pages.pipeline.queries.records.bench(number).await?;
+        let bench = bench.ok_or_else(|| Problem::no_such_bench_result(id))?;
         still_counts(pages, number).await?;
         let t = viewer.text();
         let names = pages.pipeline.queries.names();

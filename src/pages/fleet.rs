@@ -40,8 +40,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
     let gyros: Vec<&GyroStatus> = found.gyros.iter().collect();
     let recent_values = queries.fleet.recent_values(&gyros, VALUES).await?;
     let table = {
-        let names = queries.names();
-        let row = |(standing, recent)| Row::of(standing, recent, &by_history, &names);
+        let row = |(standing, recent)| Row::of(standing, recent, &by_history);
         let mut rows: Vec<Row<'_>> = gyros.iter().copied().zip(&recent_values).map(row).collect();
         if filters.sort == BY_DATE {
             // A page was chosen by the dates of the rule `trend`, which is all that the fleet can be put in order by.
@@ -70,34 +69,25 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
     Ok(Page { title: t.fleet.into(), section: Section::Fleet, body })
 }
 
-/// A gyro with its names and last values.
+/// A gyro with its last values.
 struct Row<'a> {
     standing: &'a GyroStatus,
     recent: &'a RecentValues,
     /// When it reaches its budget by its course, as long as it is not known to be beyond.
     due: Option<DueDate>,
-    imu: String,
-    station: String,
 }
 
 impl<'a> Row<'a> {
-    fn of(
-        standing: &'a GyroStatus,
-        recent: &'a RecentValues,
-        by_history: &HashMap<u32, DueDate>,
-        names: &Names<'_>,
-    ) -> Self {
+    fn of(standing: &'a GyroStatus, recent: &'a RecentValues, by_history: &HashMap<u32, DueDate>) -> Self {
         let is_ahead = standing.status.is_none_or(|status| !BEYOND.contains(&status));
         let due = by_history.get(&standing.number).copied().or_else(|| DueDate::by_trend(standing));
-        let newest = standing.newest.as_ref();
-        let imu = newest.map_or("", |figures| names.imu(figures.imu)).to_owned();
-        let station = newest.map_or("", |figures| names.station(figures.station)).to_owned();
-        Self { standing, recent, due: due.filter(|_| is_ahead), imu, station }
+        Self { standing, recent, due: due.filter(|_| is_ahead) }
     }
 }
 
 fn table(t: &Text, pages: &Pages, filters: &Filters, rows: &[Row<'_>], now: UtcMicros) -> Markup {
     let head = |sort: &str, name: Markup| filters.head(sort, &name);
+    let names = pages.pipeline.queries.names();
     html! {
         (wide_table("fleet", html! {
             th.no-print { span.hidden { (t.choose) } }
@@ -110,12 +100,11 @@ fn table(t: &Text, pages: &Pages, filters: &Filters, rows: &[Row<'_>], now: UtcM
             th { (t.violates_besides) }
             th { (t.since) }
             (head("age", html! { (t.calibrated) }))
-        }, html! { @for (k, row) in rows.iter().enumerate() { (line(t, pages, row, k == 0, now)) } }))
+        }, html! { @for (k, row) in rows.iter().enumerate() { (line(t, pages, row, k == 0, now, &names)) } }))
     }
 }
 
-/// `first`: whether it is the first of the page, which the keyboard skips to.
-fn line(t: &Text, pages: &Pages, row: &Row<'_>, first: bool, now: UtcMicros) -> Markup {
+fn line(t: &Text, pages: &Pages, row: &Row<'_>, first: bool, now: UtcMicros, names: &Names<'_>) -> Markup {
     let standing = row.standing;
     let newest = standing.newest.as_ref().map(|figures| sample_of(figures, pages.config.judging.method));
     let is_worse = standing.status.is_some_and(|status| status >= Status::Drifting);
@@ -125,14 +114,7 @@ fn line(t: &Text, pages: &Pages, row: &Row<'_>, first: bool, now: UtcMicros) -> 
                 input type="checkbox" name="gyro" value=(standing.serial) form="selection" aria-label=(standing.serial);
             }
             td { (badges::badge(t, standing.status)) (badges::out_of_use(t, standing.out_of_use)) }
-            th scope="row" {
-                a.id id=[first.then_some("first")] href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) }
-            }
-            td {
-                @if let Some(figures) = &standing.newest {
-                    a.id href={ "/imus/" (encoded(&row.imu)) } { (row.imu) } " " span.quiet { (figures.slot.name()) }
-                }
-            }
+            (gyro(standing, first, names))
             @for column in 0..2 {
                 td.trend {
                     @if let Some(sample) = &newest {
@@ -145,7 +127,23 @@ fn line(t: &Text, pages: &Pages, row: &Row<'_>, first: bool, now: UtcMicros) -> 
             td data-label=(t.violates) { (violated(t, &besides(&standing.violations))) }
             td data-label=(t.since) { @if let Some(since) = standing.since.filter(|_| is_worse) { (day(since)) } }
             td data-label=(t.calibrated) {
-                @if let Some(figures) = &standing.newest { (age(t, figures.at, now, &row.station)) }
+                @if let Some(figures) = &standing.newest { (age(t, figures.at, now, names.station(figures.station))) }
+            }
+        }
+    }
+}
+
+/// Which gyro it is, and where it was measured last. `first`: whether it is the first of the page, which the keyboard
+/// skips to.
+pub(super) fn gyro(standing: &GyroStatus, first: bool, names: &Names<'_>) -> Markup {
+    html! {
+        th scope="row" {
+            a.id id=[first.then_some("first")] href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) }
+        }
+        td {
+            @if let Some(newest) = &standing.newest {
+                @let imu = names.imu(newest.imu);
+                a.id href={ "/imus/" (encoded(imu)) } { (imu) } " " span.quiet { (newest.slot.name()) }
             }
         }
     }

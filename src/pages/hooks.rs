@@ -87,7 +87,6 @@ fn buttons(viewer: &Viewer, hook: &HookBody) -> Markup {
 
 /// The hook of that identifier.
 async fn known(pages: &Pages, id: &str) -> Result<(Id, HookBody), Problem> {
-    let unknown = || Problem::no_such_hook(id);
-    let number: Id = id.parse().map_err(|_| unknown())?;
-    Ok((number, pages.pipeline.hooks.get(number, None).await?.ok_or_else(unknown)?))
+    let number = problem::id(id, Problem::no_such_hook)?;
+    Ok((number, pages.pipeline.hooks.get(number, None).await?.ok_or_else(|| Problem::no_such_hook(id))?))
 }

@@ -21,5 +21,5 @@ pub(super) use crate::core::message::Message;
 pub(super) use crate::core::time::UtcMicros;
 pub(super) use crate::message;
 pub(super) use crate::wire::alert::AlertBody;
-pub(super) use crate::wire::problem::Problem;
+pub(super) use crate::wire::problem::{self, Problem};
 pub(super) use crate::wire::time;

@@ -38,7 +38,7 @@ impl ReferenceComparison {
         offered.retain(|head| head.id != stored.item.id);
         let newest_before = offered.iter().find(|head| head.calibrated_at < stored.item.calibrated_at);
         let chosen = match asked.reference.as_deref().filter(|text| !text.is_empty()) {
-            Some(text) => Some(text.parse::<Id>().map_err(|_| Problem::no_such_reference(text))?),
+            Some(text) => Some(problem::id(text, Problem::no_such_reference)?),
             None => newest_before.map(|head| head.id),
         };
         let split = match chosen {

@@ -131,9 +131,8 @@ impl ItemAction for EndSilence {
     type Item = Id;
 
     async fn form(pages: &Pages, viewer: &Viewer, id: &str, _: &Word) -> Result<(Id, ActionForm), Problem> {
-        let unknown = || Problem::unknown_silence(id);
-        let number: Id = id.parse().map_err(|_| unknown())?;
-        let silence = pages.pipeline.alerts.silence(number).await?.ok_or_else(unknown)?;
+        let number = problem::id(id, Problem::unknown_silence)?;
+        let silence = pages.pipeline.alerts.silence(number).await?.ok_or_else(|| Problem::unknown_silence(id))?;
         let t = viewer.text();
         let form = ActionForm {
             section: Section::Alerts,

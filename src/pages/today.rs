@@ -9,7 +9,7 @@ use axum::http::Uri;
 use axum::response::Redirect;
 
 use super::alerts::{self, done_to_alerts, is_open, open_ones};
-use super::fleet::{Filters, as_day, bad_parameter, slopes, violated};
+use super::fleet::{Filters, as_day, bad_parameter, gyro, slopes, violated};
 use super::layout::{day, written_day};
 use super::prelude::*;
 use super::station::changes;
@@ -230,21 +230,6 @@ async fn no_longer_in_it(pages: &Pages, overdue: &[DueImu]) -> Result<HashMap<u3
 /// The way to all, where there are more than are shown.
 fn all_of<'a, T>(t: &'a Text, list: &FirstOf<T>, address: impl FnOnce() -> String) -> Option<(&'a str, String)> {
     (list.of > list.first.len()).then(|| (t.all_of_them, address()))
-}
-
-/// `first`: whether it is the first of the page, which the keyboard skips to.
-fn gyro(standing: &GyroStatus, first: bool, names: &Names<'_>) -> Markup {
-    html! {
-        th scope="row" {
-            a.id id=[first.then_some("first")] href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) }
-        }
-        td {
-            @if let Some(newest) = &standing.newest {
-                @let imu = names.imu(newest.imu);
-                a.id href={ "/imus/" (encoded(imu)) } { (imu) } " " span.quiet { (newest.slot.name()) }
-            }
-        }
-    }
 }
 
 fn worse(

@@ -6,20 +6,32 @@ use rand_chacha::ChaCha8Rng;
 
 use super::outside::{FAMILIES, UncataloguedCause};
 use super::programme::any_direction;
-use super::sensed::{Disturbance, Sensed, Situation};
+use super::sensed::{Action, Disturbance, Sensed, Situation, drift, scale};
 
-/// An effect of the catalogue with its hidden particulars; vectors are per gyro, unit length.
-#[derive(Debug, Clone, PartialEq)]
+use Law::{Along, Own, Plain};
+use ShownBy::{Always, Attitudes, Closure, OffAxis, OwnTerm, Rotation};
+
+/// The drift that an effect of size one makes along a direction.
+pub type Projection = fn(&Vector3<f64>, &Sensed, &Situation) -> f64;
+
+/// How an effect of the catalogue acts.
+#[derive(Debug, Clone, Copy)]
+pub enum Law {
+    Plain(Action),
+    /// Along a direction a gyro, of unit length.
+    Along(Projection),
+    /// By particulars of its own, or not within the gyros.
+    Own,
+}
+
+/// An effect of the catalogue with its hidden particulars.
+#[derive(Debug, Clone)]
 pub enum Mechanism {
-    GLinear([Vector3<f64>; 3]),
-    GSquared([Vector3<f64>; 3]),
-    TemperatureBias,
-    TemperatureG([Vector3<f64>; 3]),
-    TemperatureScale,
+    Plain(Action),
+    Along(Projection, [Vector3<f64>; 3]),
     Warmup {
         tau_h: f64,
     },
-    TimeRamp,
     BiasStep {
         first: usize,
     },
@@ -30,12 +42,6 @@ pub enum Mechanism {
         period_h: f64,
         phase: f64,
     },
-    Hysteresis,
-    ScaleAsymmetry,
-    ScaleQuadratic,
-    ScaleCubic,
-    Anisoinertia,
-    GRateCoupling,
     Levelling {
         east: f64,
         north: f64,
@@ -53,11 +59,6 @@ pub enum Mechanism {
         about: Vector3<f64>,
         first: Option<usize>,
     },
-    Magnetic([Vector3<f64>; 3]),
-    AxialCompliance([Vector3<f64>; 3]),
-    CrossCompliance([Vector3<f64>; 3]),
-    CubicG,
-    OutputAxisG,
     MountClocking,
 }
 
@@ -77,47 +78,58 @@ pub enum ShownBy {
 }
 
 /// An effect of the catalogue that can be injected.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct Injectable {
     pub id: &'static str,
     /// Typical size in its own unit.
     pub typical: f64,
     pub shown_by: ShownBy,
+    law: Law,
 }
 
-const fn row(id: &'static str, typical: f64, shown_by: ShownBy) -> Injectable {
-    Injectable { id, typical, shown_by }
+const fn row(id: &'static str, typical: f64, shown_by: ShownBy, law: Law) -> Injectable {
+    Injectable { id, typical, shown_by, law }
 }
 
 /// The effects that can be injected.
 pub const CATALOGUE: [Injectable; 26] = [
-    row("g_linear", 0.05, ShownBy::OwnTerm),           // deg/(h g0)
-    row("g_squared", 0.05, ShownBy::OwnTerm),          // deg/(h g0^2)
-    row("temperature_bias", 0.005, ShownBy::Always),   // deg/h/K
-    row("temperature_g", 0.01, ShownBy::Always),       // deg/(h g0 K)
-    row("temperature_scale", 1e-6, ShownBy::Rotation), // 1/K
-    row("warmup", 0.02, ShownBy::Always),              // deg/h
-    row("time_ramp", 0.002, ShownBy::Always),          // deg/h per h
-    row("bias_step", 0.01, ShownBy::Always),           // deg/h
-    row("outlier_dwell", 0.02, ShownBy::Always),       // deg/h
-    row("periodic", 0.005, ShownBy::Always),           // deg/h
-    row("hysteresis", 0.005, ShownBy::Always),         // deg/(h g0)
-    row("scale_asymmetry", 1e-6, ShownBy::Rotation),
-    row("scale_quadratic", 1e-9, ShownBy::Rotation), // deg/h per (deg/h)^2
-    row("scale_cubic", 1e-13, ShownBy::Rotation),    // deg/h per (deg/h)^3
-    row("anisoinertia", 1e-9, ShownBy::Rotation),    // deg/h per (deg/h)^2
-    row("g_rate_coupling", 1e-6, ShownBy::Rotation), // 1/g0
-    row("levelling", 1e-4, ShownBy::Attitudes),      // rad
-    row("azimuth", 2e-4, ShownBy::Attitudes),        // rad
-    row("relevelling", 1e-4, ShownBy::Attitudes),    // rad
-    row("reseating", 1e-4, ShownBy::Rotation),       // rad
-    row("magnetic", 0.01, ShownBy::Attitudes),       // deg/h in the field of the site
-    row("axial_compliance", 0.05, ShownBy::OffAxis), // deg/(h g0^2)
-    row("cross_compliance", 0.05, ShownBy::OffAxis), // deg/(h g0^2)
-    row("cubic_g", 0.02, ShownBy::OffAxis),          // deg/(h g0^3)
-    row("output_axis_g", 0.1, ShownBy::Closure),     // deg/(h g0)
-    row("mount_clocking", 1e-3, ShownBy::Closure),   // rad
+    row("g_linear", 0.05, OwnTerm, Along(|k, s, _| k.dot(&s.body.a))), // deg/(h g0)
+    row("g_squared", 0.05, OwnTerm, Along(|k, s, _| k.dot(&s.body.a.component_mul(&s.body.a)))), // deg/(h g0^2)
+    row("temperature_bias", 0.005, Always, Plain(|_, at| drift(at.temperature_k))), // deg/h/K
+    row("temperature_g", 0.01, Always, Along(|k, s, at| at.temperature_k * k.dot(&s.a))), // deg/(h g0 K)
+    row("temperature_scale", 1e-6, Rotation, Plain(|_, at| scale(at.temperature_k))), // 1/K
+    row("warmup", 0.02, Always, Own),                                  // deg/h
+    row("time_ramp", 0.002, Always, Plain(|_, at| drift(at.time_h))),  // deg/h per h
+    row("bias_step", 0.01, Always, Own),                               // deg/h
+    row("outlier_dwell", 0.02, Always, Own),                           // deg/h
+    row("periodic", 0.005, Always, Own),                               // deg/h
+    row("hysteresis", 0.005, Always, Plain(|s, _| drift(s.a_before.map_or(0.0, |a| a.z)))), // deg/(h g0)
+    row("scale_asymmetry", 1e-6, Rotation, Plain(|s, _| scale(s.w.x.signum()))),
+    row("scale_quadratic", 1e-9, Rotation, Plain(|s, _| drift(s.w.x * s.w.x))), // deg/h per (deg/h)^2
+    row("scale_cubic", 1e-13, Rotation, Plain(|s, _| drift(s.w.x.powi(3)))),    // deg/h per (deg/h)^3
+    row("anisoinertia", 1e-9, Rotation, Plain(|s, _| drift(s.w.x * s.w.y))),    // deg/h per (deg/h)^2
+    row("g_rate_coupling", 1e-6, Rotation, Plain(|s, _| scale(s.a.x))),         // 1/g0
+    row("levelling", 1e-4, Attitudes, Own),                                     // rad
+    row("azimuth", 2e-4, Attitudes, Own),                                       // rad
+    row("relevelling", 1e-4, Attitudes, Own),                                   // rad
+    row("reseating", 1e-4, Rotation, Own),                                      // rad
+    row("magnetic", 0.01, Attitudes, Along(|k, s, _| k.dot(&s.field))),         // deg/h in the field of the site
+    row("axial_compliance", 0.05, OffAxis, Along(|k, s, _| k.dot(&axial(&s.a)))), // deg/(h g0^2)
+    row("cross_compliance", 0.05, OffAxis, Along(|k, s, _| k.dot(&crossed(&s.a)))), // deg/(h g0^2)
+    row("cubic_g", 0.02, OffAxis, Plain(|s, _| drift(s.a.x.powi(3)))),          // deg/(h g0^3)
+    row("output_axis_g", 0.1, Closure, Plain(|s, _| drift(s.a.z))),             // deg/(h g0)
+    row("mount_clocking", 1e-3, Closure, Own),                                  // rad
 ];
+
+/// What D_II and D_SS act on.
+fn axial(a: &Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(a.x * a.x, a.y * a.y, 0.0)
+}
+
+/// What k_IS, k_IO and k_OS act on.
+fn crossed(a: &Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(a.x * a.y, a.x * a.z, a.z * a.y)
+}
 
 /// Everything that can be put into a campaign, by the name to ask for it, for messages.
 pub fn known() -> String {
@@ -128,6 +140,10 @@ pub fn known() -> String {
 /// The effects of the catalogue by name.
 pub fn listed() -> String {
     CATALOGUE.map(|known| known.id).join(", ")
+}
+
+fn law_of(id: &str) -> Option<Law> {
+    CATALOGUE.iter().find(|known| known.id == id).map(|known| known.law)
 }
 
 /// What a station does, by its id: a field, the table tilted throughout and from a dwell on, the IMU seated anew, the
@@ -160,7 +176,7 @@ pub const IN_TIME: [&str; 5] = ["time_ramp", POWER_UP, "bias_step", "periodic", 
 pub const COMMON: [&str; 4] = ["levelling", "azimuth", "relevelling", "reseating"];
 
 /// A cause in one campaign: what, how much, and by which factor in each slot (zero: the gyro does not have it).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Cause {
     /// Catalogue id, or `outside:FAMILY`.
     pub label: String,
@@ -175,7 +191,7 @@ pub struct Cause {
 pub const ALWAYS: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 /// Whether the diagnosis has an entry for a cause.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub enum CauseKind {
     Catalogue(Mechanism),
     Uncatalogued(UncataloguedCause),
@@ -190,44 +206,16 @@ pub struct Particulars {
 }
 
 impl Mechanism {
-    /// The effect of a catalogue id that has no particulars.
-    fn without_particulars(id: &str) -> Option<Self> {
-        Some(match id {
-            "temperature_bias" => Self::TemperatureBias,
-            "temperature_scale" => Self::TemperatureScale,
-            "time_ramp" => Self::TimeRamp,
-            "hysteresis" => Self::Hysteresis,
-            "scale_asymmetry" => Self::ScaleAsymmetry,
-            "scale_quadratic" => Self::ScaleQuadratic,
-            "scale_cubic" => Self::ScaleCubic,
-            "anisoinertia" => Self::Anisoinertia,
-            "g_rate_coupling" => Self::GRateCoupling,
-            "azimuth" => Self::Azimuth,
-            "cubic_g" => Self::CubicG,
-            "output_axis_g" => Self::OutputAxisG,
-            "mount_clocking" => Self::MountClocking,
-            _ => return None,
-        })
-    }
-
-    /// What makes the effect of a catalogue id of a direction a gyro.
-    fn along(id: &str) -> Option<fn([Vector3<f64>; 3]) -> Self> {
-        Some(match id {
-            "g_linear" => Self::GLinear,
-            "g_squared" => Self::GSquared,
-            "temperature_g" => Self::TemperatureG,
-            "magnetic" => Self::Magnetic,
-            "axial_compliance" => Self::AxialCompliance,
-            "cross_compliance" => Self::CrossCompliance,
-            _ => return None,
-        })
-    }
-
     /// The effect of a catalogue id with its particulars; none where the id is unknown.
     /// `starts_h` holds the mid-times of the dwells.
     pub fn draw(id: &str, fixed: &Particulars, starts_h: &[f64], rng: &mut ChaCha8Rng) -> Option<Self> {
-        if let Some(along) = Self::along(id) {
-            return Some(along([0; 3].map(|_| fixed.direction.unwrap_or_else(|| any_direction(rng)))));
+        match law_of(id)? {
+            Plain(action) => return Some(Self::Plain(action)),
+            Along(of) => {
+                let directions = [0; 3].map(|_| fixed.direction.unwrap_or_else(|| any_direction(rng)));
+                return Some(Self::Along(of, directions));
+            }
+            Own => {}
         }
         let dwells = starts_h.len();
         let span_h = starts_h.last().copied().unwrap_or(0.0).max(1e-3);
@@ -256,7 +244,9 @@ impl Mechanism {
             "reseating" => {
                 Self::Reseating { about: fixed.direction.unwrap_or_else(|| any_direction(rng)), first: fixed.dwell }
             }
-            _ => return Self::without_particulars(id),
+            "azimuth" => Self::Azimuth,
+            "mount_clocking" => Self::MountClocking,
+            _ => return None,
         })
     }
 
@@ -272,8 +262,12 @@ impl Mechanism {
     /// Alternatives of an effect, each with one member for every free coefficient, over a campaign of so many hours
     /// and dwells; `times` are tried beside the grid of time constants and periods.
     pub fn alternatives(id: &str, span_h: f64, dwells: usize, times: &[f64]) -> Option<Vec<Vec<Self>>> {
-        if let Some(along) = Self::along(id) {
-            return Some(vec![(0..3).map(|axis| along([Vector3::ith(axis, 1.0); 3])).collect()]);
+        match law_of(id)? {
+            Plain(action) => return Some(vec![vec![Self::Plain(action)]]),
+            Along(of) => {
+                return Some(vec![(0..3).map(|axis| Self::Along(of, [Vector3::ith(axis, 1.0); 3])).collect()]);
+            }
+            Own => {}
         }
         let sines =
             |period_h: f64| [0.0, std::f64::consts::FRAC_PI_2].map(|phase| Self::Periodic { period_h, phase }).to_vec();
@@ -302,7 +296,9 @@ impl Mechanism {
             }
             "bias_step" => (1..dwells).map(|first| vec![Self::BiasStep { first }]).collect(),
             "outlier_dwell" => (0..dwells).map(|index| vec![Self::OutlierDwell { index }]).collect(),
-            _ => vec![vec![Self::without_particulars(id)?]],
+            "azimuth" => vec![vec![Self::Azimuth]],
+            "mount_clocking" => vec![vec![Self::MountClocking]],
+            _ => return None,
         })
     }
 }
@@ -373,32 +369,13 @@ impl Cause {
 
 impl Mechanism {
     fn at_unit_size(&self, gyro: usize, sensed: &Sensed, at: &Situation) -> Disturbance {
-        let Sensed { a, w, .. } = sensed;
-        let t = at.temperature_k;
-        let drift = |drift: f64| Disturbance { drift, scale: 0.0 };
-        let scale = |scale: f64| Disturbance { drift: 0.0, scale };
         match self {
-            Self::GLinear(k) => drift(k[gyro].dot(&sensed.body.a)),
-            Self::GSquared(k) => drift(k[gyro].dot(&sensed.body.a.component_mul(&sensed.body.a))),
-            Self::TemperatureBias => drift(t),
-            Self::TemperatureG(k) => drift(t * k[gyro].dot(a)),
-            Self::TemperatureScale => scale(t),
+            Self::Plain(action) => action(sensed, at),
+            Self::Along(of, directions) => drift(of(&directions[gyro], sensed, at)),
             Self::Warmup { tau_h } => drift((-at.since_power_up_h / tau_h).exp()),
-            Self::TimeRamp => drift(at.time_h),
             Self::BiasStep { first } => drift(f64::from(at.index >= *first)),
             Self::OutlierDwell { index } => drift(f64::from(at.index == *index)),
             Self::Periodic { period_h, phase } => drift((std::f64::consts::TAU * at.time_h / period_h + phase).sin()),
-            Self::Hysteresis => drift(sensed.a_before.map_or(0.0, |a| a.z)),
-            Self::ScaleAsymmetry => scale(w.x.signum()),
-            Self::ScaleQuadratic => drift(w.x * w.x),
-            Self::ScaleCubic => drift(w.x.powi(3)),
-            Self::Anisoinertia => drift(w.x * w.y),
-            Self::GRateCoupling => scale(a.x),
-            Self::Magnetic(k) => drift(k[gyro].dot(&sensed.field)),
-            Self::AxialCompliance(k) => drift(k[gyro].dot(&Vector3::new(a.x * a.x, a.y * a.y, 0.0))),
-            Self::CrossCompliance(k) => drift(k[gyro].dot(&Vector3::new(a.x * a.y, a.x * a.z, a.z * a.y))),
-            Self::CubicG => drift(a.x.powi(3)),
-            Self::OutputAxisG => drift(a.z),
             Self::Levelling { .. }
             | Self::Azimuth
             | Self::Relevelling { .. }

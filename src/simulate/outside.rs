@@ -6,35 +6,21 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
 use super::gaussian;
-use super::sensed::{Disturbance, Sensed, Situation};
+use super::sensed::{Action, Disturbance, Sensed, Situation, drift, scale};
 
 /// Families of such causes, each with its hidden particulars.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub enum UncataloguedCause {
+    /// What has no particulars.
+    Plain(Action),
     /// A smooth random function of the whole attitude (up and north in the body): waves of a few radians.
     Orientation(Box<[[Wave; 4]; 3]>),
     /// A number per dwell and gyro, whatever its origin.
     Series(Vec<[f64; 3]>),
-    /// T^2.
-    TemperatureSquared,
-    /// T w_S.
-    TemperatureRate,
-    /// T t.
-    TemperatureTime,
     /// From -1/2 up to 1/2 in each period.
     Sawtooth { period_h: f64, phase: f64 },
-    /// Time since the body's vertical last changed.
-    FaceAge,
-    /// Scale factor running away: w_I t.
-    RateTime,
-    /// Mass unbalance running away: a_S t.
-    GTime,
     /// Scale factor that steps at a dwell.
     ScaleStep { first: usize },
-    /// w_S of the dwell before.
-    RateMemory,
-    /// |w_S|^(1/2) with its sign: a bearing that slips.
-    SpinRateRoot,
     /// Each face of the fixture is off by small angles of its own, about body axes.
     TiltedFaces(Box<[Vector3<f64>; 6]>),
 }
@@ -104,21 +90,23 @@ impl UncataloguedCause {
             "orientation" => Self::Orientation(Box::new([0; 3].map(|_| [0; 4].map(|_| Wave::draw(rng))))),
             "coloured_noise" => Self::Series(coloured(dwells, rng)),
             "several_outliers" => Self::Series(outliers(dwells, rng)),
-            "temperature_squared" => Self::TemperatureSquared,
-            "temperature_rate" => Self::TemperatureRate,
-            "temperature_time" => Self::TemperatureTime,
+            "temperature_squared" => Self::Plain(|_, at| drift(at.temperature_k * at.temperature_k)),
+            "temperature_rate" => Self::Plain(|sensed, at| drift(at.temperature_k * sensed.w.y)),
+            "temperature_time" => Self::Plain(|_, at| drift(at.temperature_k * at.time_h)),
             "sawtooth" => {
                 Self::Sawtooth { period_h: span_h / rng.random_range(2.0..5.0), phase: rng.random_range(0.0..1.0) }
             }
             "random_walk" => Self::Series(walk(dwells, rng)),
-            "face_age" => Self::FaceAge,
-            "rate_time" => Self::RateTime,
-            "g_time" => Self::GTime,
+            "face_age" => Self::Plain(|_, at| drift(at.since_face_change_h)),
+            // A scale factor, and a mass unbalance, that run away.
+            "rate_time" => Self::Plain(|_, at| scale(at.time_h)),
+            "g_time" => Self::Plain(|sensed, at| drift(sensed.a.y * at.time_h)),
             "scale_step" => {
                 Self::ScaleStep { first: rng.random_range(dwells / 4..(3 * dwells / 4).max(dwells / 4 + 1)) }
             }
-            "rate_memory" => Self::RateMemory,
-            "spin_rate_root" => Self::SpinRateRoot,
+            "rate_memory" => Self::Plain(|sensed, _| drift(sensed.w_before.map_or(0.0, |w| w.y))),
+            // A bearing that slips.
+            "spin_rate_root" => Self::Plain(|sensed, _| drift(sensed.w.y.signum() * sensed.w.y.abs().sqrt())),
             "noise_burst" => Self::Series(burst(dwells, rng)),
             "several_steps" => Self::Series(steps(dwells, rng)),
             TILTED_FACES => Self::TiltedFaces(Box::new([0; 6].map(|_| Vector3::from_fn(|_, _| gaussian(rng))))),
@@ -127,21 +115,12 @@ impl UncataloguedCause {
     }
 
     pub(super) fn at_unit_size(&self, gyro: usize, sensed: &Sensed, at: &Situation) -> Disturbance {
-        let t = at.temperature_k;
-        let drift = |drift: f64| Disturbance { drift, scale: 0.0 };
         match self {
+            Self::Plain(action) => action(sensed, at),
             Self::Orientation(waves) => drift(waves[gyro].iter().map(|wave| wave.at(sensed)).sum()),
             Self::Series(values) => drift(values[at.index][gyro]),
-            Self::TemperatureSquared => drift(t * t),
-            Self::TemperatureRate => drift(t * sensed.w.y),
-            Self::TemperatureTime => drift(t * at.time_h),
             Self::Sawtooth { period_h, phase } => drift((at.time_h / period_h + phase).fract() - 0.5),
-            Self::FaceAge => drift(at.since_face_change_h),
-            Self::RateTime => Disturbance { drift: 0.0, scale: at.time_h },
-            Self::GTime => drift(sensed.a.y * at.time_h),
-            Self::ScaleStep { first } => Disturbance { drift: 0.0, scale: f64::from(at.index >= *first) },
-            Self::RateMemory => drift(sensed.w_before.map_or(0.0, |w| w.y)),
-            Self::SpinRateRoot => drift(sensed.w.y.signum() * sensed.w.y.abs().sqrt()),
+            Self::ScaleStep { first } => scale(f64::from(at.index >= *first)),
             // The seat of the IMU has it.
             Self::TiltedFaces(_) => Disturbance::default(),
         }

@@ -8,6 +8,7 @@ use crate::core::campaign::{Campaign, CampaignGyro, Dwell, StationUncertainty};
 use crate::core::fault::Faults;
 use crate::core::frames::Rotation;
 use crate::core::message::Message;
+use crate::core::numerics::median::upper_median_of;
 use crate::core::record::Name;
 use crate::core::time::UtcMicros;
 
@@ -167,16 +168,13 @@ impl World {
         match columns.standard_errors {
             StandardErrors::Absent => None,
             StandardErrors::Exact => Some(self.sd.clone()),
-            StandardErrors::Constant => Some(self.sd.iter().map(|sd| vec![middle(sd); sd.len()]).collect()),
+            StandardErrors::Constant => {
+                let middle = |sd: &Vec<f64>| upper_median_of(sd.iter().copied()).unwrap_or_default();
+                Some(self.sd.iter().map(|sd| vec![middle(sd); sd.len()]).collect())
+            }
             StandardErrors::Noisy => Some(self.sd.iter().map(|sd| sd.iter().map(|s| s * wrong()).collect()).collect()),
         }
     }
-}
-
-fn middle(sd: &[f64]) -> f64 {
-    let mut sorted = sd.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted[sorted.len() / 2]
 }
 
 fn gyro_key(gyro: &TrueGyro, axes: &Matrix3<f64>) -> GyroKey {

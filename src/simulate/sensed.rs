@@ -43,3 +43,14 @@ pub struct Disturbance {
     pub drift: f64,
     pub scale: f64,
 }
+
+/// What something of size one does to a gyro at one moment.
+pub type Action = fn(&Sensed, &Situation) -> Disturbance;
+
+pub const fn drift(drift: f64) -> Disturbance {
+    Disturbance { drift, scale: 0.0 }
+}
+
+pub const fn scale(scale: f64) -> Disturbance {
+    Disturbance { drift: 0.0, scale }
+}

@@ -12,7 +12,7 @@ use crate::core::effects::{Effect, Estimate};
 use crate::wire::prelude::*;
 use crate::wire::unit;
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+types! {
 pub struct DiagnosisBody {
     /// What the campaign was compared with.
     pub model: InUseBody,
@@ -25,8 +25,7 @@ pub struct DiagnosisBody {
     /// Adopted effects in the order of adoption.
     pub effects: Vec<EffectBody>,
     /// Closure by all adopted effects together.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub closure: Option<HeldOutBody>,
+    pub closure?: HeldOutBody,
     pub remaining: RemainingBody,
     pub candidates: Vec<CandidateBody>,
     pub not_identifiable: Vec<NotIdentifiableBody>,
@@ -39,8 +38,7 @@ pub struct DiagnosisBody {
     pub residuals: Vec<ResidualBody>,
     pub notes: Vec<String>,
     /// What the noise is beyond white, independent and as stated, where something is found.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub noise: Option<NoiseFoundBody>,
+    pub noise?: NoiseFoundBody,
     /// What is left goes with, the strongest first: no cause.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub description: Vec<DescribedBody>,
@@ -48,17 +46,15 @@ pub struct DiagnosisBody {
     #[serde(default)]
     pub note_codes: Vec<MessageBody>,
     /// The gap against a reference, where one was given.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub reference: Option<SplitBody>,
+    pub reference?: SplitBody,
     /// Effects of the model in use as this campaign shows them, where the model holds the coefficients of the IMU.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub effects_against_model: Option<ChangedBody>,
+    pub effects_against_model?: ChangedBody,
     /// What was foretold of this campaign by the model in force before it; of stored campaigns.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub forecast: Option<ForecastPointBody>,
+    pub forecast?: ForecastPointBody,
     /// Hypotheses of one's own that competed with the catalogue.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub hypotheses: Vec<HypothesisBody>,
+}
 }
 
 impl DiagnosisBody {
@@ -143,13 +139,12 @@ impl InUseBody {
     }
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+types! {
 pub struct InUseEffectBody {
     pub effect: String,
     pub gyros: Vec<String>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct NoiseFloorBody {
     pub deg_per_h: f64,
     pub source: String,
@@ -157,7 +152,6 @@ pub struct NoiseFloorBody {
     pub gyros: Vec<GyroFloorBody>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct GyroFloorBody {
     pub slot: String,
     pub deg_per_h: f64,
@@ -165,7 +159,6 @@ pub struct GyroFloorBody {
 }
 
 /// One thing that what is left goes with.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct DescribedBody {
     /// `time`, `temperature`, `rate_of_temperature`, `up_direction`, `heading`, `rate_level`, `rate_axis`,
     /// `rate_history`, `previous_orientation`, `orientation_age` or `phase`; of two together `time_and_force`,
@@ -177,32 +170,25 @@ pub struct DescribedBody {
 }
 
 /// Noise beyond white, independent and as stated.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct NoiseFoundBody {
     /// Correlation of each pair of gyros.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub between_gyros: Vec<CorrelationBody>,
     /// A bias that wanders from dwell to dwell.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub flicker: Option<MemoryBody>,
+    pub flicker?: MemoryBody,
     /// With what power of duration the noise falls, where the standard errors do not say it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub falls_with_duration: Option<f64>,
+    pub falls_with_duration?: f64,
     /// How many times the noise is as large at the fastest rate as at rest, where the standard errors do not say it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub grows_with_rate: Option<f64>,
+    pub grows_with_rate?: f64,
     /// How many times the noise is as large at the end as at the beginning, where the standard errors do not say it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub grows_in_time: Option<f64>,
+    pub grows_in_time?: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct CorrelationBody {
     pub gyros: [String; 2],
     pub correlation: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct MemoryBody {
     /// `flicker` or `random_walk`, whichever is likelier.
     pub kind: String,
@@ -211,13 +197,11 @@ pub struct MemoryBody {
     pub probability: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct GyroMemoryBody {
     pub slot: String,
     pub deg_per_h: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct GapBody {
     /// Root mean square of the residuals.
     pub rms_deg_per_h: f64,
@@ -228,7 +212,6 @@ pub struct GapBody {
     pub p_value: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct EffectBody {
     pub effect: String,
     /// Every entry that this campaign cannot tell from it, itself included.
@@ -238,8 +221,7 @@ pub struct EffectBody {
     pub wider_in: Vec<GyroClassBody>,
     pub gyros: Vec<String>,
     /// From when to when it acts, s after the first dwell, where that is not the whole campaign.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub acts_in: Option<[f64; 2]>,
+    pub acts_in?: [f64; 2],
     pub estimates: Vec<EstimateBody>,
     pub held_out: HeldOutBody,
     pub p_value_adjusted: f64,
@@ -250,20 +232,17 @@ pub struct EffectBody {
 }
 
 /// What an effect adds to the drift of one gyro, dwell by dwell.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct EffectDriftBody {
     pub slot: String,
     pub deg_per_h: Vec<f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct GyroClassBody {
     pub slot: String,
     /// All that would do, the named effect first.
     pub class: Vec<String>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct EstimateBody {
     /// `all` for a coefficient that the gyros share.
     pub slot: String,
@@ -273,7 +252,6 @@ pub struct EstimateBody {
     pub unit: String,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct HeldOutBody {
     pub before_deg_per_h: f64,
     pub after_deg_per_h: f64,
@@ -282,7 +260,6 @@ pub struct HeldOutBody {
     pub interval: [f64; 2],
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct RemainingBody {
     pub rms_deg_per_h: f64,
     pub reduced_chi2: f64,
@@ -290,7 +267,6 @@ pub struct RemainingBody {
     pub signs: Vec<SignBody>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SignBody {
     pub kind: String,
     pub gyros: Vec<String>,
@@ -298,6 +274,7 @@ pub struct SignBody {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pointers: Vec<String>,
     pub p_value: f64,
+}
 }
 
 impl SignBody {
@@ -317,14 +294,12 @@ pub fn sign_word(kind: &str, language: Language) -> &str {
     words.into_iter().find(|word| !word.is_empty()).unwrap_or(kind)
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+types! {
 pub struct CandidateBody {
     pub effect: String,
     /// Fraction of the reducible gap that it closes alone; null where it could not be tried.
-    #[schema(required)]
     pub closure: Option<f64>,
     /// 95 % interval of that.
-    #[schema(required)]
     pub interval: Option<[f64; 2]>,
     pub p_value_adjusted: f64,
     /// Whether noise alone shows as much too often for a name: `closure` is then that of a chance pattern, and no
@@ -339,7 +314,6 @@ pub struct CandidateBody {
     pub finding: MessageBody,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct NotIdentifiableBody {
     pub effect: String,
     pub visible_fraction: f64,
@@ -355,39 +329,35 @@ pub struct NotIdentifiableBody {
     pub finding: MessageBody,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ImpactBody {
     pub slot: String,
     pub coefficient: String,
     pub plain: f64,
     /// As the campaign itself states it; none in diagnoses of earlier versions.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub plain_sd: Option<f64>,
+    pub plain_sd?: f64,
     pub augmented: f64,
     pub augmented_sd: f64,
     pub shift: f64,
     pub of_budget: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct NextDwellBody {
     pub phase: String,
     pub specific_force_g0: [f64; 3],
     pub rate_arcsec_s: [f64; 3],
     /// How the table is set for it; none in diagnoses of earlier versions.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub table: Option<TableBody>,
+    pub table?: TableBody,
     pub separates: Vec<String>,
 }
 
 /// How a table is set for a dwell.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct TableBody {
     /// Which body direction points up, and which north.
     pub up: [f64; 3],
     pub north: [f64; 3],
     /// About the vertical, without the Earth's.
     pub rate_deg_s: f64,
+}
 }
 
 impl TableBody {

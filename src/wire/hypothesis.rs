@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::core::effects::{COMPETITORS, Effect, HypothesisDefinition, OwnHypothesis, Range, own};
 use crate::core::message::{sent, text};
 use crate::wire::prelude::*;
-use crate::wire::text::{line_of, said_of_keys};
+use crate::wire::text::toml_fault;
 
 /// An equation for the drift that the catalogue does not hold.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -61,10 +61,7 @@ pub fn parse_toml(bytes: &[u8]) -> Result<Effect, Faults> {
         return Err(message!("hypothesis_too_long", most = MOST_BYTES).into());
     }
     let text = std::str::from_utf8(bytes).map_err(|e| message!("not_utf8", why = e.to_string()))?;
-    let body: HypothesisBody = toml::from_str(text).map_err(|error| {
-        let (line, fault) = (line_of(&error, text), said_of_keys(error.message()));
-        message!("at_line", line, fault)
-    })?;
+    let body: HypothesisBody = toml::from_str(text).map_err(|error| toml_fault(&error, text))?;
     body.to_core()
 }
 

@@ -65,8 +65,8 @@ pub struct AdoptionBody {
     pub reason: String,
 }
 
+types! {
 /// One effect of the catalogue in the model.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct KnownEffectBody {
     /// Id of the catalogue.
@@ -80,12 +80,10 @@ pub struct KnownEffectBody {
     /// As the campaign of the provenance shows them. Each later campaign fits its own.
     pub estimates: Vec<KnownEstimateBody>,
     /// What it is, where it is a hypothesis of one's own: `effect` is then its id.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub hypothesis: Option<HypothesisBody>,
+    pub hypothesis?: HypothesisBody,
 }
 
 /// One coefficient.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct KnownEstimateBody {
     /// `all` for a coefficient that the gyros share.
@@ -97,49 +95,39 @@ pub struct KnownEstimateBody {
 }
 
 /// At most one member.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Default)]
 #[schema(max_properties = 1)]
 #[serde(deny_unknown_fields)]
 pub struct ShapeBody {
     /// Time constant of `warmup`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub tau_s: Option<f64>,
+    pub tau_s?: f64,
     /// Instant of `bias_step`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub instant_s: Option<f64>,
+    pub instant_s?: f64,
     /// Index of `outlier_dwell`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub dwell: Option<usize>,
+    pub dwell?: usize,
     /// Period of `periodic`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub period_s: Option<f64>,
+    pub period_s?: f64,
     /// Direction of the field of `magnetic`, from north towards east, rad.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub field_azimuth_rad: Option<f64>,
+    pub field_azimuth_rad?: f64,
     /// Rotation of S about I that `anisoinertia` assumes, rad.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub clocking_rad: Option<f64>,
+    pub clocking_rad?: f64,
     /// The one product of `cross_compliance`: 0 for a_I a_S, 1 for a_I a_O, 2 for a_O a_S.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub product: Option<usize>,
+    pub product?: usize,
     /// Whether `levelling` tilts the IMU on the table (true) or the table.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub with_rate: Option<bool>,
+    pub with_rate?: bool,
     /// `input_spin`, where `temperature_g` acts along I and S alone.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub axes: Option<String>,
+    pub axes?: String,
     /// Value of the parameter of a hypothesis of one's own, in the unit of its range.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub value: Option<f64>,
+    pub value?: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProvenanceBody {
     pub imu: String,
     pub station: String,
     /// RFC 3339, with offset.
     pub measured_at: String,
+}
 }
 
 /// Reads and checks a model file.

@@ -6,6 +6,7 @@ use std::fmt::Display;
 use utoipa::PartialSchema;
 use utoipa::openapi::{RefOr, Schema};
 
+use crate::core::id::Id;
 use crate::core::message::{list, sent, text};
 use crate::core::named::Named;
 use crate::wire::prelude::*;
@@ -144,6 +145,11 @@ pub fn not_one_of(parameter: &'static str, known: impl IntoIterator<Item = &'sta
 pub fn named<T: Named>(parameter: &'static str, asked: Option<&str>) -> Result<Option<T>, Problem> {
     let value = |name: &str| T::from_name(name).ok_or_else(|| not_one_of(parameter, T::NAMES.iter().copied(), name));
     asked.map(value).transpose()
+}
+
+/// The identifier in a path; `no_such` says that nothing has it.
+pub fn id<'t>(text: &'t str, no_such: fn(&'t str) -> Problem) -> Result<Id, Problem> {
+    text.parse().map_err(|_| no_such(text))
 }
 
 /// Every fault with its place, for those who show no more than the detail.

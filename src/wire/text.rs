@@ -18,17 +18,18 @@ use crate::core::time::Span;
 use crate::wire::json::said;
 use crate::wire::prelude::*;
 
-/// What is wrong with a map in TOML, at its line.
+/// What is wrong with a text in TOML, at its line.
 pub fn toml_fault(error: &toml::de::Error, text: &str) -> Message {
-    message!(
-        "at_line",
-        line = line_of(error, text),
-        fault = message!("map_unreadable", why = said_of_keys(error.message()))
-    )
+    message!("at_line", line = line_of(error, text), fault = said_of_keys(error.message()))
 }
 
-/// The line of a fault of TOML.
-pub fn line_of(error: &toml::de::Error, text: &str) -> usize {
+/// As [`toml_fault`], of a map.
+pub fn map_fault(error: &toml::de::Error, text: &str) -> Message {
+    let fault = message!("map_unreadable", why = said_of_keys(error.message()));
+    message!("at_line", line = line_of(error, text), fault)
+}
+
+fn line_of(error: &toml::de::Error, text: &str) -> usize {
     error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count())
 }
 

@@ -21,7 +21,7 @@ use super::prelude::*;
 use crate::logs::error::LogError;
 use crate::logs::text::of_any;
 use crate::wire::record_table::TableMap;
-use crate::wire::text::toml_fault;
+use crate::wire::text::map_fault;
 use answer_summary::AnswerSummary;
 pub(super) use answer_summary::withdrawn;
 use send::{Event, ImportCounts, Importer, PATIENCE, end};
@@ -113,7 +113,7 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 fn table_map(path: &Path) -> anyhow::Result<TableMap> {
     let text = of_any(&std::fs::read(path).with_context(|| path.display().to_string())?);
-    toml::from_str(&text).map_err(|error| LogError::new(path.display().to_string(), toml_fault(&error, &text)).into())
+    toml::from_str(&text).map_err(|error| LogError::new(path.display().to_string(), map_fault(&error, &text)).into())
 }
 
 fn print(path: &Path, map: &TableMap) -> anyhow::Result<()> {

@@ -17,14 +17,13 @@ use crate::core::fault::Faults;
 use crate::core::message::Message;
 use crate::core::note::Note;
 use crate::logs::sheet::readable;
-use crate::wire::json::said_of;
+use crate::wire::json::{said_of, without_mark};
 use crate::wire::note;
 use crate::wire::record_table::{TableMap, documents};
 use crate::wire::table::open_end;
 
 /// Longest line, and largest single document: far above any campaign, far below memory.
 pub const MAX_DOCUMENT_BYTES: u64 = 16 << 20;
-const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 pub enum Content {
     One(ImportDocument),
@@ -210,10 +209,6 @@ fn unreadable(why: &Message, may_go_on: Duration) -> Unreadable {
 
 fn starts_with(text: &[u8], first: u8) -> bool {
     without_mark(text).trim_ascii_start().first() == Some(&first)
-}
-
-fn without_mark(text: &[u8]) -> &[u8] {
-    text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text)
 }
 
 #[cfg(test)]

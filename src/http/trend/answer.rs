@@ -7,11 +7,11 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use axum::http::HeaderValue;
 use axum::http::header::{CONTENT_TYPE, ETAG, IF_NONE_MATCH, VARY};
 
-use super::request::{Request, TrendText};
+use super::request::Request;
 
 /// A tag of what the answer holds (rows by identifier and what is shown of them, or periods with the events), and how it
 /// is asked for.
-pub(super) fn etag(request: &Request, holds: &impl Hash, next: &Option<String>) -> HeaderValue {
+fn etag(request: &Request, holds: &impl Hash, next: &Option<String>) -> HeaderValue {
     let mut hasher = DefaultHasher::new();
     holds.hash(&mut hasher);
     let Request { coefficient, method, voided, every, csv, columns, .. } = request;
@@ -28,17 +28,22 @@ fn is_known(headers: &HeaderMap, tag: &HeaderValue) -> bool {
     known.is_some_and(|known| known.split(',').any(|k| k.trim().trim_start_matches("W/") == tag || k.trim() == "*"))
 }
 
-/// What the client knows already is not written again.
+/// The answer to a request, `written` with the cursor of its next page. What the client knows already is not written
+/// again.
 pub(super) fn answer(
     (uri, headers): (&Uri, &HeaderMap),
-    tag: HeaderValue,
-    written: impl FnOnce() -> Answer<TrendText>,
+    request: &Request,
+    holds: &impl Hash,
+    next: Option<String>,
+    written: impl FnOnce(Option<String>) -> Option<Vec<u8>>,
 ) -> Answer<Response> {
+    let tag = etag(request, holds, &next);
     if is_known(headers, &tag) {
         return Ok((StatusCode::NOT_MODIFIED, [(ETAG, tag)]).into_response());
     }
-    let TrendText { text, csv, next } = written()?;
-    let media_type = if csv { "text/csv; charset=utf-8" } else { "application/json" };
+    let media_type = if request.csv { "text/csv; charset=utf-8" } else { "application/json" };
     let link = query::link(uri, next.as_deref());
+    let text = written(next);
+    let text = text.ok_or_else(|| Problem::new(500, "title_internal_error", message!("not_written")))?;
     Ok((link, [(CONTENT_TYPE, media_type), (VARY, "accept")], [(ETAG, tag)], text).into_response())
 }

@@ -1,6 +1,6 @@
 //! A trend of years: the least, the largest, the mean and the last of each day, week or month.
 
-use super::request::{PointMethod, Request, TrendText};
+use super::request::{PointMethod, Request};
 use crate::config::JudgedMethod;
 use crate::core::period::{Period, Summary, SummaryBuilder};
 use crate::core::time::Span;
@@ -91,7 +91,7 @@ impl Request {
         summaries: &[Summary],
         events: &[EventBody],
         next: Option<String>,
-    ) -> Answer<TrendText> {
+    ) -> Option<Vec<u8>> {
         let trend = PeriodTrend {
             serial,
             coefficient: self.coefficient.name(),
@@ -100,11 +100,9 @@ impl Request {
             every: period.name(),
             periods: summaries.iter().map(PeriodBody::from).collect(),
             events,
-            next: next.clone(),
+            next,
         };
-        let text = if self.csv { Some(csv(&trend).into_bytes()) } else { serde_json::to_vec(&trend).ok() };
-        let text = text.ok_or_else(|| Problem::new(500, "title_internal_error", message!("not_written")))?;
-        Ok(TrendText { text, csv: self.csv, next })
+        if self.csv { Some(csv(&trend).into_bytes()) } else { serde_json::to_vec(&trend).ok() }
     }
 }
 

@@ -87,13 +87,6 @@ pub(super) struct Request {
     pub columns: Option<Vec<PointColumn>>,
 }
 
-/// The points as text.
-pub(super) struct TrendText {
-    pub text: Vec<u8>,
-    pub csv: bool,
-    pub next: Option<String>,
-}
-
 impl Request {
     pub fn read(app: &App, asked: &TrendQuery, headers: &HeaderMap) -> Answer<Self> {
         let coefficient = asked.coefficient.as_deref().unwrap_or("D_I");

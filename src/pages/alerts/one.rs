@@ -14,9 +14,8 @@ pub(in crate::pages) async fn page(
     Path(ref id): Path<String>,
 ) -> Result<Page, Problem> {
     let t = viewer.text();
-    let unknown = || Problem::unknown_alert(id);
-    let number = id.parse::<Id>().map_err(|_| unknown())?;
-    let record = pages.pipeline.alerts.get(number).await?.ok_or_else(unknown)?;
+    let number = problem::id(id, Problem::unknown_alert)?;
+    let record = pages.pipeline.alerts.get(number).await?.ok_or_else(|| Problem::unknown_alert(id))?;
     let alert = &record.alert;
     let here = format!("/alerts/{}", alert.id);
     let of_gyro = format!("/alerts?state=all&serial={}", encoded(&alert.serial));

@@ -93,7 +93,6 @@ fn line(viewer: &Viewer, alert: &AlertBody, named: bool, here: Option<&str>) -> 
 }
 
 pub(super) async fn known(pages: &Pages, id: &str) -> Result<(Id, AlertBody), Problem> {
-    let unknown = || Problem::unknown_alert(id);
-    let number = id.parse::<Id>().map_err(|_| unknown())?;
-    Ok((number, pages.pipeline.alerts.get(number).await?.ok_or_else(unknown)?.alert))
+    let number = problem::id(id, Problem::unknown_alert)?;
+    Ok((number, pages.pipeline.alerts.get(number).await?.ok_or_else(|| Problem::unknown_alert(id))?.alert))
 }

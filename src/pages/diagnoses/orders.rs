@@ -37,8 +37,7 @@ impl DiagnosisForm {
 }
 
 pub(in crate::pages) async fn cancel(Held(pages): Held<Pages>, Path(id): Path<String>) -> Result<Response, Problem> {
-    let number: Id = id.parse().map_err(|_| Problem::no_such_diagnoses(&id))?;
-    pages.pipeline.diagnoses.order(DiagnosisOrder::Cancel(number)).await?;
+    pages.pipeline.diagnoses.order(DiagnosisOrder::Cancel(problem::id(&id, Problem::no_such_diagnoses)?)).await?;
     Ok(see_other("/diagnoses#orders"))
 }
 

@@ -40,8 +40,8 @@ pub(in crate::pages) async fn act(
             None
         }
     };
-    let unknown = || Problem::no_such_record(&order.id);
-    let (id, Some(new), true) = (order.id.parse::<Id>().map_err(|_| unknown())?, new, faults.is_empty()) else {
+    let id = problem::id(&order.id, Problem::no_such_record)?;
+    let (Some(new), true) = (new, faults.is_empty()) else {
         let sent = Sent { text: order.text, ..Sent::default() };
         return Ok(framed(viewer.text(), &sent, fault_list(viewer.text(), &faults)).into_response());
     };

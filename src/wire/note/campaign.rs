@@ -14,111 +14,169 @@ use crate::wire::prelude::*;
 const NAMED: usize = 5;
 
 pub(super) fn message(note: &CampaignNote) -> Message {
+    said(note).0
+}
+
+pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
+    match said(note).1 {
+        Value::Object(members) => members,
+        _ => Map::new(),
+    }
+}
+
+/// The words of a note, and what they name for programs.
+fn said(note: &CampaignNote) -> (Message, Value) {
+    let pointers = |dwells: &[usize], field: &str| -> Vec<String> {
+        dwells.iter().map(|k| format!("/dwells/{k}/{field}")).collect()
+    };
+    let names = |slots: &[Slot]| -> Vec<&str> { slots.iter().map(|slot| slot.name()).collect() };
     match note {
-        CampaignNote::Missing { column, dwells, of } => missing(*column, dwells, *of),
-        CampaignNote::TemperatureOutlier { dwell, celsius, median } => {
-            message!("temperature_outlier", dwell = text(dwell), celsius = text(celsius), median = figure(*median, 2),)
+        CampaignNote::Missing { column, dwells, of } => {
+            (missing(*column, dwells, *of), json!({"pointers": pointers(dwells, column.name()), "of": of}))
         }
-        CampaignNote::TemperatureUnit { median } => message!("temperature_unit", median = figure(*median, 1)),
-        CampaignNote::TimeUnit { median_s, turn_deg: None } => {
-            message!("time_unit", median = significant(*median_s, 2))
-        }
-        CampaignNote::TimeUnit { median_s, turn_deg: Some(turn) } => {
-            message!("time_unit_of_turns", median = significant(*median_s, 2), turn = significant(*turn, 2))
-        }
-        CampaignNote::Commanded(finding) => commanded::message(finding),
-        CampaignNote::RateNotOfAttitude { off, of, dwell, most_arcsec_s } => message!(
-            "rate_not_of_attitude",
-            off = *off,
-            of = *of,
-            most = figure(*most_arcsec_s, 2),
-            dwell = text(dwell),
+        CampaignNote::TemperatureOutlier { dwell, celsius, median } => (
+            message!("temperature_outlier", dwell = text(dwell), celsius = text(celsius), median = figure(*median, 2)),
+            json!({"pointer": format!("/dwells/{dwell}/temperature_c"), "value": celsius, "median": median}),
         ),
-        CampaignNote::OutputsContradict { dwells, most_arcsec_s } => {
-            message!("dwells_contradict", dwells = places(dwells), most = significant(*most_arcsec_s, 3),)
+        CampaignNote::TemperatureUnit { median } => {
+            (message!("temperature_unit", median = figure(*median, 1)), json!({"median": median}))
         }
-        CampaignNote::OutputStuck(stuck) => stuck.message(),
-        CampaignNote::Coarse(step) => step.message(),
-        CampaignNote::NoStandardErrors => message!("no_standard_errors"),
-        CampaignNote::NoRepeats => message!("no_repeats"),
-        CampaignNote::NoiseGrows { times } => message!("noise_grows_with_rate", times = figure(*times, 1)),
-        CampaignNote::NoiseShared { correlation } => {
-            message!("residuals_shared", correlation = signed(*correlation, 2))
+        CampaignNote::TimeUnit { median_s, turn_deg: None } => {
+            (message!("time_unit", median = significant(*median_s, 2)), json!({"median_s": median_s}))
         }
-        CampaignNote::NoiseRemembers { probability, deg_per_h } => {
-            message!(
-                "residuals_remember",
-                probability = figure(probability.min(0.999), 3),
-                size = significant(*deg_per_h, 2)
+        CampaignNote::TimeUnit { median_s, turn_deg: Some(turn) } => (
+            message!("time_unit_of_turns", median = significant(*median_s, 2), turn = significant(*turn, 2)),
+            json!({"median_s": median_s, "turn_deg": turn}),
+        ),
+        CampaignNote::Commanded(finding) => (commanded::message(finding), commanded::parameters(finding)),
+        CampaignNote::RateNotOfAttitude { off, of, dwell, most_arcsec_s: arcsec_s } => {
+            let (most, pointer) = (figure(*arcsec_s, 2), format!("/dwells/{dwell}/rate_arcsec_s"));
+            (
+                message!("rate_not_of_attitude", off = *off, of = *of, most, dwell = text(dwell)),
+                json!({"pointer": pointer, "dwells": off, "of": of, "arcsec_s": arcsec_s}),
             )
         }
+        CampaignNote::OutputsContradict { dwells, most_arcsec_s: arcsec_s } => (
+            message!("dwells_contradict", dwells = places(dwells), most = significant(*arcsec_s, 3)),
+            json!({"pointers": pointers(dwells, "output_pulse_s"), "arcsec_s": arcsec_s}),
+        ),
+        CampaignNote::OutputStuck(stuck @ StuckOutput { slot, dwells, pulse_s }) => (
+            stuck.message(),
+            json!({"slot": slot.name(), "pointers": pointers(dwells, "output_pulse_s"), "pulse_s": pulse_s}),
+        ),
+        CampaignNote::Coarse(coarse @ CoarseStep { of, step, slot, times }) => {
+            let of = match of {
+                Stepped::Force => "specific_force_g0",
+                Stepped::Rate => "rate_arcsec_s",
+                Stepped::Output => "output_pulse_s",
+            };
+            (coarse.message(), json!({"of": of, "step": step, "slot": slot.name(), "times": times}))
+        }
+        CampaignNote::NoStandardErrors => (message!("no_standard_errors"), json!({})),
+        CampaignNote::NoRepeats => (message!("no_repeats"), json!({})),
+        CampaignNote::NoiseGrows { times } => {
+            (message!("noise_grows_with_rate", times = figure(*times, 1)), json!({"times": times}))
+        }
+        CampaignNote::NoiseShared { correlation } => {
+            (message!("residuals_shared", correlation = signed(*correlation, 2)), json!({"correlation": correlation}))
+        }
+        CampaignNote::NoiseRemembers { probability: p, deg_per_h } => (
+            message!("residuals_remember", probability = figure(p.min(0.999), 3), size = significant(*deg_per_h, 2)),
+            json!({"probability": p, "deg_per_h": deg_per_h}),
+        ),
         CampaignNote::ErrorsOverstated { gyros } => {
             let one = |(slot, times): &(Slot, f64)| match *times < 1e3 {
                 true => message!("overstated_times", slot = slot.name(), times = figure(*times, 1)),
                 false => message!("overstated_by_far", slot = slot.name()),
             };
-            message!("standard_errors_overstated", gyros = list(gyros.iter().map(one)))
+            let times: Map<String, Value> =
+                gyros.iter().map(|(slot, times)| (slot.name().to_owned(), json!(times))).collect();
+            let gyros = list(gyros.iter().map(one));
+            (message!("standard_errors_overstated", gyros), json!({"times": times}))
         }
         CampaignNote::ErrorsScatter { scatter } => {
-            message!("standard_errors_scatter", percent = figure(100.0 * scatter, 0))
+            (message!("standard_errors_scatter", percent = figure(100.0 * scatter, 0)), json!({"scatter": scatter}))
         }
-        CampaignNote::ErrorsUnderstated { gyros, times } => {
-            let slots = list(gyros.iter().map(|slot| slot.name()));
-            message!("standard_errors_understated", slots, times = figure(*times, 1))
-        }
+        CampaignNote::ErrorsUnderstated { gyros, times } => (
+            message!("standard_errors_understated", slots = list(names(gyros)), times = figure(*times, 1)),
+            json!({"slots": names(gyros), "times": times}),
+        ),
         CampaignNote::ResidualsExceedNoise { gyros } => {
-            message!("residuals_exceed_noise", slots = list(gyros.iter().map(|slot| slot.name())))
+            (message!("residuals_exceed_noise", slots = list(names(gyros))), json!({"slots": names(gyros)}))
         }
         CampaignNote::EffectLeftOut { slot: None, effect, why } => {
-            message!("effect_left_out", effect = effect.id(), why = left_out(why))
+            (message!("effect_left_out", effect = effect.id(), why = left_out(why)), json!({"effect": effect.id()}))
         }
-        CampaignNote::EffectLeftOut { slot: Some(slot), effect, why } => {
-            message!("effect_left_out_of_gyro", slot = slot.name(), effect = effect.id(), why = left_out(why))
+        CampaignNote::EffectLeftOut { slot: Some(slot), effect, why } => (
+            message!("effect_left_out_of_gyro", slot = slot.name(), effect = effect.id(), why = left_out(why)),
+            json!({"slot": slot.name(), "effect": effect.id()}),
+        ),
+        CampaignNote::EffectContradicted { slot, effect } => (
+            message!("effect_contradicted", slot = slot.name(), effect = effect.id()),
+            json!({"slot": slot.name(), "effect": effect.id()}),
+        ),
+        CampaignNote::EffectAtReference { effect } => {
+            (message!("effect_at_reference", effect = effect.word()), json!({"effect": effect.id()}))
         }
-        CampaignNote::EffectContradicted { slot, effect } => {
-            message!("effect_contradicted", slot = slot.name(), effect = effect.id())
-        }
-        CampaignNote::EffectAtReference { effect } => message!("effect_at_reference", effect = effect.word()),
-        CampaignNote::EffectsLeftOut { why } => message!("effects_left_out", why = why.message()),
+        CampaignNote::EffectsLeftOut { why } => (message!("effects_left_out", why = why.message()), json!({})),
         CampaignNote::StationLeftOut { parts, why } => {
             let why = match why {
                 StationUndetermined::Attitude => message!("dwells_without_attitude"),
                 StationUndetermined::Scale(slot) => message!("station_needs_scale", slot = slot.name()),
             };
-            message!("station_left_out", parts = list(parts.iter().map(|part| part.name())), why)
+            let parts: Vec<&str> = parts.iter().map(|part| part.name()).collect();
+            (message!("station_left_out", parts = list(parts.iter().copied()), why), json!({"parts": parts}))
         }
         CampaignNote::StationContradicted { part, times, arcsec } => {
-            let (times, stated) = (figure(*times, 1), significant(*arcsec, 3));
-            message!("station_contradicted", part = part.name(), times, stated)
+            let (part, stated) = (part.name(), significant(*arcsec, 3));
+            (
+                message!("station_contradicted", part, times = figure(*times, 1), stated),
+                json!({"part": part, "times": times, "stated_arcsec": arcsec}),
+            )
         }
-        CampaignNote::ProductAliased(Alias { product, coefficient, moves }) => message!(
-            "product_aliased",
-            product = *product,
-            coefficient = *coefficient,
-            moves = figure(0.01 * moves.abs(), 4),
+        CampaignNote::ProductAliased(Alias { product, coefficient, moves }) => {
+            let (product, coefficient, percent) = (*product, *coefficient, figure(0.01 * moves.abs(), 4));
+            (
+                message!("product_aliased", product, coefficient, moves = percent),
+                json!({"product": product, "coefficient": coefficient, "moves": moves}),
+            )
+        }
+        CampaignNote::DriftAliased { drift, d_i, d_s } => (
+            message!("drift_aliased", drift = text(drift), d_i = significant(*d_i, 2), d_s = significant(*d_s, 2)),
+            json!({"drift_deg_per_h_h": drift, "d_i_deg_per_h_g0": d_i, "d_s_deg_per_h_g0": d_s}),
         ),
-        CampaignNote::DriftAliased { drift, d_i, d_s } => {
-            message!("drift_aliased", drift = text(drift), d_i = significant(*d_i, 2), d_s = significant(*d_s, 2),)
+        CampaignNote::OffsetInGauge { moves } => {
+            (message!("d_f_in_gauge", moves = figure(0.01 * moves, 4)), json!({"moves": moves}))
         }
-        CampaignNote::OffsetInGauge { moves } => message!("d_f_in_gauge", moves = figure(0.01 * moves, 4)),
-        CampaignNote::LatitudeSign { shift } => message!("latitude_sign", shift = signed(*shift, 1)),
+        CampaignNote::LatitudeSign { shift } => {
+            (message!("latitude_sign", shift = signed(*shift, 1)), json!({"shift_deg_per_h_g0": shift}))
+        }
         CampaignNote::GravityOff { share, slot, moves } => {
-            let percent = significant(100.0 * share, 2);
-            message!("gravity_off", percent, moves = significant(*moves, 2), slot = slot.name())
+            let (percent, slot) = (significant(100.0 * share, 2), slot.name());
+            (
+                message!("gravity_off", percent, moves = significant(*moves, 2), slot),
+                json!({"share": share, "slot": slot, "moves_deg_per_h_g0": moves}),
+            )
         }
-        CampaignNote::LatitudeOff { degrees, moves } => {
-            message!("latitude_off", degrees = figure(*degrees, 4), moves = significant(*moves, 2))
-        }
-        CampaignNote::HeldScale { slot, arcsec, moves } => {
-            message!("held_scale", slot = slot.name(), arcsec = text(arcsec), moves = significant(*moves, 2))
-        }
+        CampaignNote::LatitudeOff { degrees, moves } => (
+            message!("latitude_off", degrees = figure(*degrees, 4), moves = significant(*moves, 2)),
+            json!({"latitude_deg": degrees, "moves_deg_per_h_g0": moves}),
+        ),
+        CampaignNote::HeldScale { slot, arcsec, moves } => (
+            message!("held_scale", slot = slot.name(), arcsec = text(arcsec), moves = significant(*moves, 2)),
+            json!({"slot": slot.name(), "arcsec": arcsec, "moves_deg_per_h_g0": moves}),
+        ),
         CampaignNote::HeldSize { slot, share, moves } => {
-            let percent = text(100.0 * share);
-            message!("held_scale_size", slot = slot.name(), percent, moves = significant(*moves, 2))
+            let (slot, percent) = (slot.name(), text(100.0 * share));
+            (
+                message!("held_scale_size", slot, percent, moves = significant(*moves, 2)),
+                json!({"slot": slot, "share": share, "moves_deg_per_h_g0": moves}),
+            )
         }
-        CampaignNote::NominalAxis { slot, scale } => {
-            message!("nominal_axis", slot = slot.name(), scale = figure(*scale, 4))
-        }
+        CampaignNote::NominalAxis { slot, scale } => (
+            message!("nominal_axis", slot = slot.name(), scale = figure(*scale, 4)),
+            json!({"slot": slot.name(), "pulse_per_arcsec": scale}),
+        ),
     }
 }
 
@@ -138,98 +196,6 @@ fn left_out(why: &EffectNotFitted) -> Message {
         EffectNotFitted::NotDistinguished => message!("not_told_apart"),
         EffectNotFitted::Held => message!("held_as_in_model"),
         EffectNotFitted::AnyTemperature => message!("any_temperature"),
-    }
-}
-
-pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
-    let pointers = |dwells: &[usize], field: &str| -> Vec<String> {
-        dwells.iter().map(|k| format!("/dwells/{k}/{field}")).collect()
-    };
-    let value = match note {
-        CampaignNote::NoStandardErrors | CampaignNote::NoRepeats | CampaignNote::EffectsLeftOut { .. } => json!({}),
-        CampaignNote::Missing { column, dwells, of } => {
-            json!({"pointers": pointers(dwells, column.name()), "of": of})
-        }
-        CampaignNote::TemperatureOutlier { dwell, celsius, median } => json!({
-            "pointer": format!("/dwells/{dwell}/temperature_c"), "value": celsius, "median": median
-        }),
-        CampaignNote::TemperatureUnit { median } => json!({"median": median}),
-        CampaignNote::TimeUnit { median_s, turn_deg } => match turn_deg {
-            Some(turn_deg) => json!({"median_s": median_s, "turn_deg": turn_deg}),
-            None => json!({"median_s": median_s}),
-        },
-        CampaignNote::Commanded(finding) => commanded::parameters(finding),
-        CampaignNote::RateNotOfAttitude { off, of, dwell, most_arcsec_s } => json!({
-            "pointer": format!("/dwells/{dwell}/rate_arcsec_s"), "dwells": off, "of": of, "arcsec_s": most_arcsec_s
-        }),
-        CampaignNote::OutputsContradict { dwells, most_arcsec_s } => {
-            json!({"pointers": pointers(dwells, "output_pulse_s"), "arcsec_s": most_arcsec_s})
-        }
-        CampaignNote::OutputStuck(StuckOutput { slot, dwells, pulse_s }) => json!({
-            "slot": Slot::name(*slot), "pointers": pointers(dwells, "output_pulse_s"), "pulse_s": pulse_s
-        }),
-        CampaignNote::Coarse(CoarseStep { of, step, slot, times }) => {
-            let step_of = match of {
-                Stepped::Force => "specific_force_g0",
-                Stepped::Rate => "rate_arcsec_s",
-                Stepped::Output => "output_pulse_s",
-            };
-            json!({"of": step_of, "step": step, "slot": Slot::name(*slot), "times": times})
-        }
-        CampaignNote::NoiseGrows { times } => json!({"times": times}),
-        CampaignNote::NoiseShared { correlation } => json!({"correlation": correlation}),
-        CampaignNote::NoiseRemembers { probability, deg_per_h } => {
-            json!({"probability": probability, "deg_per_h": deg_per_h})
-        }
-        CampaignNote::ErrorsOverstated { gyros } => {
-            let times: Map<String, Value> =
-                gyros.iter().map(|(s, times)| (s.name().to_owned(), json!(times))).collect();
-            json!({"times": times})
-        }
-        CampaignNote::ErrorsScatter { scatter } => json!({"scatter": scatter}),
-        CampaignNote::ErrorsUnderstated { gyros, times } => {
-            json!({"slots": gyros.iter().map(|slot| slot.name()).collect::<Vec<_>>(), "times": times})
-        }
-        CampaignNote::ResidualsExceedNoise { gyros } => {
-            json!({"slots": gyros.iter().map(|slot| slot.name()).collect::<Vec<_>>()})
-        }
-        CampaignNote::EffectLeftOut { slot, effect, .. } => match slot {
-            Some(slot) => json!({"slot": slot.name(), "effect": effect.id()}),
-            None => json!({"effect": effect.id()}),
-        },
-        CampaignNote::EffectContradicted { slot, effect } => json!({"slot": slot.name(), "effect": effect.id()}),
-        CampaignNote::EffectAtReference { effect } => json!({"effect": effect.id()}),
-        CampaignNote::StationLeftOut { parts, .. } => {
-            json!({"parts": parts.iter().map(|part| part.name()).collect::<Vec<_>>()})
-        }
-        CampaignNote::StationContradicted { part, times, arcsec } => {
-            json!({"part": part.name(), "times": times, "stated_arcsec": arcsec})
-        }
-        CampaignNote::ProductAliased(Alias { product, coefficient, moves }) => {
-            json!({"product": product, "coefficient": coefficient, "moves": moves})
-        }
-        CampaignNote::DriftAliased { drift, d_i, d_s } => {
-            json!({"drift_deg_per_h_h": drift, "d_i_deg_per_h_g0": d_i, "d_s_deg_per_h_g0": d_s})
-        }
-        CampaignNote::OffsetInGauge { moves } => json!({"moves": moves}),
-        CampaignNote::LatitudeSign { shift } => json!({"shift_deg_per_h_g0": shift}),
-        CampaignNote::GravityOff { share, slot, moves } => {
-            json!({"share": share, "slot": Slot::name(*slot), "moves_deg_per_h_g0": moves})
-        }
-        CampaignNote::LatitudeOff { degrees, moves } => {
-            json!({"latitude_deg": degrees, "moves_deg_per_h_g0": moves})
-        }
-        CampaignNote::HeldScale { slot, arcsec, moves } => {
-            json!({"slot": Slot::name(*slot), "arcsec": arcsec, "moves_deg_per_h_g0": moves})
-        }
-        CampaignNote::HeldSize { slot, share, moves } => {
-            json!({"slot": Slot::name(*slot), "share": share, "moves_deg_per_h_g0": moves})
-        }
-        CampaignNote::NominalAxis { slot, scale } => json!({"slot": Slot::name(*slot), "pulse_per_arcsec": scale}),
-    };
-    match value {
-        Value::Object(members) => members,
-        _ => Map::new(),
     }
 }
 

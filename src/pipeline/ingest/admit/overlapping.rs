@@ -39,8 +39,10 @@ pub(super) async fn overlapping(
             true => store::bench::of_gyro(known.store, *gyro, window).await?,
             false => Vec::new(),
         };
-        let new = known.group.changes.benches.iter().filter(|bench| bench.gyro == *gyro);
-        let all = stored.iter().chain(new).filter(|bench| may_overlap(bench.measured_at, sent));
+        let changes = &known.group.changes;
+        let stored = stored.iter().filter(|bench| !changes.withdrawn.benches.contains(&(bench.id, *gyro)));
+        let new = changes.benches.iter().filter(|bench| bench.gyro == *gyro);
+        let all = stored.chain(new).filter(|bench| may_overlap(bench.measured_at, sent));
         found.extend(
             all.filter_map(|bench| overlaps((bench.id, bench.measured_at, end_of(&bench.body)), sent, &[*serial])),
         );

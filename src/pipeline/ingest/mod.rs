@@ -144,6 +144,7 @@ impl Ingest {
             store: &self.store,
             ids: &mut ids,
             memory: &mut memory,
+            benched: &HashMap::new(),
             ahead: &ahead,
             config: &self.config,
             now: self.clock.now(),

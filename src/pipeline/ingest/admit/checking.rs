@@ -108,7 +108,7 @@ impl<'c> Check<'c> {
             let tested = tested.filter_map(|one| Some((one.number?, one.sent.serial.as_str(), &one.around)));
             let tested: Vec<Tested<'_>> = tested.collect();
             let span = Span { from: at, to: sent.ends_at };
-            check.notes.extend(overlapping(span, &tested, &admission.lookup(group)).await?);
+            check.notes.extend(overlapping(admission, span, &tested, group).await?);
         }
         let notes = check.notes.into_iter().map(Note::History).collect();
         Ok(Checked { notes, set_aside: in_doubt || is_suspect })

@@ -21,6 +21,8 @@ pub(crate) struct Admission<'a> {
     pub store: &'a Store,
     pub ids: &'a mut IdSource,
     pub memory: &'a mut RecentRecords,
+    /// Whether a bench has measured a gyro, as far as that is known.
+    pub benched: &'a HashMap<u32, bool>,
     pub ahead: &'a Prefetched,
     pub config: &'a Config,
     pub now: UtcMicros,

@@ -169,7 +169,7 @@ impl Admission<'_> {
         if let Some(gyro) = self.lookup(group).number(NamesOf::Gyros, result.serial.as_str()) {
             let around = self.memory.around(self.store, gyro, at, group).await?;
             let tested = [(gyro, result.serial.as_str(), &around)];
-            notes.extend(overlapping(Span { from: at, to: sent.ends_at }, &tested, &self.lookup(group)).await?);
+            notes.extend(overlapping(self, Span { from: at, to: sent.ends_at }, &tested, group).await?);
         }
         let notes = notes.into_iter().map(Note::History).collect();
         let id = self.ids.next(self.now);

@@ -23,18 +23,24 @@ impl WriterState {
         let measured: BTreeSet<u32> = changes.benches.iter().map(|bench| bench.gyro).chain(withdrawn).collect();
         let touched = changes.history.iter().map(|row| row.gyro).chain(changes.events.iter().map(|event| event.gyro));
         let touched = touched.chain(changes.withdrawn.gyros()).chain(changes.rejudged.gyros_restated());
-        let touched: BTreeSet<u32> = touched.collect();
-        let unknown: Vec<u32> = touched.iter().copied().filter(|gyro| !self.benched.contains_key(gyro)).collect();
-        if !unknown.is_empty() {
-            let on_benches: HashSet<u32> = store::bench::on_benches(&self.store, &unknown).await?.into_iter().collect();
-            self.benched.extend(unknown.into_iter().map(|gyro| (gyro, on_benches.contains(&gyro))));
-        }
+        let touched: Vec<u32> = touched.collect::<BTreeSet<u32>>().into_iter().collect();
+        self.learn_benched(&touched).await?;
         let known = touched.into_iter().filter(|gyro| self.benched[gyro]);
         let mut agreements = Vec::new();
         for gyro in known.chain(measured).collect::<BTreeSet<_>>() {
             agreements.extend(agreement_after(&self.store, &self.config.judging, gyro, changes).await?);
         }
         Ok(agreements)
+    }
+
+    /// Asks which of these gyros benches have measured, where that is not known.
+    pub(super) async fn learn_benched(&mut self, gyros: &[u32]) -> Result<(), StoreError> {
+        let unknown: Vec<u32> = gyros.iter().copied().filter(|gyro| !self.benched.contains_key(gyro)).collect();
+        if !unknown.is_empty() {
+            let on_benches: HashSet<u32> = store::bench::on_benches(&self.store, &unknown).await?.into_iter().collect();
+            self.benched.extend(unknown.into_iter().map(|gyro| (gyro, on_benches.contains(&gyro))));
+        }
+        Ok(())
     }
 
     /// Lets the alerts follow the verdicts; what becomes of them goes into the same transaction.

@@ -26,6 +26,7 @@ pub(super) async fn prepare(state: &mut WriterState, items: &[Item<'_>]) -> Resu
         store: &state.store,
         ids: state.writer.ids(),
         memory: &mut state.memory,
+        benched: &state.benched,
         ahead: &ahead,
         config: &state.config,
         now,
@@ -61,13 +62,16 @@ pub(super) async fn prepare(state: &mut WriterState, items: &[Item<'_>]) -> Resu
 
 /// Reads ahead what is stored of the gyros of a group that are not remembered.
 async fn read_histories(state: &mut WriterState, items: &[Item<'_>]) -> Result<(), StoreError> {
-    let gyros: Vec<u32> = {
+    let mut gyros: Vec<u32> = {
         let tables = state.store.names().read();
         let sent = items.iter().filter_map(|item| item.sent.calibration()).flat_map(|sent| &sent.gyros);
         let known = sent.filter_map(|gyro| tables.gyros.number(gyro.serial.as_str()));
-        let unknown = known.filter(|gyro| !state.judge.knows(*gyro) || !state.memory.knows(*gyro));
+        let WriterState { judge, memory, benched, .. } = &*state;
+        let unknown = known.filter(|gyro| !judge.knows(*gyro) || !memory.knows(*gyro) || !benched.contains_key(gyro));
         unknown.collect::<BTreeSet<u32>>().into_iter().collect()
     };
+    state.learn_benched(&gyros).await?;
+    gyros.retain(|gyro| !state.judge.knows(*gyro) || !state.memory.knows(*gyro));
     let most = state.judge.read_ahead();
     let rows = store::histories::newest_ever(&state.store, &gyros, most).await?;
     let read: Vec<_> = gyros.into_iter().zip(rows).collect();

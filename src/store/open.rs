@@ -176,7 +176,7 @@ pub(super) fn open_to_write(file: &Path, options: &Options) -> Result<rusqlite::
 pub(super) async fn migrate(connection: &mut SqliteConnection) -> Result<()> {
     migrator(&MIGRATIONS).run(connection).await.map_err(|error| match error {
         sqlx::migrate::MigrateError::Execute(error) => error.into(),
-        other => StoreError::Other(other.into()),
+        other => StoreError::other(other),
     })
 }
 

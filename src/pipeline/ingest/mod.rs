@@ -58,8 +58,7 @@ impl Ingest {
     /// Stores and judges one item; returns once it is on disk.
     ///
     /// # Errors
-    /// [`Refused`]; then nothing of it is stored, but where [`StorageError::is_unanswered`] that is
-    /// not known.
+    /// [`Refused`]; then nothing of it is stored, but after [`StoreError::Unanswered`] that is not known.
     pub async fn submit(&self, item: Submission) -> Result<Accepted, Refused> {
         self.submit_late(item, Late::Quiet).await
     }

@@ -176,7 +176,7 @@ async fn migrate(connection: &mut PgConnection) -> Result<()> {
     migrator.run(connection).await.map_err(|error| match error {
         MigrateError::ExecuteMigration(error, _) if is_made(&error) => StoreError::Overtaken(error.to_string()),
         MigrateError::Execute(error) | MigrateError::ExecuteMigration(error, _) => error.into(),
-        other => StoreError::Other(other.into()),
+        other => StoreError::other(other),
     })
 }
 

@@ -273,8 +273,7 @@ impl DeliveryContext {
                         Found::Attempted(attempted) => {
                             let delivery = attempted.delivery;
                             tracing::warn!(%error, %delivery, "an attempt cannot be written down; trying again");
-                            attempted.perhaps_written |=
-                                matches!(&error, Refused::Storage(error) if error.is_unanswered());
+                            attempted.perhaps_written |= matches!(error, Refused::Storage(StoreError::Unanswered(_)));
                         }
                         Found::Back(hook) => {
                             tracing::warn!(%error, %hook, "what waits cannot be hastened; trying again")

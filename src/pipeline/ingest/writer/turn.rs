@@ -44,7 +44,7 @@ pub(super) async fn another_try(error: &StoreError, tries: &mut u32) -> bool {
 
 pub(super) async fn to_be_tried_again<T>(done: &Result<T, Refused>, tries: &mut u32) -> bool {
     match done {
-        Err(Refused::Storage(error)) => another_try(error.store_error(), tries).await,
+        Err(Refused::Storage(error)) => another_try(error, tries).await,
         _ => false,
     }
 }

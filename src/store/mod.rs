@@ -54,7 +54,7 @@ pub use crate::store::tables::record::{
 pub use crate::store::tables::set_aside::{ConfirmationRow, SetAsideRecord};
 pub use crate::store::tables::silence::SilenceRow;
 pub use crate::store::tables::suspect_window::WindowMarkRow;
-pub use cells::Cells;
+pub use cells::{Cells, all_cells};
 pub use changes::{Changes, RestatedRow};
 pub use copy::{Copied, copy};
 pub use error::{Result, StoreError};

@@ -29,7 +29,7 @@ use crate::pipeline::ingest::judge::Judge;
 use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::{Job, ReplyTo, StoreJob};
 use crate::pipeline::{AccessOrder, DiagnosisOrder, HypothesisOrder, Order, Reply, Submission};
-use crate::store::{Cells, LeasedTask, Writer};
+use crate::store::{Cells, LeasedTask, Writer, all_cells};
 use crate::telemetry;
 use group::{answer, prepare, settle};
 use state::{Item, WriterState, items_of};
@@ -167,7 +167,7 @@ impl Task {
             later.shared.into_iter().for_each(|reply| drop(reply.send(Ok(()))));
         }
         for reply in later.digests {
-            let _gone = reply.send(in_turn!(self.state, Cells::all(), self.state.notify_digest()));
+            let _gone = reply.send(in_turn!(self.state, all_cells(), self.state.notify_digest()));
         }
         self.carry_out(later.orders, later.findings).await;
     }
@@ -183,12 +183,11 @@ impl Task {
             Job::Model { adoption, by, reply } => {
                 // Its gyros may have come from anywhere.
                 let _gone =
-                    reply.send(in_turn!(self.state, Cells::all(), restate::adopt(&mut self.state, &adoption, &by)));
+                    reply.send(in_turn!(self.state, all_cells(), restate::adopt(&mut self.state, &adoption, &by)));
                 self.state.after.due.send_modify(|moved| *moved += 1);
             }
             Job::Restate { stale, reply } => {
-                let _gone =
-                    reply.send(in_turn!(self.state, Cells::all(), restate::state_anew(&mut self.state, &stale)));
+                let _gone = reply.send(in_turn!(self.state, all_cells(), restate::state_anew(&mut self.state, &stale)));
             }
             Job::Pack { texts, reply } => {
                 let cells = self.state.homes().of_texts(&texts);
@@ -197,23 +196,23 @@ impl Task {
                 let _gone = reply.send(in_turn!(self.state, cells, commit(&mut self.state)));
             }
             Job::Hypothesis { order, by, reply } => {
-                let _gone = reply.send(in_turn!(self.state, Cells::one(0), self.order_hypothesis(&order, &by)));
+                let _gone = reply.send(in_turn!(self.state, Cells::from([0]), self.order_hypothesis(&order, &by)));
             }
             Job::Diagnoses { order, by, reply } => {
-                let _gone = reply.send(in_turn!(self.state, Cells::one(0), self.order_diagnoses(&order, &by)));
+                let _gone = reply.send(in_turn!(self.state, Cells::from([0]), self.order_diagnoses(&order, &by)));
             }
             Job::Diagnosed { made, reply } => {
-                let _gone = reply.send(in_turn!(self.state, Cells::one(0), forecasts::keep(&mut self.state, &made)));
+                let _gone = reply.send(in_turn!(self.state, Cells::from([0]), forecasts::keep(&mut self.state, &made)));
             }
             Job::Alert { order, by, reply } => {
                 let cells = self.state.homes().of_alert(order.alert).await;
                 let _gone = reply.send(in_turn!(self.state, cells, self.state.apply_order(&order, &by)));
             }
             Job::Silence { order, by, reply } => {
-                let _gone = reply.send(in_turn!(self.state, Cells::all(), self.state.order_silence(&order, &by)));
+                let _gone = reply.send(in_turn!(self.state, all_cells(), self.state.order_silence(&order, &by)));
             }
             Job::Access { order, by, reply } => {
-                let _gone = reply.send(in_turn!(self.state, Cells::one(0), self.register(&order, &by)));
+                let _gone = reply.send(in_turn!(self.state, Cells::from([0]), self.register(&order, &by)));
             }
             Job::Probe(reply) => {
                 let _gone = reply.send(self.state.writer.probe().await.map_err(Refused::from));
@@ -243,11 +242,11 @@ impl Task {
         let any_changes = findings.iter().any(|(found, _)| changes_the_hook(found));
         let changed = !orders.is_empty() || any_changes;
         for (order, by, reply) in orders {
-            let _gone = reply.send(in_turn!(self.state, Cells::all(), self.order_hook(&order, &by)));
+            let _gone = reply.send(in_turn!(self.state, all_cells(), self.order_hook(&order, &by)));
         }
         if !findings.is_empty() {
             let found: Vec<&Found> = findings.iter().map(|(found, _)| found).collect();
-            let cells = if any_changes { Ok(Cells::all()) } else { self.state.homes().of_findings(&found).await };
+            let cells = if any_changes { Ok(all_cells()) } else { self.state.homes().of_findings(&found).await };
             let written = match cells {
                 Ok(cells) => in_turn!(self.state, cells, self.write_down(&found)),
                 Err(error) => Err(error.into()),

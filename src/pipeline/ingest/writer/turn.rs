@@ -112,12 +112,12 @@ impl WriterState {
             self.begin(&cells).await?;
             store::names::look_up(&self.store, names_of(items)).await?;
             let wanted = self.homes().of_items(items).await?;
-            if cells.contains(&wanted) {
+            if cells.is_superset(&wanted) {
                 return Ok(());
             }
             // Somebody else has just taken a new gyro home.
             self.writer.give_back().await;
-            cells.extend(wanted.iter());
+            cells.extend(wanted);
         }
     }
 

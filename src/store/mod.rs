@@ -18,6 +18,7 @@ mod packed;
 mod postgres;
 mod rows;
 mod secrets;
+mod shared;
 mod sqlite;
 mod tables;
 mod token_database;

@@ -144,10 +144,12 @@ impl CellWriter {
                 self.find_out(&next[0], error.into()).await?;
             }
         }
-        self.names.learn(changes.new_names());
         if changes.brings(ChangeTopic::Names) {
             let stamps = next.iter().map(|row| (usize::from(row.cell), row.stamp_of(ChangeTopic::Names)));
-            self.names.change(|tables| stamps.for_each(|(place, stamp)| tables.seen[place] = stamp));
+            self.names.change(|tables| {
+                tables.enter(changes.new_names());
+                stamps.for_each(|(place, stamp)| tables.seen[place] = stamp);
+            });
         }
         self.seen.learn(&next);
         Ok(())

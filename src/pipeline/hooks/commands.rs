@@ -73,13 +73,9 @@ pub enum Found {
 /// An attempt was made.
 #[derive(Debug, Clone)]
 pub struct Attempted {
-    pub delivery: Id,
+    /// The writer gives it its identifier.
+    pub attempt: AttemptRow,
     pub hook: Id,
-    pub at: UtcMicros,
-    pub status: Option<u16>,
-    pub detail: String,
-    pub answer: Option<String>,
-    pub took_us: i64,
     pub progress: Progress,
     /// The address that answered 410: nothing more is sent there.
     pub gone: Option<String>,
@@ -336,18 +332,10 @@ impl HookHandler<'_> {
     }
 
     async fn attempted(&mut self, attempted: &Attempted, changes: &mut Changes) -> Result<(), StoreError> {
-        if attempted.perhaps_written && self.is_written(attempted).await? {
+        if attempted.perhaps_written && self.is_written(&attempted.attempt).await? {
             return Ok(());
         }
-        let attempt = AttemptRow {
-            id: self.writer.next_id(self.now),
-            delivery: attempted.delivery,
-            at: attempted.at,
-            status: attempted.status,
-            detail: attempted.detail.clone(),
-            answer: attempted.answer.clone(),
-            took_us: attempted.took_us,
-        };
+        let attempt = AttemptRow { id: self.writer.next_id(self.now), ..attempted.attempt.clone() };
         changes.outbox.attempts.push((attempt, attempted.progress));
         if attempted.hasten {
             changes.outbox.hastened.push((attempted.hook, self.now));
@@ -360,7 +348,7 @@ impl HookHandler<'_> {
         let is_news =
             |hook: &HookRow| hook.url == *url && hook.enabled && changes.hooks.iter().all(|it| it.id != hook.id);
         if let Some(hook) = store::hook::get(self.store, attempted.hook).await?.filter(is_news) {
-            let because = to_stored(&message!("target_gone", at = time::format(attempted.at)));
+            let because = to_stored(&message!("target_gone", at = time::format(attempted.attempt.at)));
             let (disabled_because, changed_at) = (Some(because), self.now);
             let disabled = HookRow { enabled: false, disabled_because, changed_at, ..hook.clone() };
             let (before, after) = (AuditedHook::from(&hook), AuditedHook::from(&disabled));
@@ -372,9 +360,9 @@ impl HookHandler<'_> {
         Ok(())
     }
 
-    async fn is_written(&self, attempted: &Attempted) -> Result<bool, StoreError> {
-        let delivery = store::delivery::get(self.store, attempted.delivery).await?;
-        Ok(delivery.is_some_and(|delivery| delivery.attempts.iter().any(|attempt| attempt.at == attempted.at)))
+    async fn is_written(&self, attempt: &AttemptRow) -> Result<bool, StoreError> {
+        let delivery = store::delivery::get(self.store, attempt.delivery).await?;
+        Ok(delivery.is_some_and(|delivery| delivery.attempts.iter().any(|written| written.at == attempt.at)))
     }
 
     async fn hook(&self, id: Id) -> Result<HookRow, Refused> {

@@ -88,7 +88,7 @@ impl Homes<'_> {
             return Ok(Cells::default());
         }
         let attempted = |found: &&&Found| match found {
-            Found::Attempted(attempted) => Some(attempted.delivery),
+            Found::Attempted(attempted) => Some(attempted.attempt.delivery),
             Found::Back(_) => None,
         };
         let deliveries: Vec<Id> = found.iter().filter_map(|found| attempted(&found)).collect();

@@ -3,14 +3,13 @@
 use super::heads::{self, touched};
 use super::shared_shifts::{SharedLook, SharedShifts};
 use super::state::WriterState;
-use crate::core::alert_decision::{Action, Alert};
-use crate::pipeline::alerts::{AlertCache, AlertContext, AlertUpdate, Causes, NameLookup, follow_clock, follow_group};
+use crate::pipeline::alerts::{AlertCache, AlertContext, Causes, NameLookup, follow_clock, follow_group};
 use crate::pipeline::hooks::OutboxContext;
 use crate::pipeline::ingest::judge::Judged;
 use crate::pipeline::prelude::*;
 use crate::pipeline::queries::agreement::{Agreement, agreement_after};
 use crate::pipeline::{AlertOrder, Calibration, SilenceOrder};
-use crate::store::{AlertOf, AlertRow};
+use crate::store::AlertOf;
 use crate::wire::alert::AlertBody;
 
 /// Stations with gyros that are remembered.
@@ -119,19 +118,6 @@ impl WriterState {
     pub(super) fn shared_shifts(&self, now: UtcMicros) -> SharedShifts<'_> {
         let Self { store, config, alerts, .. } = self;
         SharedShifts { store, config, alerts, now }
-    }
-
-    /// Every alert as it stands, for a hook that begins to listen: it hears what others were spared because it was found
-    /// late.
-    pub(super) async fn standings(&self, now: UtcMicros) -> Result<Vec<AlertUpdate>, StoreError> {
-        let rows = store::alerts::all(&self.store).await?;
-        let naming = NameLookup { tables: &self.store.names().read(), new: None };
-        // One that cannot be read is told to nobody; the next look at it names the damage.
-        let standing = |row: &AlertRow| {
-            let (alert, body) = (Alert { suppressed: None, ..row.alert }, Some(naming.alert(row, now).ok()?));
-            Some(AlertUpdate { id: row.id, alert, action: Action::Silent, step: None, body, cause: None })
-        };
-        Ok(rows.iter().filter_map(standing).collect())
     }
 
     /// Gyros of which the clock may begin or end that they are overdue.

@@ -242,13 +242,13 @@ impl Task {
         let any_changes = findings.iter().any(|(found, _)| changes_the_hook(found));
         let changed = !orders.is_empty() || any_changes;
         for (order, by, reply) in orders {
-            let _gone = reply.send(in_turn!(self.state, all_cells(), self.order_hook(&order, &by)));
+            let _gone = reply.send(in_turn!(self.state, all_cells(), self.hook_handler().carry_out(&order, &by)));
         }
         if !findings.is_empty() {
             let found: Vec<&Found> = findings.iter().map(|(found, _)| found).collect();
             let cells = if any_changes { Ok(all_cells()) } else { self.state.homes().of_findings(&found).await };
             let written = match cells {
-                Ok(cells) => in_turn!(self.state, cells, self.write_down(&found)),
+                Ok(cells) => in_turn!(self.state, cells, self.hook_handler().write_down(found.iter().copied())),
                 Err(error) => Err(error.into()),
             };
             for (_, reply) in findings {
@@ -260,28 +260,10 @@ impl Task {
         }
     }
 
-    async fn order_hook(&mut self, order: &Order, by: &Actor) -> Result<Id, Refused> {
-        let now = self.state.clock.now();
-        let (alerts, heard) = match order {
-            Order::Create(_) => (self.state.standings(now).await?, HashMap::new()),
-            Order::Change(hook, _) => {
-                (self.state.standings(now).await?, store::hook::heard_by(&self.state.store, *hook).await?)
-            }
-            Order::Delete(_) | Order::Test(_) | Order::Redeliver(_) => Default::default(),
-        };
-        let old_secret_until = self.state.config.hooks.old_secret_until(now);
-        let (store, writer) = (&self.state.store, &mut self.state.writer);
-        HookHandler { store, writer, now, old_secret_until, alerts, heard }.carry_out(order, by).await
-    }
-
-    async fn write_down(&mut self, found: &[&Found]) -> Result<(), Refused> {
-        let now = self.state.clock.now();
-        let old_secret_until = self.state.config.hooks.old_secret_until(now);
-        let renotifies = |found: &&Found| matches!(found, Found::Attempted(attempted) if attempted.renotify);
-        let alerts = if found.iter().any(renotifies) { self.state.standings(now).await? } else { Vec::new() };
-        let (store, writer, heard) = (&self.state.store, &mut self.state.writer, HashMap::new());
-        let mut handler = HookHandler { store, writer, now, old_secret_until, alerts, heard };
-        handler.write_down(found.iter().copied()).await
+    fn hook_handler(&mut self) -> HookHandler<'_> {
+        let WriterState { store, writer, clock, config, .. } = &mut self.state;
+        let now = clock.now();
+        HookHandler { store, writer, now, old_secret_until: config.hooks.old_secret_until(now), alerts: None }
     }
 
     /// Begins or cancels an order of diagnoses, and has what is new worked off.

@@ -1,7 +1,6 @@
 //! Campaigns and bench tests of the same gyros at the same time: a gyro cannot be in two.
 
-use super::group::Group;
-use super::lookup::Admission;
+use super::lookup::Lookup;
 use super::recent_records::NearbyRecords;
 use crate::core::history_note::{HistoryNote, LONGEST_DAYS, NamedRecord};
 use crate::pipeline::prelude::*;
@@ -14,10 +13,9 @@ pub(super) type Tested<'a> = (u32, &'a str, &'a NearbyRecords);
 /// of `sent`: of the few campaigns before it, the next after it, and all bench tests. One longer than
 /// [`LONGEST_DAYS`] is not looked for, nor is what states no dwells.
 pub(super) async fn overlapping(
-    admission: &mut Admission<'_>,
+    known: &mut Lookup<'_>,
     sent: Span,
     gyros: &[Tested<'_>],
-    group: &Group,
 ) -> Result<Vec<HistoryNote>, StoreError> {
     let mut near: BTreeMap<(UtcMicros, Id), (Option<UtcMicros>, Vec<(u32, &str)>)> = BTreeMap::new();
     for (gyro, serial, around) in gyros {
@@ -31,8 +29,8 @@ pub(super) async fn overlapping(
             Some(ends_at) => ends_at,
             None => {
                 // What has no dwells has no length.
-                let ends_at = body_of(id, admission.store, group).await?.and_then(|body| end_of(&body)).unwrap_or(at);
-                tested.iter().for_each(|(gyro, _)| admission.memory.note_end(*gyro, id, ends_at));
+                let ends_at = body_of(id, known).await?.and_then(|body| end_of(&body)).unwrap_or(at);
+                tested.iter().for_each(|(gyro, _)| known.memory.note_end(*gyro, id, ends_at));
                 ends_at
             }
         };
@@ -40,13 +38,13 @@ pub(super) async fn overlapping(
     }
     let window = Span { from: sent.from.plus_days(-LONGEST_DAYS), to: sent.to };
     for (gyro, serial, _) in gyros {
-        let stored = match admission.benched.get(gyro) {
+        let stored = match known.benched.get(gyro) {
             Some(false) => Vec::new(),
-            _ => store::bench::of_gyro(admission.store, *gyro, window).await?,
+            _ => store::bench::of_gyro(known.store, *gyro, window).await?,
         };
-        let withdrawn = &group.changes.withdrawn.benches;
+        let withdrawn = &known.group.changes.withdrawn.benches;
         let stored = stored.iter().filter(|bench| !withdrawn.contains(&(bench.id, *gyro)));
-        let new = group.changes.benches.iter().filter(|bench| bench.gyro == *gyro);
+        let new = known.group.changes.benches.iter().filter(|bench| bench.gyro == *gyro);
         for bench in stored.chain(new).filter(|bench| may_overlap(bench.measured_at, sent)) {
             let ends_at = end_of(&bench.body).unwrap_or(bench.measured_at);
             found.extend(overlaps((bench.id, bench.measured_at, ends_at), sent, std::iter::once(*serial)));
@@ -59,11 +57,11 @@ fn may_overlap(at: UtcMicros, sent: Span) -> bool {
     at < sent.to && sent.from.days_since(at) <= LONGEST_DAYS
 }
 
-async fn body_of(id: Id, store: &Store, group: &Group) -> Result<Option<Arc<str>>, StoreError> {
-    if let Some(record) = group.changes.records.iter().find(|record| record.id == id) {
+async fn body_of(id: Id, known: &Lookup<'_>) -> Result<Option<Arc<str>>, StoreError> {
+    if let Some(record) = known.group.changes.records.iter().find(|record| record.id == id) {
         return Ok(Some(Arc::clone(&record.body)));
     }
-    Ok(store::record::get(store, id).await?.map(|record| record.body))
+    Ok(store::record::get(known.store, id).await?.map(|record| record.body))
 }
 
 /// None of what is no campaign.

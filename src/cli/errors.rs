@@ -51,12 +51,11 @@ fn message_of(cause: &(dyn Error + 'static)) -> Option<Message> {
 #[cfg(feature = "server")]
 fn of_service(cause: &(dyn Error + 'static)) -> Option<Message> {
     use crate::config::ConfigError;
-    use crate::pipeline::{Refused, StorageError};
+    use crate::pipeline::Refused;
     use crate::store::StoreError;
 
     if let Some(Refused::Storage(error)) = cause.downcast_ref() {
-        return Some(error.store_error().message());
+        return Some(error.message());
     }
-    let found = message_of!(cause, ConfigError, Refused, StoreError);
-    found.or_else(|| cause.downcast_ref::<StorageError>().map(|error| error.store_error().message()))
+    message_of!(cause, ConfigError, Refused, StoreError)
 }

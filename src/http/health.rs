@@ -26,7 +26,7 @@ pub async fn healthz() -> Json<Health> {
 /// What the operator is told of a write that failed, in the store's own words.
 fn unwritten(error: &Refused) -> Message {
     match error {
-        Refused::Storage(error) => error.store_error().message(),
+        Refused::Storage(error) => error.message(),
         other => other.message(),
     }
 }
@@ -38,10 +38,7 @@ fn unwritten(error: &Refused) -> Message {
         (status = 503, description = "not ready, and why")))]
 pub async fn readyz(app: App) -> Answer<Json<Health>> {
     let not_ready = |why: Message| Problem::new(503, "title_not_ready", why);
-    app.pipeline
-        .ping()
-        .await
-        .map_err(|error| not_ready(message!("not_reading", why = error.store_error().message())))?;
+    app.pipeline.ping().await.map_err(|error| not_ready(message!("not_reading", why = error.message())))?;
     match tokio::time::timeout(PATIENCE, app.pipeline.probe()).await {
         Ok(probed) => probed.map_err(|error| not_ready(message!("not_writing", why = unwritten(&error))))?,
         Err(_) => {

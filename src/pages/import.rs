@@ -30,7 +30,7 @@ use crate::logs::campaign::LogCampaign;
 use crate::logs::report;
 use crate::pipeline::{
     Accepted, Calibration, CalibrationPreview, Caller, GyroPreview, Origin, Pipeline, Preview, Refused, Reply,
-    StorageError, Submission,
+    Submission,
 };
 use crate::wire::campaign::Form;
 use crate::wire::document::is_csv;
@@ -153,7 +153,7 @@ enum ImportPreview {
 async fn previews(
     pipeline: &Pipeline,
     read: Vec<(usize, Result<Submission, Faults>)>,
-) -> Result<Vec<(usize, ImportPreview)>, StorageError> {
+) -> Result<Vec<(usize, ImportPreview)>, Problem> {
     let sound: Vec<(usize, &Submission)> =
         read.iter().filter_map(|(line, read)| Some((*line, read.as_ref().ok()?))).collect();
     let documents: Vec<&Submission> = sound.iter().map(|(_, document)| *document).take(MOST_SHOWN).collect();

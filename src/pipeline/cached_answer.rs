@@ -28,15 +28,12 @@ impl<T> Default for CachedAnswer<T> {
 impl<T> CachedAnswer<T> {
     /// What `find` finds at an instant; with it comes the last instant at which it would find the same where the
     /// version is the same. Who asks while it is sought waits for it.
-    pub async fn at<E>(
+    pub async fn at(
         &self,
         version: impl Future<Output = Result<[i64; 2], StoreError>>,
         now: UtcMicros,
-        find: impl Future<Output = Result<(T, UtcMicros), E>>,
-    ) -> Result<Arc<T>, StorageError>
-    where
-        StorageError: From<E>,
-    {
+        find: impl Future<Output = Result<(T, UtcMicros), StoreError>>,
+    ) -> Result<Arc<T>, StoreError> {
         let asked = Instant::now();
         let mut kept = self.0.lock().await;
         // Read before the rows: what is written meanwhile is another version.

@@ -1,8 +1,6 @@
 //! Why something is not done: the database may fail, the writer may be busy or gone, what is asked for may make no sense;
 //! and as which status each of it leaves.
 
-use std::sync::Arc;
-
 use crate::core::id::Id;
 use crate::core::message::{Message, list, text};
 use crate::message;
@@ -11,49 +9,24 @@ use crate::wire::differences::Differences;
 use crate::wire::problem::Problem;
 use crate::words;
 
-/// The database has failed. Cheap to clone; for logs it says what the database said.
-#[derive(Debug, Clone, thiserror::Error)]
-#[error(transparent)]
-pub struct StorageError(Arc<StoreError>);
-
-impl StorageError {
-    /// What the database said.
-    pub fn store_error(&self) -> &StoreError {
-        &self.0
-    }
-
-    /// Whether what was sent may be stored or not.
-    pub fn is_unanswered(&self) -> bool {
-        matches!(*self.0, StoreError::Unanswered(_))
-    }
-
-    /// What a client is told. The log has the rest.
-    fn problem(&self) -> Problem {
-        let (status, title, message) = match &*self.0 {
-            StoreError::Full => (507, "title_no_room", message!("disk_full")),
-            StoreError::NotDurable(_) => (503, "title_cannot_store", message!("disk_failed")),
-            StoreError::ReadOnly(_) | StoreError::Busy | StoreError::Unreachable(_) | StoreError::Overtaken(_) => {
-                (503, "title_cannot_store", message!("cannot_write"))
-            }
-            StoreError::Unanswered(_) => (503, "title_perhaps_stored", message!("perhaps_stored")),
-            StoreError::Damaged(what) => {
-                (500, "title_damaged_database", message!("database_damaged", what = what.clone()))
-            }
-            StoreError::NoDatabase(_) => (500, "title_damaged_database", message!("service_failed")),
-            StoreError::Refused(_)
-            | StoreError::InUse(_)
-            | StoreError::File(_)
-            | StoreError::Key(_)
-            | StoreError::Other(_) => (500, "title_internal_error", message!("service_failed")),
-        };
-        Problem::new(status, title, message)
-    }
-}
-
-impl From<StoreError> for StorageError {
-    fn from(error: StoreError) -> Self {
-        Self(Arc::new(error))
-    }
+/// What a client is told. The log has the rest.
+fn of_store(error: &StoreError) -> Problem {
+    let (status, title, message) = match error {
+        StoreError::Full => (507, "title_no_room", message!("disk_full")),
+        StoreError::NotDurable(_) => (503, "title_cannot_store", message!("disk_failed")),
+        StoreError::ReadOnly(_) | StoreError::Busy | StoreError::Unreachable(_) | StoreError::Overtaken(_) => {
+            (503, "title_cannot_store", message!("cannot_write"))
+        }
+        StoreError::Unanswered(_) => (503, "title_perhaps_stored", message!("perhaps_stored")),
+        StoreError::Damaged(what) => (500, "title_damaged_database", message!("database_damaged", what = what.clone())),
+        StoreError::NoDatabase(_) => (500, "title_damaged_database", message!("service_failed")),
+        StoreError::Refused(_)
+        | StoreError::InUse(_)
+        | StoreError::File(_)
+        | StoreError::Key(_)
+        | StoreError::Other(_) => (500, "title_internal_error", message!("service_failed")),
+    };
+    Problem::new(status, title, message)
 }
 
 /// Computes on a thread for that; where that panics, what it reads is damaged: `what` says so.
@@ -65,15 +38,15 @@ pub(super) async fn computed<T: Send + 'static>(
 }
 
 /// A failure to read: logged here, once.
-impl From<StorageError> for Problem {
-    fn from(error: StorageError) -> Self {
+impl From<StoreError> for Problem {
+    fn from(error: StoreError) -> Self {
         tracing::error!(%error, "a query failed");
-        error.problem()
+        of_store(&error)
     }
 }
 
-/// Why what was submitted or ordered is not taken. Nothing has changed then; where [`StorageError::is_unanswered`], that
-/// is not known.
+/// Why what was submitted or ordered is not taken. Nothing has changed then; after
+/// [`StoreError::Unanswered`] that is not known.
 #[derive(Debug, Clone, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum Refused {
@@ -89,7 +62,7 @@ pub enum Refused {
     Stopping,
     /// It could not be read or written.
     #[error(transparent)]
-    Storage(#[from] StorageError),
+    Storage(#[from] StoreError),
 }
 
 impl Refused {
@@ -123,7 +96,7 @@ impl Refused {
             }
             Self::Busy => Problem::new(503, "title_try_again", message!("busy")),
             Self::Stopping => Problem::new(503, "title_try_again", message!("stopping")),
-            Self::Storage(error) => error.problem(),
+            Self::Storage(error) => of_store(error),
         }
     }
 }
@@ -141,12 +114,6 @@ fn differs(existing: Id, differences: &Differences) -> Message {
 impl From<Problem> for Refused {
     fn from(problem: Problem) -> Self {
         Self::Problem(Box::new(problem))
-    }
-}
-
-impl From<StoreError> for Refused {
-    fn from(error: StoreError) -> Self {
-        Self::Storage(error.into())
     }
 }
 

@@ -54,7 +54,7 @@ pub use alerts::{AlertChange, AlertOrder, AlertStep, Alerts, SilenceOrder};
 pub use diagnoses::{
     AdoptedModel, Adoption, Conclusion, Diagnoses, DiagnosisAnswer, DiagnosisOrder, HypothesisOrder, StoredHypothesis,
 };
-pub use error::{Refused, StorageError};
+pub use error::Refused;
 pub use hooks::{Hooks, Order, Outbox};
 pub use ingest::{
     Accepted, AttributesOrder, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, EventOrder, Ingest,
@@ -163,13 +163,13 @@ impl Pipeline {
     }
 
     /// Whether the database can be read.
-    pub async fn ping(&self) -> Result<(), StorageError> {
-        Ok(self.store.ping().await?)
+    pub async fn ping(&self) -> Result<(), StoreError> {
+        self.store.ping().await
     }
 
     /// Of the database and of its log, in bytes.
-    pub async fn sizes(&self) -> Result<(u64, u64), StorageError> {
-        Ok(self.store.sizes().await?)
+    pub async fn sizes(&self) -> Result<(u64, u64), StoreError> {
+        self.store.sizes().await
     }
 
     /// Writes that wait, and how many may.

@@ -4,7 +4,7 @@ pub(super) use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 pub(super) use std::sync::Arc;
 pub(super) use std::time::Duration;
 
-pub(super) use super::error::{Refused, StorageError, computed};
+pub(super) use super::error::{Refused, computed};
 pub(super) use super::{Accepted, Actor};
 pub(super) use crate::config::Config;
 pub(super) use crate::core::alert_decision::Late;

@@ -51,14 +51,6 @@ impl Readers {
         }
     }
 
-    /// Of several questions on one connection: they end together within the limit of one.
-    pub async fn within_limit<T>(&self, work: impl Future<Output = Result<T>>) -> Result<T> {
-        match self {
-            Self::Sqlite(..) => work.await,
-            Self::Postgres(readers, _) => readers.within_limit(work).await,
-        }
-    }
-
     pub async fn close(&self) {
         match self {
             Self::Sqlite(pool, _) => pool.close().await,

@@ -2,6 +2,7 @@
 
 use std::fmt::Display;
 use std::io::ErrorKind;
+use std::sync::Arc;
 
 use sqlx::postgres::PgDatabaseError;
 
@@ -12,7 +13,7 @@ use crate::message;
 pub type Result<T, E = StoreError> = std::result::Result<T, E>;
 
 /// A failure of the store. `Display` is for the log; clients are told only what concerns them.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, Clone, thiserror::Error)]
 pub enum StoreError {
     /// No room left on the device. Reading goes on; writing works again once there is room.
     #[error("the disk is full")]
@@ -54,13 +55,18 @@ pub enum StoreError {
     #[error("{0}")]
     Key(Message),
     #[error("database: {0}")]
-    Other(#[source] Box<dyn std::error::Error + Send + Sync>),
+    Other(#[source] Arc<dyn std::error::Error + Send + Sync>),
 }
 
 impl StoreError {
     /// Damage of a kind that has no message of its own.
     pub fn damaged(what: impl Display) -> Self {
         Self::Damaged(Message::verbatim(what))
+    }
+
+    /// A failure that has no kind of its own.
+    pub fn other(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Self {
+        Self::Other(error.into().into())
     }
 
     /// What is wrong with a file or an address.
@@ -110,12 +116,12 @@ impl From<sqlx::Error> for StoreError {
             PoolTimedOut => return Self::Unreachable(message!("server_busy")),
             _ => {}
         }
-        let Some(said) = error.as_database_error() else { return Self::Other(error.into()) };
+        let Some(said) = error.as_database_error() else { return Self::other(error) };
         let known = match said.try_downcast_ref::<PgDatabaseError>() {
             Some(said) => of_server(said.code(), said.message()),
             None => said.code().and_then(|code| of_file(code.parse().ok()?, said.message())),
         };
-        known.unwrap_or_else(|| Self::Other(error.into()))
+        known.unwrap_or_else(|| Self::other(error))
     }
 }
 
@@ -127,7 +133,7 @@ impl From<rusqlite::Error> for StoreError {
             }
             _ => None,
         };
-        known.unwrap_or_else(|| Self::Other(error.into()))
+        known.unwrap_or_else(|| Self::other(error))
     }
 }
 

@@ -18,6 +18,7 @@ mod packed;
 mod postgres;
 mod rows;
 mod secrets;
+mod shared;
 mod sqlite;
 mod tables;
 mod token_database;
@@ -54,7 +55,7 @@ pub use crate::store::tables::record::{
 pub use crate::store::tables::set_aside::{ConfirmationRow, SetAsideRecord};
 pub use crate::store::tables::silence::SilenceRow;
 pub use crate::store::tables::suspect_window::WindowMarkRow;
-pub use cells::Cells;
+pub use cells::{Cells, all_cells};
 pub use changes::{Changes, RestatedRow};
 pub use copy::{Copied, copy};
 pub use error::{Result, StoreError};

@@ -3,13 +3,13 @@
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
-use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
 
 use hashbrown::HashTable;
 
 use crate::core::name::{look_keys, normal_form};
 use crate::store::cells::CELLS;
 use crate::store::error::StoreError;
+use crate::store::shared::Shared;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum NamesOf {
@@ -263,6 +263,16 @@ impl Tables {
         }
     }
 
+    /// Takes over what has been committed.
+    pub(crate) fn enter(&mut self, new: [&[NewName]; 3]) {
+        for (kind, new) in NamesOf::ALL.into_iter().zip(new) {
+            for NewName { number, cell, name } in new {
+                let added = self.of_mut(kind).add(*number, *cell, name);
+                debug_assert!(added, "{name} has another number already");
+            }
+        }
+    }
+
     /// Takes over a stored name. One that had another number was lost with its commit, and has been stored anew.
     pub(crate) fn learn(&mut self, kind: NamesOf, number: u32, cell: u8, name: &str) -> Result<(), StoreError> {
         let table = self.of_mut(kind);
@@ -286,37 +296,7 @@ impl Tables {
 }
 
 /// The names of what is committed, shared by the writers and all readers.
-#[derive(Debug, Clone, Default)]
-pub struct Names(Arc<RwLock<Tables>>);
-
-impl Names {
-    pub(crate) fn new(tables: Tables) -> Self {
-        Self(Arc::new(RwLock::new(tables)))
-    }
-
-    pub fn read(&self) -> RwLockReadGuard<'_, Tables> {
-        self.0.read().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    pub(crate) fn change<T>(&self, change: impl FnOnce(&mut Tables) -> T) -> T {
-        change(&mut self.0.write().unwrap_or_else(PoisonError::into_inner))
-    }
-
-    /// Takes over what has been committed.
-    pub(crate) fn learn(&self, new: [&[NewName]; 3]) {
-        if new.iter().all(|names| names.is_empty()) {
-            return;
-        }
-        self.change(|tables| {
-            for (kind, new) in NamesOf::ALL.into_iter().zip(new) {
-                for NewName { number, cell, name } in new {
-                    let added = tables.of_mut(kind).add(*number, *cell, name);
-                    debug_assert!(added, "{name} has another number already");
-                }
-            }
-        });
-    }
-}
+pub type Names = Shared<Tables>;
 
 #[cfg(test)]
 mod tests {

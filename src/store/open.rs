@@ -18,7 +18,7 @@ use crate::store::sqlite::write_behind::WriteBehind;
 use crate::store::sqlite::writer::{FileWriter, waiting_for_disk};
 use crate::store::sqlite::{lock, private};
 use crate::store::tables::hook;
-use crate::store::{Cells, Changes, IdSource, Options, Result, Store, StoreError, Table, Tables, Writer};
+use crate::store::{Changes, IdSource, Options, Result, Store, StoreError, Table, Tables, Writer, all_cells};
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
 pub(super) const MIGRATIONS: [MigrationFile; 30] = migrations! {
@@ -45,7 +45,7 @@ pub async fn open(options: &Options) -> Result<(Store, Writer)> {
 /// # Errors
 /// [`StoreError::Key`] where something is encrypted, and not with this key.
 pub async fn hide_stored_secrets(store: &Store, writer: &mut Writer) -> Result<usize> {
-    writer.lock_cells(&Cells::all()).await?;
+    writer.lock_cells(&all_cells()).await?;
     let hidden = hide_in_turn(store, writer).await;
     writer.give_back().await;
     hidden
@@ -176,7 +176,7 @@ pub(super) fn open_to_write(file: &Path, options: &Options) -> Result<rusqlite::
 pub(super) async fn migrate(connection: &mut SqliteConnection) -> Result<()> {
     migrator(&MIGRATIONS).run(connection).await.map_err(|error| match error {
         sqlx::migrate::MigrateError::Execute(error) => error.into(),
-        other => StoreError::Other(other.into()),
+        other => StoreError::other(other),
     })
 }
 

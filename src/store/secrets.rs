@@ -46,10 +46,10 @@ impl Secrets {
         let mut any = false;
         for (place, text) in texts.filter(|(_, text)| !text.starts_with(MARK)) {
             let mut nonce = [0; NONCE_LEN];
-            fill_random(&mut nonce).map_err(|error| StoreError::Other(error.into()))?;
+            fill_random(&mut nonce).map_err(StoreError::other)?;
             let mut bytes = text.as_bytes().to_vec();
             key.seal_in_place_append_tag(Nonce::assume_unique_for_key(nonce), Aad::from(place), &mut bytes)
-                .map_err(|_| StoreError::Other("a secret cannot be encrypted".into()))?;
+                .map_err(|_| StoreError::other("a secret cannot be encrypted"))?;
             *text = format!("{MARK}{}", STANDARD.encode([&nonce[..], &bytes].concat()));
             any = true;
         }

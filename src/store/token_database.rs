@@ -30,7 +30,7 @@ impl TokenDatabase {
     pub async fn open(options: &Options) -> Result<Self> {
         if options.is_server() {
             let (store, mut writer) = postgres::open::open_beside(options).await?;
-            writer.lock_cells(&Cells::one(ACCESS_CELL)).await?;
+            writer.lock_cells(&Cells::from([ACCESS_CELL])).await?;
             return Ok(Self(TokenBackend::Server { store, writer: Box::new(writer) }));
         }
         let connect = connect_options(options)?;

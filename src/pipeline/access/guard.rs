@@ -84,7 +84,7 @@ impl Guard {
     /// Reads the cache, and goes on reading it as long as a clone is alive.
     pub async fn start(store: Store, settings: AccessConfig, behind_proxy: bool) -> Result<Self, StoreError> {
         let failures = Mutex::new(Failures::new(settings.failures_per_minute));
-        let setup = Secret::draw(Id(0)).map_err(|error| StoreError::Other(error.into()))?;
+        let setup = Secret::draw(Id(0)).map_err(StoreError::other)?;
         let setup = (!settings.open).then_some(setup);
         let guard = Self(Arc::new(Inner {
             store,

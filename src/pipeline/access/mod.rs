@@ -78,8 +78,8 @@ impl Access {
     }
 
     /// Every token there ever was, oldest first.
-    pub async fn tokens(&self) -> Result<Vec<Token>, StorageError> {
-        Ok(store::access::tokens(&self.store).await?)
+    pub async fn tokens(&self) -> Result<Vec<Token>, StoreError> {
+        store::access::tokens(&self.store).await
     }
 
     /// The audit trail, newest first.
@@ -88,7 +88,7 @@ impl Access {
         filter: &AuditFilter,
         before: Option<Id>,
         limit: u32,
-    ) -> Result<Vec<AuditEntry>, StorageError> {
-        Ok(store::access::audit(&self.store, filter, before, limit).await?)
+    ) -> Result<Vec<AuditEntry>, StoreError> {
+        store::access::audit(&self.store, filter, before, limit).await
     }
 }

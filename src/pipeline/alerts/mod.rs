@@ -72,7 +72,7 @@ impl Alerts {
         filter: &AlertFilter,
         before: Option<Id>,
         limit: u32,
-    ) -> Result<Vec<AlertBody>, StorageError> {
+    ) -> Result<Vec<AlertBody>, StoreError> {
         let now = self.clock.now();
         self.bodies(&store::alerts::find(&self.store, filter, now, before, limit).await?, now)
     }
@@ -81,9 +81,9 @@ impl Alerts {
         &self,
         rows: impl IntoIterator<Item = &'a AlertRow>,
         now: UtcMicros,
-    ) -> Result<Vec<AlertBody>, StorageError> {
+    ) -> Result<Vec<AlertBody>, StoreError> {
         let naming = NameLookup { tables: &self.store.names().read(), new: None };
-        Ok(rows.into_iter().map(|row| naming.alert(row, now)).collect::<Result<_, StoreError>>()?)
+        rows.into_iter().map(|row| naming.alert(row, now)).collect()
     }
 
     /// Gyros with their alerts that a filter lets through: those that stand worst first, of what is resolved those whose
@@ -93,7 +93,7 @@ impl Alerts {
         filter: &AlertFilter,
         skip: usize,
         most: usize,
-    ) -> Result<Vec<(u32, Vec<AlertBody>)>, StorageError> {
+    ) -> Result<Vec<(u32, Vec<AlertBody>)>, StoreError> {
         let (now, is_newest_first) = (self.clock.now(), filter.standing == Some(AlertState::Resolved));
         let gyros = store::alerts::gyros_found(&self.store, filter, now, is_newest_first, [skip, most]).await?;
         let rows = store::alerts::found_of(&self.store, filter, now, &gyros).await?;
@@ -102,7 +102,7 @@ impl Alerts {
     }
 
     /// Alerts of stations, batches and IMUs that a filter lets through, the newest first.
-    pub async fn of_no_gyro(&self, filter: &AlertFilter) -> Result<Vec<AlertBody>, StorageError> {
+    pub async fn of_no_gyro(&self, filter: &AlertFilter) -> Result<Vec<AlertBody>, StoreError> {
         let (now, mut rows) = (self.clock.now(), store::alerts::of_no_gyro(&self.store).await?);
         rows.retain(|row| {
             filter.gyro.is_none()
@@ -114,27 +114,27 @@ impl Alerts {
     }
 
     /// Alerts of gyros that the alert of a station, batch or IMU explains.
-    pub async fn inhibited_by(&self, station: Id) -> Result<Vec<AlertBody>, StorageError> {
+    pub async fn inhibited_by(&self, station: Id) -> Result<Vec<AlertBody>, StoreError> {
         self.bodies(&store::alerts::inhibited_by(&self.store, station).await?, self.clock.now())
     }
 
-    pub async fn of(&self, ids: &[Id]) -> Result<Vec<AlertBody>, StorageError> {
+    pub async fn of(&self, ids: &[Id]) -> Result<Vec<AlertBody>, StoreError> {
         self.bodies(&store::alerts::of_ids(&self.store, ids).await?, self.clock.now())
     }
 
     /// How many alerts stand how, among those that a filter lets through.
-    pub async fn counts_by_state(&self, filter: &AlertFilter) -> Result<HashMap<AlertState, usize>, StorageError> {
+    pub async fn counts_by_state(&self, filter: &AlertFilter) -> Result<HashMap<AlertState, usize>, StoreError> {
         let (store, now) = (&self.store, self.clock.now());
         let count = store::alerts::counts_by_state(store, filter, now);
         if *filter != AlertFilter::default() {
-            return Ok(count.await?);
+            return count.await;
         }
         let of_all = async { Ok::<_, StoreError>((count.await?, store::alerts::same_until(store, now).await?)) };
         Ok((*self.counts.at(store::alerts::version(store), now, of_all).await?).clone())
     }
 
     /// How many alerts fire that no other explains, acknowledged and silenced ones among them, of each severity.
-    pub async fn firing(&self) -> Result<[u64; Severity::ALL.len()], StorageError> {
+    pub async fn firing(&self) -> Result<[u64; Severity::ALL.len()], StoreError> {
         let counts = store::alerts::firing_by_severity(&self.store).await?;
         Ok(Severity::ALL.map(|severity| {
             let count = counts.iter().find(|(of, _)| *of == severity);
@@ -143,7 +143,7 @@ impl Alerts {
     }
 
     /// One alert and its newest steps.
-    pub async fn get(&self, id: Id) -> Result<Option<AlertRecord>, StorageError> {
+    pub async fn get(&self, id: Id) -> Result<Option<AlertRecord>, StoreError> {
         let Some(row) = store::alerts::get(&self.store, id).await? else { return Ok(None) };
         let steps = store::alerts::steps(&self.store, id, MOST_STEPS).await?;
         let steps = steps.into_iter().map(|step| {
@@ -169,13 +169,13 @@ impl Alerts {
     }
 
     /// Silences of many alerts, the newest first: those in force, or the newest of all.
-    pub async fn silences(&self, all: bool) -> Result<Vec<MatchingSilenceBody>, StorageError> {
+    pub async fn silences(&self, all: bool) -> Result<Vec<MatchingSilenceBody>, StoreError> {
         let now = self.clock.now();
         let rows = store::silence::list(&self.store, (!all).then_some(now), MOST_SILENCES).await?;
         Ok(rows.iter().map(|row| silences::body(row, now)).collect())
     }
 
-    pub async fn silence(&self, id: Id) -> Result<Option<MatchingSilenceBody>, StorageError> {
+    pub async fn silence(&self, id: Id) -> Result<Option<MatchingSilenceBody>, StoreError> {
         Ok(store::silence::get(&self.store, id).await?.map(|row| silences::body(&row, self.clock.now())))
     }
 

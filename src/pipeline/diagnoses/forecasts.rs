@@ -27,7 +27,7 @@ struct WithForecast {
 impl Diagnoses {
     /// The forecasts of the newest `limit` campaigns of an IMU, oldest first, the newest dwell by dwell; none where no
     /// such IMU is known. Computing, some milliseconds for the newest and each that has not been made.
-    pub async fn forecasts(&self, imu: &str, limit: u32) -> Result<Option<ForecastSeriesBody>, StorageError> {
+    pub async fn forecasts(&self, imu: &str, limit: u32) -> Result<Option<ForecastSeriesBody>, StoreError> {
         let Some(number) = self.store.names().read().imus.number(imu) else { return Ok(None) };
         let (mut points, mut latest) = (Vec::new(), None);
         for id in self.campaigns_of(number, limit).await? {
@@ -45,7 +45,7 @@ impl Diagnoses {
     }
 
     /// The forecast of a campaign made now, and dwell by dwell; none where there is no such campaign.
-    async fn made(&self, id: Id, imu: u32) -> Result<Option<(ForecastPointBody, Option<ForecastBody>)>, StorageError> {
+    async fn made(&self, id: Id, imu: u32) -> Result<Option<(ForecastPointBody, Option<ForecastBody>)>, StoreError> {
         let Some(campaign) = stored(&self.store, id).await? else { return Ok(None) };
         let config = &self.reader.config;
         let campaign = config.stations.complete(campaign);
@@ -58,7 +58,7 @@ impl Diagnoses {
     }
 
     /// As [`Diagnoses::forecasts`], without dwells: those that are kept, and those of campaigns whose diagnosis is due.
-    pub async fn forecasts_of_imu(&self, imu: u32, limit: u32) -> Result<Vec<ForecastPointBody>, StorageError> {
+    pub async fn forecasts_of_imu(&self, imu: u32, limit: u32) -> Result<Vec<ForecastPointBody>, StoreError> {
         let mut points = Vec::new();
         for id in self.campaigns_of(imu, limit).await? {
             let is_due = store::diagnosis::get(&self.store, id).await?.is_none();

@@ -75,8 +75,8 @@ pub struct Diagnoses {
 impl Diagnoses {
     /// The diagnosis of a stored campaign against the model in force for its IMU; [`DiagnosisAnswer::Waiting`] where
     /// it is not made within `patience`.
-    pub async fn of_campaign(&self, id: Id, patience: Duration) -> Result<DiagnosisAnswer, StorageError> {
-        Ok(self.diagnoser.diagnosis(id, WorkPriority::Interactive, patience).await?)
+    pub async fn of_campaign(&self, id: Id, patience: Duration) -> Result<DiagnosisAnswer, StoreError> {
+        self.diagnoser.diagnosis(id, WorkPriority::Interactive, patience).await
     }
 
     /// The gap of a diagnosed campaign against another stored campaign or record of its IMU, or why that is no reference
@@ -86,7 +86,7 @@ impl Diagnoses {
         id: Id,
         diagnosis: &DiagnosisBody,
         reference: Id,
-    ) -> Result<Option<Result<SplitBody, NoReference>>, StorageError> {
+    ) -> Result<Option<Result<SplitBody, NoReference>>, StoreError> {
         let Some(row) = store::record::get(&self.store, id).await? else { return Ok(None) };
         let Some(held_against) = store::record::get(&self.store, reference).await? else { return Ok(None) };
         let campaign = campaign_of(&row)?;
@@ -103,7 +103,7 @@ impl Diagnoses {
 
     /// An adoption of what the diagnosis of a stored campaign names, beside the model in force for its IMU; none where
     /// there is no such campaign or no answer.
-    pub async fn adoption(&self, id: Id, author: String, reason: String) -> Result<Option<Adoption>, StorageError> {
+    pub async fn adoption(&self, id: Id, author: String, reason: String) -> Result<Option<Adoption>, StoreError> {
         let Some((imu, model)) = self.diagnoser.proposed(id).await? else { return Ok(None) };
         let imu = self.store.names().read().imus.name(imu).map(|name| name.to_string());
         Ok(imu.map(|imu| Adoption { imu, model: Arc::new(model), author, reason }))
@@ -131,7 +131,7 @@ impl Diagnoses {
     }
 
     /// The models of an IMU, newest first; none where no such IMU is known.
-    pub async fn models(&self, imu: &str) -> Result<Option<Vec<AdoptedModel>>, StorageError> {
+    pub async fn models(&self, imu: &str) -> Result<Option<Vec<AdoptedModel>>, StoreError> {
         let Some(imu) = self.store.names().read().imus.number(imu) else { return Ok(None) };
         let rows = store::model::of_imu(&self.store, imu).await?;
         let uses: HashMap<Id, u64> = store::model::uses(&self.store, imu).await?.into_iter().collect();
@@ -199,7 +199,7 @@ impl Diagnoses {
     }
 
     /// Orders with their progress, newest first, those before `before`.
-    pub async fn jobs(&self, before: Option<Id>, limit: u32) -> Result<Vec<JobBody>, StorageError> {
+    pub async fn jobs(&self, before: Option<Id>, limit: u32) -> Result<Vec<JobBody>, StoreError> {
         let mut bodies = Vec::new();
         for row in store::diagnosis_job::list(&self.store, before, limit).await? {
             let counts = store::diagnosis_job::task_counts(&self.store, row.id).await?;
@@ -209,7 +209,7 @@ impl Diagnoses {
     }
 
     /// One order, and what failed of it after `after`.
-    pub async fn job(&self, id: Id, after: Option<Id>, limit: u32) -> Result<Option<JobDetailBody>, StorageError> {
+    pub async fn job(&self, id: Id, after: Option<Id>, limit: u32) -> Result<Option<JobDetailBody>, StoreError> {
         let Some(row) = store::diagnosis_job::get(&self.store, id).await? else { return Ok(None) };
         let job = shown(row, store::diagnosis_job::task_counts(&self.store, id).await?)?;
         let mut failed = store::diagnosis_job::failed_tasks(&self.store, id, after, limit + 1).await?;
@@ -227,8 +227,8 @@ impl Diagnoses {
     }
 
     /// Campaigns that wait for their first diagnosis, and those that orders wait for.
-    pub async fn waiting(&self) -> Result<(u64, u64), StorageError> {
-        Ok(store::diagnosis_job::diagnoses_waiting(&self.store).await?)
+    pub async fn waiting(&self) -> Result<(u64, u64), StoreError> {
+        store::diagnosis_job::diagnoses_waiting(&self.store).await
     }
 
     /// Checks of what a summary is to be: campaigns as an order names them, and an effect by its catalogue name.
@@ -248,12 +248,12 @@ impl Diagnoses {
     }
 
     /// What the diagnoses of stored campaigns say together. Campaigns that count no more are left out.
-    pub async fn summary(&self, filter: &SummaryFilter) -> Result<SummaryBody, StorageError> {
-        Ok(filter.summary(&self.store, &self.reader.models.competing().program).await?)
+    pub async fn summary(&self, filter: &SummaryFilter) -> Result<SummaryBody, StoreError> {
+        filter.summary(&self.store, &self.reader.models.competing().program).await
     }
 
     /// What was concluded of each campaign of an IMU that is diagnosed and counts.
-    pub async fn conclusions(&self, imu: u32) -> Result<HashMap<Id, Conclusion>, StorageError> {
+    pub async fn conclusions(&self, imu: u32) -> Result<HashMap<Id, Conclusion>, StoreError> {
         let of_imu = CampaignFilter { imu: Some(imu), station: None, measured: Span::EVER };
         let mut all = HashMap::new();
         store::diagnosis_digest::each(&self.store, &of_imu, |row| {
@@ -267,7 +267,7 @@ impl Diagnoses {
     }
 }
 
-fn shown(row: JobRow, counts: TaskCounts) -> Result<JobBody, StorageError> {
+fn shown(row: JobRow, counts: TaskCounts) -> Result<JobBody, StoreError> {
     let damaged = |error| StoreError::damaged(format_args!("order {} of diagnoses cannot be read: {error}", row.id));
     let asked: WhichBody = serde_json::from_str(&row.asked).map_err(damaged)?;
     let state = match (row.canceled, row.ended_at, row.begun_at) {

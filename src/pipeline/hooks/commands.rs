@@ -5,13 +5,15 @@ use serde::Serialize;
 use super::read::{HookPatch, NewHook};
 use crate::alert::HookKind;
 use crate::core::access::AuditEntry;
-use crate::core::alert_decision::Status;
+use crate::core::alert_decision::{Action, Alert, Status};
 use crate::core::delivery::DeliveryState;
 use crate::core::judge::Severity;
-use crate::pipeline::alerts::AlertUpdate;
+use crate::pipeline::alerts::{AlertUpdate, NameLookup};
 use crate::pipeline::hooks::registry::{OutboxContext, Subscription, introduce};
 use crate::pipeline::prelude::*;
-use crate::store::{AttemptRow, DeadLetters, DeliverySubject, HookRow, NewDelivery, OutboxChanges, Progress, Writer};
+use crate::store::{
+    AlertRow, AttemptRow, DeadLetters, DeliverySubject, HookRow, NewDelivery, OutboxChanges, Progress, Writer,
+};
 use crate::wire::body::bodies;
 use crate::wire::json;
 use crate::wire::message::to_stored;
@@ -73,13 +75,9 @@ pub enum Found {
 /// An attempt was made.
 #[derive(Debug, Clone)]
 pub struct Attempted {
-    pub delivery: Id,
+    /// The writer gives it its identifier.
+    pub attempt: AttemptRow,
     pub hook: Id,
-    pub at: UtcMicros,
-    pub status: Option<u16>,
-    pub detail: String,
-    pub answer: Option<String>,
-    pub took_us: i64,
     pub progress: Progress,
     /// The address that answered 410: nothing more is sent there.
     pub gone: Option<String>,
@@ -105,10 +103,8 @@ pub(crate) struct HookHandler<'a> {
     pub now: UtcMicros,
     /// How long a secret that is replaced signs as well.
     pub old_secret_until: UtcMicros,
-    /// Every alert, where an order may let a hook hear of it.
-    pub alerts: Vec<AlertUpdate>,
-    /// What the hook of the order has heard of them.
-    pub heard: HashMap<Id, Severity>,
+    /// Every alert as it stands, once a hook may hear of them.
+    pub alerts: Option<Vec<AlertUpdate>>,
 }
 
 impl HookHandler<'_> {
@@ -199,21 +195,39 @@ impl HookHandler<'_> {
             deleted_at: None,
         };
         if row.enabled {
-            self.introduce(&row, &HashMap::new(), &mut changes.outbox)?;
+            self.introduce(&row, &HashMap::new(), &mut changes.outbox).await?;
         }
         changes.hooks.push(row);
         Ok(id)
     }
 
+    /// Reads how every alert stands, for a hook that begins to listen: it hears what others were spared because it was
+    /// found late.
+    async fn read_alerts(&mut self) -> Result<(), StoreError> {
+        if self.alerts.is_some() {
+            return Ok(());
+        }
+        let rows = store::alerts::all(self.store).await?;
+        let naming = NameLookup { tables: &self.store.names().read(), new: None };
+        // One that cannot be read is told to nobody; the next look at it names the damage.
+        let standing = |row: &AlertRow| {
+            let (alert, body) = (Alert { suppressed: None, ..row.alert }, Some(naming.alert(row, self.now).ok()?));
+            Some(AlertUpdate { id: row.id, alert, action: Action::Silent, step: None, body, cause: None })
+        };
+        self.alerts = Some(rows.iter().filter_map(standing).collect());
+        Ok(())
+    }
+
     /// The hook hears how things stand.
-    fn introduce(
+    async fn introduce(
         &mut self,
         row: &HookRow,
         heard: &HashMap<Id, Severity>,
         outbox: &mut OutboxChanges,
     ) -> Result<(), StoreError> {
+        self.read_alerts().await?;
         let mut context = OutboxContext { now: self.now, ids: self.writer.ids(), outbox };
-        introduce(&Subscription::of(row)?, heard, self.alerts.iter(), &mut context)
+        introduce(&Subscription::of(row)?, heard, self.alerts.iter().flatten(), &mut context)
     }
 
     /// A hook that was disabled has missed what was not told it. What still waited is old by now: it hears how things
@@ -222,8 +236,9 @@ impl HookHandler<'_> {
         outbox.dropped.push((row.id, self.now));
         outbox.forgotten.push(row.id);
         // Of what fires it is told again, whatever it has heard.
-        let heard = self.heard_firing(store::hook::delivered_firing(self.store, row.id).await?.into_keys());
-        self.introduce(row, &heard, outbox)
+        let taken = store::hook::delivered_firing(self.store, row.id).await?;
+        let heard = self.heard_firing(taken.into_keys()).await?;
+        self.introduce(row, &heard, outbox).await
     }
 
     /// Of what fires and was never taken the hook is told again, and of the end of what it took to fire, where nothing
@@ -231,15 +246,19 @@ impl HookHandler<'_> {
     async fn renotify(&mut self, hook: Id, outbox: &mut OutboxChanges) -> Result<(), StoreError> {
         let Some(row) = store::hook::get(self.store, hook).await?.filter(|row| row.enabled) else { return Ok(()) };
         let DeadLetters { fires, ends } = store::hook::dead_letters(self.store, hook).await?;
-        let heard = self.heard_firing(ends);
+        let heard = self.heard_firing(ends).await?;
         self.notify_of(&row, &heard, |alert| fires.contains(&alert) || heard.contains_key(&alert), outbox).await
     }
 
     /// Those of these alerts that have ended, as a hook has heard of them that took no more than that they fire.
-    fn heard_firing(&self, alerts: impl IntoIterator<Item = Id>) -> HashMap<Id, Severity> {
+    async fn heard_firing(
+        &mut self,
+        alerts: impl IntoIterator<Item = Id>,
+    ) -> Result<HashMap<Id, Severity>, StoreError> {
+        self.read_alerts().await?;
         let is_over = |one: &&AlertUpdate| one.alert.status == Status::Resolved;
-        let over: HashSet<Id> = self.alerts.iter().filter(is_over).map(|one| one.id).collect();
-        alerts.into_iter().filter(|id| over.contains(id)).map(|id| (id, Severity::Warning)).collect()
+        let over: HashSet<Id> = self.alerts.iter().flatten().filter(is_over).map(|one| one.id).collect();
+        Ok(alerts.into_iter().filter(|id| over.contains(id)).map(|id| (id, Severity::Warning)).collect())
     }
 
     /// The hook, which has `heard` so of alerts that have ended, is told of those alerts that fire, whatever it has
@@ -251,10 +270,11 @@ impl HookHandler<'_> {
         is_told: impl Fn(Id) -> bool,
         outbox: &mut OutboxChanges,
     ) -> Result<(), StoreError> {
+        self.read_alerts().await?;
         let waiting = store::hook::waiting_alerts(self.store, row.id).await?;
         let queued = outbox.queued.iter().filter(|new| new.hook == row.id).flat_map(|new| &new.parts);
         let queued: HashSet<Id> = queued.map(|part| part.alert).chain(waiting).collect();
-        let told = self.alerts.iter().filter(|one| is_told(one.id) && !queued.contains(&one.id));
+        let told = self.alerts.iter().flatten().filter(|one| is_told(one.id) && !queued.contains(&one.id));
         let mut context = OutboxContext { now: self.now, ids: self.writer.ids(), outbox };
         introduce(&Subscription::of(row)?, heard, told, &mut context)
     }
@@ -299,8 +319,8 @@ impl HookHandler<'_> {
                     // Nobody there has heard anything.
                     self.notify_of(&hook, &HashMap::new(), |_| true, &mut changes.outbox).await?;
                 } else if patch.filter.is_some() {
-                    let heard = std::mem::take(&mut self.heard);
-                    self.introduce(&hook, &heard, &mut changes.outbox)?;
+                    let heard = store::hook::heard_by(self.store, id).await?;
+                    self.introduce(&hook, &heard, &mut changes.outbox).await?;
                 }
             }
             (_, false) => {}
@@ -336,18 +356,10 @@ impl HookHandler<'_> {
     }
 
     async fn attempted(&mut self, attempted: &Attempted, changes: &mut Changes) -> Result<(), StoreError> {
-        if attempted.perhaps_written && self.is_written(attempted).await? {
+        if attempted.perhaps_written && self.is_written(&attempted.attempt).await? {
             return Ok(());
         }
-        let attempt = AttemptRow {
-            id: self.writer.next_id(self.now),
-            delivery: attempted.delivery,
-            at: attempted.at,
-            status: attempted.status,
-            detail: attempted.detail.clone(),
-            answer: attempted.answer.clone(),
-            took_us: attempted.took_us,
-        };
+        let attempt = AttemptRow { id: self.writer.next_id(self.now), ..attempted.attempt.clone() };
         changes.outbox.attempts.push((attempt, attempted.progress));
         if attempted.hasten {
             changes.outbox.hastened.push((attempted.hook, self.now));
@@ -360,7 +372,7 @@ impl HookHandler<'_> {
         let is_news =
             |hook: &HookRow| hook.url == *url && hook.enabled && changes.hooks.iter().all(|it| it.id != hook.id);
         if let Some(hook) = store::hook::get(self.store, attempted.hook).await?.filter(is_news) {
-            let because = to_stored(&message!("target_gone", at = time::format(attempted.at)));
+            let because = to_stored(&message!("target_gone", at = time::format(attempted.attempt.at)));
             let (disabled_because, changed_at) = (Some(because), self.now);
             let disabled = HookRow { enabled: false, disabled_because, changed_at, ..hook.clone() };
             let (before, after) = (AuditedHook::from(&hook), AuditedHook::from(&disabled));
@@ -372,9 +384,9 @@ impl HookHandler<'_> {
         Ok(())
     }
 
-    async fn is_written(&self, attempted: &Attempted) -> Result<bool, StoreError> {
-        let delivery = store::delivery::get(self.store, attempted.delivery).await?;
-        Ok(delivery.is_some_and(|delivery| delivery.attempts.iter().any(|attempt| attempt.at == attempted.at)))
+    async fn is_written(&self, attempt: &AttemptRow) -> Result<bool, StoreError> {
+        let delivery = store::delivery::get(self.store, attempt.delivery).await?;
+        Ok(delivery.is_some_and(|delivery| delivery.attempts.iter().any(|written| written.at == attempt.at)))
     }
 
     async fn hook(&self, id: Id) -> Result<HookRow, Refused> {

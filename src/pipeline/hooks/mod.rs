@@ -69,7 +69,7 @@ impl Hooks {
     }
 
     /// Every hook, oldest first.
-    pub async fn all(&self) -> Result<Vec<HookBody>, StorageError> {
+    pub async fn all(&self) -> Result<Vec<HookBody>, StoreError> {
         let mut bodies = Vec::new();
         for row in store::hook::all(&self.store).await? {
             let queue = store::delivery::queue_state(&self.store, row.id).await?;
@@ -79,7 +79,7 @@ impl Hooks {
     }
 
     /// One hook. `drawn`: the secret that has just been drawn for it, which is shown this once.
-    pub async fn get(&self, id: Id, drawn: Option<&Secret>) -> Result<Option<HookBody>, StorageError> {
+    pub async fn get(&self, id: Id, drawn: Option<&Secret>) -> Result<Option<HookBody>, StoreError> {
         let Some(row) = store::hook::get(&self.store, id).await? else { return Ok(None) };
         let queue = store::delivery::queue_state(&self.store, id).await?;
         let body = show::hook(row, queue, self.clock.now())?;
@@ -87,7 +87,7 @@ impl Hooks {
     }
 
     /// The hooks that the service itself has disabled, oldest first: which, its name, and why.
-    pub async fn disabled(&self) -> Result<Vec<(Id, String, Message)>, StorageError> {
+    pub async fn disabled(&self) -> Result<Vec<(Id, String, Message)>, StoreError> {
         let disabled = store::hook::disabled(&self.store).await?.into_iter();
         Ok(disabled.map(|(id, name, why)| (id, name, from_stored(&why))).collect())
     }
@@ -99,12 +99,12 @@ impl Hooks {
         state: Option<DeliveryState>,
         before: Option<Id>,
         limit: usize,
-    ) -> Result<Vec<DeliveryBody>, StorageError> {
+    ) -> Result<Vec<DeliveryBody>, StoreError> {
         let rows = store::delivery::of_hook(&self.store, hook, state, before, limit as u32).await?;
         Ok(rows.into_iter().map(show::delivery).collect())
     }
 
-    pub async fn delivery(&self, id: Id) -> Result<Option<DeliveryBody>, StorageError> {
+    pub async fn delivery(&self, id: Id) -> Result<Option<DeliveryBody>, StoreError> {
         Ok(store::delivery::get(&self.store, id).await?.map(show::delivery))
     }
 
@@ -114,7 +114,7 @@ impl Hooks {
     }
 
     /// How the queues of all hooks stand together.
-    pub async fn outbox_totals(&self) -> Result<QueueState, StorageError> {
-        Ok(store::delivery::totals(&self.store).await?)
+    pub async fn outbox_totals(&self) -> Result<QueueState, StoreError> {
+        store::delivery::totals(&self.store).await
     }
 }

@@ -17,7 +17,7 @@ use super::diagnoses::background::IdleDetector;
 use super::write_queue::{Job, StoreJob, WriteQueue};
 use crate::pipeline::prelude::*;
 use crate::store::IdSource;
-use admit::{Admission, Group, Prefetched, RecentRecords};
+use admit::{Admission, Group, Lookup, Prefetched, RecentRecords};
 
 pub use accepted::{Accepted, Judged, Reply};
 pub use campaign::ReadCampaign;
@@ -58,8 +58,7 @@ impl Ingest {
     /// Stores and judges one item; returns once it is on disk.
     ///
     /// # Errors
-    /// [`Refused`]; then nothing of it is stored, but where [`StorageError::is_unanswered`] that is
-    /// not known.
+    /// [`Refused`]; then nothing of it is stored, but after [`StoreError::Unanswered`] that is not known.
     pub async fn submit(&self, item: Submission) -> Result<Accepted, Refused> {
         self.submit_late(item, Late::Quiet).await
     }
@@ -141,18 +140,22 @@ impl Ingest {
         let mut ids = IdSource::after(NEVER_STORED);
         let (mut memory, ahead, nobody) = (RecentRecords::default(), Prefetched::default(), Actor::by_caller());
         let mut admission = Admission {
-            store: &self.store,
+            known: Lookup {
+                store: &self.store,
+                memory: &mut memory,
+                benched: &HashMap::new(),
+                ahead: &ahead,
+                group: Group::default(),
+            },
             ids: &mut ids,
-            memory: &mut memory,
-            ahead: &ahead,
             config: &self.config,
             now: self.clock.now(),
             by: &nobody,
         };
-        let (mut group, mut new) = (Group::default(), HashMap::new());
+        let mut new = HashMap::new();
         let mut previews = Vec::with_capacity(documents.len());
         for (place, document) in documents.iter().enumerate() {
-            let admitted = admission.admit(document, &mut group).await;
+            let admitted = admission.admit(document).await;
             if let Ok(Accepted::Stored { id, .. }) = &admitted {
                 new.insert(*id, place);
             }

@@ -45,7 +45,7 @@ pub struct CalibrationPreview {
 
 impl Queries {
     /// What would be said of a calibration if it were stored now, by what is stored before it.
-    pub async fn preview_calibration(&self, calibration: &Calibration) -> Result<CalibrationPreview, StorageError> {
+    pub async fn preview_calibration(&self, calibration: &Calibration) -> Result<CalibrationPreview, StoreError> {
         let (imu, station, has_stations) = {
             let tables = self.store.names().read();
             let station = tables.stations.number(calibration.station.as_str());

@@ -34,7 +34,7 @@ pub struct ExplainedHistory {
 
 impl Histories {
     /// Diagnoses the history of a gyro. Computes for some milliseconds, on a thread for that.
-    pub async fn explain(&self, gyro: u32, serial: &str) -> Result<ExplainedHistory, StorageError> {
+    pub async fn explain(&self, gyro: u32, serial: &str) -> Result<ExplainedHistory, StoreError> {
         let all = store::history::oldest(&self.store, gyro, Span::EVER, usize::MAX).await?;
         let marks = load_marks(&self.store, gyro).await?;
         let method = self.config.judging.method;
@@ -55,7 +55,7 @@ impl Histories {
             let peers = peers.iter().filter(|peer| !is_mate(peer)).count();
             ExplainedHistory { peers, as_of, coefficients, budgets }
         });
-        Ok(explained.await?)
+        explained.await
     }
 
     /// Records of gyros that met one of these stations: the newest, or where there are more within the time of `own`,

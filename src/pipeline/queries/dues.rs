@@ -58,7 +58,7 @@ impl Dues {
         &self,
         gyros: &[GyroStatus],
         patience: Duration,
-    ) -> Result<(HashMap<u32, DueDate>, usize), StorageError> {
+    ) -> Result<(HashMap<u32, DueDate>, usize), StoreError> {
         let drifts = |gyro: &GyroStatus| gyro.status == Some(Status::Drifting);
         let is_carried = |gyro: &GyroStatus| gyro.projection.reach.is_some() && gyro.status < Some(Status::Drifting);
         let dated = gyros.iter().filter(|gyro| drifts(gyro) || is_carried(gyro));
@@ -82,7 +82,7 @@ impl Dues {
         Ok((found, missing))
     }
 
-    async fn due(&self, gyro: &GyroStatus) -> Result<Option<DueDate>, StorageError> {
+    async fn due(&self, gyro: &GyroStatus) -> Result<Option<DueDate>, StoreError> {
         let explained = self.histories.explain(gyro.number, &gyro.serial).await?;
         let carried = gyro.projection.reach.map(|reach| reach.coefficient);
         let is_asked = |(answer, drift): &(&HistoryDiagnosis, Status)| {

@@ -191,7 +191,7 @@ pub struct StatusFilter {
 }
 
 impl Fleet {
-    pub async fn page(&self, filter: &FleetFilter<'_>, number: usize, rows: usize) -> Result<FleetPage, StorageError> {
+    pub async fn page(&self, filter: &FleetFilter<'_>, number: usize, rows: usize) -> Result<FleetPage, StoreError> {
         let now = self.clock.now();
         let counted = self.counted(now).await?;
         let Some(narrowed) = self.narrowed(filter, now).await? else { return Ok(self.counts(&[], &counted)) };
@@ -226,7 +226,7 @@ impl Fleet {
     }
 
     /// IMUs with the gyros in them, the worst first.
-    pub async fn wall(&self, filter: &FleetFilter<'_>, number: usize, imus: usize) -> Result<WallPage, StorageError> {
+    pub async fn wall(&self, filter: &FleetFilter<'_>, number: usize, imus: usize) -> Result<WallPage, StoreError> {
         let Some(narrowed) = self.narrowed(filter, self.clock.now()).await? else { return Ok(WallPage::default()) };
         let ranks = ranks_of(filter.statuses);
         let part = async |number: usize| {
@@ -263,7 +263,7 @@ impl Fleet {
     }
 
     /// The gyros of some ranks, the worst first, as many as `most`.
-    pub async fn worst_of(&self, statuses: &[Status], most: usize) -> Result<Vec<GyroStatus>, StorageError> {
+    pub async fn worst_of(&self, statuses: &[Status], most: usize) -> Result<Vec<GyroStatus>, StoreError> {
         let (whole, mut gyros) = (HeadFilter { now: self.clock.now(), ..HeadFilter::default() }, Vec::new());
         for ranks in in_order().into_iter().filter(|ranks| is_wanted(ranks, Some(statuses))) {
             let part = [0, most - gyros.len()];
@@ -276,7 +276,7 @@ impl Fleet {
     }
 
     /// None where nothing can be found, for a name is unknown.
-    async fn narrowed(&self, filter: &FleetFilter<'_>, now: UtcMicros) -> Result<Option<HeadFilter>, StorageError> {
+    async fn narrowed(&self, filter: &FleetFilter<'_>, now: UtcMicros) -> Result<Option<HeadFilter>, StoreError> {
         let Some(mut narrowed) = self.named(filter, now) else { return Ok(None) };
         if narrowed.sought.is_some()
             && let Some(found) = store::head::search(&self.store, &narrowed).await?
@@ -311,12 +311,12 @@ impl Fleet {
     }
 
     /// How many gyros have each status, and are overdue, and when each station calibrated last; no gyro by itself.
-    pub async fn totals(&self) -> Result<FleetPage, StorageError> {
+    pub async fn totals(&self) -> Result<FleetPage, StoreError> {
         let counted = self.counted(self.clock.now()).await?;
         Ok(self.counts(&counted.0, &counted))
     }
 
-    async fn counted(&self, now: UtcMicros) -> Result<Arc<(Vec<Tally>, Vec<StationTally>)>, StorageError> {
+    async fn counted(&self, now: UtcMicros) -> Result<Arc<(Vec<Tally>, Vec<StationTally>)>, StoreError> {
         let count = async {
             let counts = store::head::counts(&self.store, now).await?;
             Ok::<_, StoreError>((counts, store::head::next_overdue(&self.store, now).await?))
@@ -353,7 +353,7 @@ impl Fleet {
         limit: u32,
         filter: StatusFilter,
         of_fleet: &FleetFilter<'_>,
-    ) -> Result<Vec<GyroStatus>, StorageError> {
+    ) -> Result<Vec<GyroStatus>, StoreError> {
         let Some(narrowed) = self.narrowed(of_fleet, self.clock.now()).await? else { return Ok(Vec::new()) };
         let standings = HeadStatusFilter {
             rank: filter.status.filter(|status| *status != Status::Overdue).map(|status| rank(false, Some(status))),
@@ -366,25 +366,25 @@ impl Fleet {
     }
 
     /// How these gyros stand, in their order.
-    pub async fn standings_of(&self, gyros: &[u32]) -> Result<Vec<GyroStatus>, StorageError> {
+    pub async fn standings_of(&self, gyros: &[u32]) -> Result<Vec<GyroStatus>, StoreError> {
         self.standings(store::histories::last(&self.store, gyros).await?).await
     }
 
     /// Gyros that each station calibrated last and that are overdue.
-    pub async fn overdue_of_stations(&self) -> Result<BTreeMap<String, usize>, StorageError> {
+    pub async fn overdue_of_stations(&self) -> Result<BTreeMap<String, usize>, StoreError> {
         let of_station = self.totals().await?.of_station.into_iter();
         Ok(of_station.map(|(station, gyros)| (station, gyros.overdue)).collect())
     }
 
     /// What every station does to the gyros that it measured lately; none without records. Computes for a second of
     /// many gyros, on a thread for that: once, until something is written of a gyro.
-    pub async fn station_figures(&self) -> Result<Option<Arc<FleetStations>>, StorageError> {
+    pub async fn station_figures(&self) -> Result<Option<Arc<FleetStations>>, StoreError> {
         let version = store::head::version(&self.store);
         let found = self.known.stations.at(version, Span::EVER.from, self.find_stations()).await?;
         Ok((*found).clone())
     }
 
-    async fn find_stations(&self) -> Result<(Option<Arc<FleetStations>>, UtcMicros), StorageError> {
+    async fn find_stations(&self) -> Result<(Option<Arc<FleetStations>>, UtcMicros), StoreError> {
         let began = Instant::now();
         let histories = fleet_histories(&self.store, self.config.judging.method).await?;
         let failed = "the stations could not be compared".to_owned();
@@ -399,7 +399,7 @@ impl Fleet {
 
     /// The same; where that takes longer than `patience`, as they were found last: none before they first were. Who
     /// would wait in vain, as the last one did, does not wait.
-    pub async fn station_figures_within(&self, patience: Duration) -> Result<Option<Arc<FleetStations>>, StorageError> {
+    pub async fn station_figures_within(&self, patience: Duration) -> Result<Option<Arc<FleetStations>>, StoreError> {
         if !self.known.stations.is_computing() {
             let (fleet, took) = (self.clone(), self.last_stations().1);
             let patience = if took > patience { Duration::ZERO } else { patience };
@@ -442,7 +442,7 @@ impl Fleet {
     }
 
     /// IMUs by name with their gyros, after IMU number `after` (0: all), as many as `limit`.
-    pub async fn imus(&self, after: u32, limit: u32) -> Result<Vec<ListedImu>, StorageError> {
+    pub async fn imus(&self, after: u32, limit: u32) -> Result<Vec<ListedImu>, StoreError> {
         let imus = store::head::imus_after(&self.store, after, limit).await?;
         let listed =
             |(number, name)| async move { Ok(ListedImu { number, name, seats: self.seated_in(number).await? }) };
@@ -450,7 +450,7 @@ impl Fleet {
     }
 
     /// The gyros whose newest calibration was made in this IMU: a slot holds one of them.
-    pub async fn seated_in(&self, imu: u32) -> Result<Seats, StorageError> {
+    pub async fn seated_in(&self, imu: u32) -> Result<Seats, StoreError> {
         let gyros = store::head::of_imus(&self.store, &[imu]).await?;
         let mut newest = store::histories::last(&self.store, &gyros).await?;
         newest.retain(|(_, figures)| figures.is_some_and(|figures| figures.imu == imu));
@@ -497,7 +497,7 @@ impl Fleet {
     }
 
     /// How gyros stand with these newest calibrations.
-    pub async fn standings(&self, newest: Vec<(u32, Option<Figures>)>) -> Result<Vec<GyroStatus>, StorageError> {
+    pub async fn standings(&self, newest: Vec<(u32, Option<Figures>)>) -> Result<Vec<GyroStatus>, StoreError> {
         let gyros: Vec<u32> = newest.iter().map(|(gyro, _)| *gyro).collect();
         let heads = store::head::of_gyros(&self.store, &gyros).await?;
         let projections = heads.into_iter().map(|row| (row.gyro, row.projection)).collect();
@@ -515,7 +515,7 @@ impl Fleet {
     }
 
     /// How one gyro stands, and the verdicts on its newest record in words; none where there is no such gyro.
-    pub async fn standing_in_words(&self, number: u32) -> Result<Option<(GyroStatus, Vec<VerdictBody>)>, StorageError> {
+    pub async fn standing_in_words(&self, number: u32) -> Result<Option<(GyroStatus, Vec<VerdictBody>)>, StoreError> {
         let newest = store::history::newest(&self.store, number, Span::EVER, 1).await?.pop();
         let stored = match &newest {
             Some(figures) => self.records.reread(figures.record).await?,
@@ -531,7 +531,7 @@ impl Fleet {
     }
 
     /// The last `count` values of each of these gyros, in three queries however many they are.
-    pub async fn recent_values(&self, of: &[&GyroStatus], count: usize) -> Result<Vec<RecentValues>, StorageError> {
+    pub async fn recent_values(&self, of: &[&GyroStatus], count: usize) -> Result<Vec<RecentValues>, StoreError> {
         let gyros: Vec<u32> = of.iter().map(|standing| standing.number).collect();
         let marks = marks_of(&self.store, &gyros).await?;
         let marks: Vec<&[Mark]> = gyros.iter().map(|gyro| marks.get(gyro).map_or(&[][..], Vec::as_slice)).collect();
@@ -548,7 +548,7 @@ impl Fleet {
 
     /// The noise constants of the whole fleet: correlation and walk, fitted to every gyro's stored history. Reads all
     /// of it.
-    pub async fn noise(&self) -> Result<FleetNoise, StorageError> {
+    pub async fn noise(&self) -> Result<FleetNoise, StoreError> {
         let gyros: Vec<u32> = self.store.names().read().gyros.numbers();
         let method = self.config.judging.method;
         let mut all: Vec<Series> = Vec::with_capacity(gyros.len());

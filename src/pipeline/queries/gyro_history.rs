@@ -113,7 +113,7 @@ pub struct Histories {
 
 impl Histories {
     /// A gyro's course, its baselines by `method`.
-    pub async fn course(&self, gyro: u32, serial: &str, method: JudgedMethod) -> Result<GyroTimeline, StorageError> {
+    pub async fn course(&self, gyro: u32, serial: &str, method: JudgedMethod) -> Result<GyroTimeline, StoreError> {
         let figures = store::history::oldest(&self.store, gyro, Span::EVER, usize::MAX).await?;
         let events = store::event::of_gyro(&self.store, gyro).await?;
         let events: Vec<GyroEvent> = events.into_iter().map(|row| row.told).collect();
@@ -135,7 +135,7 @@ impl Histories {
         serial: &str,
         method: JudgedMethod,
         column: usize,
-    ) -> Result<Levels, StorageError> {
+    ) -> Result<Levels, StoreError> {
         let figures = store::history::oldest(&self.store, gyro, Span::EVER, usize::MAX).await?;
         let marks = load_marks(&self.store, gyro).await?;
         let limits = self.limits(serial, &figures);
@@ -152,49 +152,49 @@ impl Histories {
     }
 
     /// The results of a gyro by every method, within `span`; without one, those that were made to be compared.
-    pub async fn compare_methods(&self, gyro: u32, span: Option<Span>) -> Result<Comparison, StorageError> {
-        Ok(compare_methods(&self.store, &self.config.judging, gyro, span).await?)
+    pub async fn compare_methods(&self, gyro: u32, span: Option<Span>) -> Result<Comparison, StoreError> {
+        compare_methods(&self.store, &self.config.judging, gyro, span).await
     }
 
     /// Calibrations that count, oldest first.
-    pub async fn oldest(&self, gyro: u32, span: Span, most: usize) -> Result<Vec<Figures>, StorageError> {
-        Ok(store::history::oldest(&self.store, gyro, span, most).await?)
+    pub async fn oldest(&self, gyro: u32, span: Span, most: usize) -> Result<Vec<Figures>, StoreError> {
+        store::history::oldest(&self.store, gyro, span, most).await
     }
 
     /// The newest calibrations that count, oldest first.
-    pub async fn newest(&self, gyro: u32, span: Span, most: usize) -> Result<Vec<Figures>, StorageError> {
-        Ok(store::history::newest(&self.store, gyro, span, most).await?)
+    pub async fn newest(&self, gyro: u32, span: Span, most: usize) -> Result<Vec<Figures>, StoreError> {
+        store::history::newest(&self.store, gyro, span, most).await
     }
 
     /// Calibrations that count no more, oldest first.
-    pub async fn voided(&self, gyro: u32, span: Span) -> Result<Vec<Figures>, StorageError> {
-        Ok(store::history::voided(&self.store, gyro, span).await?)
+    pub async fn voided(&self, gyro: u32, span: Span) -> Result<Vec<Figures>, StoreError> {
+        store::history::voided(&self.store, gyro, span).await
     }
 
     /// Records that do not count until somebody confirms their times.
-    pub async fn set_aside(&self, gyro: u32) -> Result<Vec<(Id, UtcMicros)>, StorageError> {
-        Ok(store::set_aside::of_gyro(&self.store, gyro).await?)
+    pub async fn set_aside(&self, gyro: u32) -> Result<Vec<(Id, UtcMicros)>, StoreError> {
+        store::set_aside::of_gyro(&self.store, gyro).await
     }
 
     /// How many calibrations of a gyro there are.
-    pub async fn count(&self, gyro: u32) -> Result<usize, StorageError> {
-        Ok(store::history::count(&self.store, gyro).await?)
+    pub async fn count(&self, gyro: u32) -> Result<usize, StoreError> {
+        store::history::count(&self.store, gyro).await
     }
 
     /// What was done to a gyro, oldest first.
-    pub async fn events(&self, gyro: u32) -> Result<Vec<(Id, GyroEvent)>, StorageError> {
+    pub async fn events(&self, gyro: u32) -> Result<Vec<(Id, GyroEvent)>, StoreError> {
         let events = store::event::of_gyro(&self.store, gyro).await?;
         Ok(events.into_iter().map(|row| (row.id, row.told)).collect())
     }
 
     /// Bench results that count, oldest first.
-    pub async fn benches(&self, gyro: u32, span: Span) -> Result<Vec<BenchItem>, StorageError> {
-        Ok(store::bench::of_gyro(&self.store, gyro, span).await?)
+    pub async fn benches(&self, gyro: u32, span: Span) -> Result<Vec<BenchItem>, StoreError> {
+        store::bench::of_gyro(&self.store, gyro, span).await
     }
 
     /// Bench results, those included that count no more.
-    pub async fn all_benches(&self, gyro: u32, span: Span) -> Result<Vec<BenchItem>, StorageError> {
-        Ok(store::bench::all_of_gyro(&self.store, gyro, span).await?)
+    pub async fn all_benches(&self, gyro: u32, span: Span) -> Result<Vec<BenchItem>, StoreError> {
+        store::bench::all_of_gyro(&self.store, gyro, span).await
     }
 
     /// What the rules say of these calibrations of one gyro, for these columns of D_I, D_S and D_O.
@@ -203,8 +203,8 @@ impl Histories {
         gyro: u32,
         rows: impl Iterator<Item = &Figures>,
         columns: &[usize],
-    ) -> Result<Statuses, StorageError> {
-        Ok(Statuses::of(&self.store, gyro, rows, columns).await?)
+    ) -> Result<Statuses, StoreError> {
+        Statuses::of(&self.store, gyro, rows, columns).await
     }
 
     async fn tests(&self, gyro: u32, events: &[GyroEvent], figures: &[Figures]) -> Result<Vec<Tested>, StoreError> {

@@ -55,18 +55,18 @@ impl Queries {
     }
 
     /// Whether a station of that name has measured anything.
-    pub async fn is_station(&self, name: &str) -> Result<bool, StorageError> {
+    pub async fn is_station(&self, name: &str) -> Result<bool, StoreError> {
         Ok(self.station_number(name).await?.is_some())
     }
 
     /// The windows of a station in which what it measures does not count, oldest first; none of an unknown station.
-    pub async fn suspect_windows(&self, name: &str) -> Result<Option<Vec<SuspectWindow>>, StorageError> {
+    pub async fn suspect_windows(&self, name: &str) -> Result<Option<Vec<SuspectWindow>>, StoreError> {
         let Some(station) = self.station_number(name).await? else { return Ok(None) };
         let rows = store::suspect_window::of_stations(&self.store, &[station]).await?;
         Ok(Some(in_force(rows.iter().map(|row| &row.mark))))
     }
 
-    async fn station_number(&self, name: &str) -> Result<Option<u32>, StorageError> {
+    async fn station_number(&self, name: &str) -> Result<Option<u32>, StoreError> {
         store::names::look_up(&self.store, [Vec::new(), vec![name], Vec::new()]).await?;
         Ok(self.names().station_number(name))
     }

@@ -133,8 +133,8 @@ impl Records {
     /// A stored record and what is answered to it.
     ///
     /// # Errors
-    /// [`StorageError`], for one where the body is not what was hashed when it came.
-    pub async fn record(&self, id: Id) -> Result<Option<StoredRecord>, StorageError> {
+    /// [`StoreError`], for one where the body is not what was hashed when it came.
+    pub async fn record(&self, id: Id) -> Result<Option<StoredRecord>, StoreError> {
         let Some(DecodedRecord { row, calibration, .. }) = self.reread(id).await? else { return Ok(None) };
         let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?;
         let closures = closures_of(&calibration);
@@ -148,8 +148,8 @@ impl Records {
     /// A stored campaign: fitted again from its dwells, the verdicts as they were decided.
     ///
     /// # Errors
-    /// [`StorageError`], for one where the body is not what was hashed when it came.
-    pub async fn campaign(&self, id: Id) -> Result<Option<StoredCampaign>, StorageError> {
+    /// [`StoreError`], for one where the body is not what was hashed when it came.
+    pub async fn campaign(&self, id: Id) -> Result<Option<StoredCampaign>, StoreError> {
         let Some(DecodedRecord { row, calibration, fitted: Some(fitted) }) = self.reread(id).await? else {
             return Ok(None);
         };
@@ -162,13 +162,13 @@ impl Records {
     }
 
     /// Who sent an item, by the line of the audit trail about it.
-    pub async fn sender(&self, line: Option<Id>) -> Result<Option<SenderBody>, StorageError> {
+    pub async fn sender(&self, line: Option<Id>) -> Result<Option<SenderBody>, StoreError> {
         let Some(line) = line else { return Ok(None) };
         Ok(store::access::audit_line(&self.store, line).await?.as_ref().map(SenderBody::from))
     }
 
     /// The closures of a stored record's gyros; none where there is no such record.
-    pub async fn closures(&self, id: Id) -> Result<Option<ClosureDiagnosis>, StorageError> {
+    pub async fn closures(&self, id: Id) -> Result<Option<ClosureDiagnosis>, StoreError> {
         Ok(self.reread(id).await?.map(|it| closures_of(&it.calibration)))
     }
 
@@ -184,17 +184,12 @@ impl Records {
         Ok(Some(DecodedRecord { row, calibration, fitted }))
     }
 
-    pub async fn sent(&self, id: Id) -> Result<Option<RecordRow>, StorageError> {
-        Ok(store::record::get(&self.store, id).await?)
+    pub async fn sent(&self, id: Id) -> Result<Option<RecordRow>, StoreError> {
+        store::record::get(&self.store, id).await
     }
 
     /// Records and campaigns, the last to arrive first, from the one before `before` on.
-    pub async fn listed(
-        &self,
-        filter: &ListFilter<'_>,
-        before: Id,
-        most: u32,
-    ) -> Result<Vec<RecordEntry>, StorageError> {
+    pub async fn listed(&self, filter: &ListFilter<'_>, before: Id, most: u32) -> Result<Vec<RecordEntry>, StoreError> {
         let [imus, stations] = [filter.imu, filter.station].map(|name| name.into_iter().collect());
         store::names::look_up(&self.store, [imus, stations, Vec::new()]).await?;
         let numbers = {
@@ -205,20 +200,20 @@ impl Records {
         let (None | Some(Some(_)), None | Some(Some(_))) = numbers else { return Ok(Vec::new()) };
         let (imu, station) = (numbers.0.flatten(), numbers.1.flatten());
         let filter = RecordFilter { kind: filter.kind, imu, station, calibrated: filter.calibrated };
-        Ok(store::record::listed(&self.store, filter, before, most).await?)
+        store::record::listed(&self.store, filter, before, most).await
     }
 
     /// Records and campaigns of an IMU, newest first.
-    pub async fn of_imu(&self, imu: u32, most: u32) -> Result<Vec<RecordEntry>, StorageError> {
-        Ok(store::record::of_imu(&self.store, imu, most).await?)
+    pub async fn of_imu(&self, imu: u32, most: u32) -> Result<Vec<RecordEntry>, StoreError> {
+        store::record::of_imu(&self.store, imu, most).await
     }
 
-    pub async fn bench(&self, id: Id) -> Result<Option<BenchItem>, StorageError> {
-        Ok(store::bench::get(&self.store, id).await?)
+    pub async fn bench(&self, id: Id) -> Result<Option<BenchItem>, StoreError> {
+        store::bench::get(&self.store, id).await
     }
 
     /// Whether a record, campaign or bench result counts, and what was said of it.
-    pub async fn status(&self, id: Id) -> Result<ItemStatus, StorageError> {
+    pub async fn status(&self, id: Id) -> Result<ItemStatus, StoreError> {
         let corrections = store::correction::of_item(&self.store, id).await?;
         Ok(ItemStatus {
             is_corrected: corrections.iter().any(|correction| correction.item == id),

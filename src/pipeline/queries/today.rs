@@ -44,7 +44,7 @@ pub struct Today {
 
 /// What has become worse since an instant, what soon will, what is due, and where several gyros moved at once; of
 /// each as many as [`LINES`], but of those that soon will.
-pub async fn today(fleet: &Fleet, since: UtcMicros) -> Result<Today, StorageError> {
+pub async fn today(fleet: &Fleet, since: UtcMicros) -> Result<Today, StoreError> {
     let (store, now) = (&fleet.store, fleet.clock.now());
     let worse = store::head::changed(store, since, LINES).await?;
     let approaching = store::head::approaching(store, APPROACHING).await?;
@@ -91,6 +91,6 @@ async fn misspelt(store: &Store) -> Result<Vec<[String; 2]>, StoreError> {
     Ok(named.into_iter().zip(rows).filter(|(_, rows)| is_few(rows)).map(|((_, names), _)| names).collect())
 }
 
-async fn first_of(fleet: &Fleet, gyros: FirstOf<u32>) -> Result<FirstOf<GyroStatus>, StorageError> {
+async fn first_of(fleet: &Fleet, gyros: FirstOf<u32>) -> Result<FirstOf<GyroStatus>, StoreError> {
     Ok(FirstOf { first: fleet.standings_of(&gyros.first).await?, of: gyros.of })
 }

@@ -45,8 +45,8 @@ impl Records {
     /// Computes everything again. Takes as long as there are records: about a millisecond a campaign, less a record.
     ///
     /// # Errors
-    /// [`StorageError`] where something cannot be read at all; what differs is in [`Verified::faults`].
-    pub async fn verify(&self) -> Result<Verified, StorageError> {
+    /// [`StoreError`] where something cannot be read at all; what differs is in [`Verified::faults`].
+    pub async fn verify(&self) -> Result<Verified, StoreError> {
         let mut verified = Verified::default();
         for id in store::record::ids(&self.store).await? {
             verified.records += 1;
@@ -54,7 +54,7 @@ impl Records {
                 Ok(Some(stored)) => self.verify_record(&stored, &mut verified).await?,
                 Ok(None) => verified.faults.push(of_record(id, message!("in_index_only"))),
                 Err(StoreError::Damaged(what)) => verified.faults.push(what),
-                Err(error) => return Err(error.into()),
+                Err(error) => return Err(error),
             }
         }
         self.verify_benches(&mut verified).await?;

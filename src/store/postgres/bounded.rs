@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use futures::future::BoxFuture;
 use futures::stream::{BoxStream, StreamExt, unfold};
 use sqlx::postgres::{PgConnectOptions, PgPoolOptions, PgQueryResult, PgRow, PgStatement, PgTypeInfo};
-use sqlx::{Connection, Either, Error, Execute, Executor, PgPool, Postgres, SqlSafeStr, SqlStr, Transaction};
+use sqlx::{Connection, Either, Error, Execute, Executor, PgPool, Postgres, SqlStr};
 use tokio::sync::watch;
 use tokio::time::timeout;
 
@@ -103,13 +103,8 @@ impl PgReaders {
         &self.pool
     }
 
-    /// Several questions, to be asked [within the limit](Self::within_limit).
-    pub async fn begin_with(&self, statement: impl SqlSafeStr) -> Result<Transaction<'static, Postgres>, Error> {
-        self.pool.begin_with(statement).await
-    }
-
     /// What comes of `work`, unless nothing has within the limit of one question.
-    pub async fn within_limit<T, E: From<Error>>(&self, work: impl Future<Output = Result<T, E>>) -> Result<T, E> {
+    async fn within_limit<T, E: From<Error>>(&self, work: impl Future<Output = Result<T, E>>) -> Result<T, E> {
         self.unless_silent(work).await.unwrap_or_else(|silent| Err(silent.into()))
     }
 

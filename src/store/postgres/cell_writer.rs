@@ -144,10 +144,12 @@ impl CellWriter {
                 self.find_out(&next[0], error.into()).await?;
             }
         }
-        self.names.learn(changes.new_names());
         if changes.brings(ChangeTopic::Names) {
             let stamps = next.iter().map(|row| (usize::from(row.cell), row.stamp_of(ChangeTopic::Names)));
-            self.names.change(|tables| stamps.for_each(|(place, stamp)| tables.seen[place] = stamp));
+            self.names.change(|tables| {
+                tables.enter(changes.new_names());
+                stamps.for_each(|(place, stamp)| tables.seen[place] = stamp);
+            });
         }
         self.seen.learn(&next);
         Ok(())
@@ -193,7 +195,7 @@ impl CellWriter {
     async fn has(&self, commit: &CellRow) -> Result<bool> {
         let mut connection = self.hosts.reach(self.patience).await?;
         // Until then it holds the cell.
-        lock(&mut connection, &Cells::one(commit.cell), self.lease).await?;
+        lock(&mut connection, &Cells::from([commit.cell]), self.lease).await?;
         let sql = "SELECT count(*) > 0 FROM cell_commit WHERE cell = $1 AND stamp = $2";
         let found = sqlx::query_scalar(sql).bind(i64::from(commit.cell)).bind(commit.stamp).fetch_one(&mut connection);
         let found = within(self.patience, found).await?;
@@ -207,7 +209,7 @@ impl CellWriter {
             return Ok(());
         }
         // What others have written meanwhile is still to be looked at by whoever holds the cell next.
-        self.held = self.begin(&Cells::one(0)).await?;
+        self.held = self.begin(&Cells::from([0])).await?;
         let Some(connection) = &mut self.connection else { return Ok(()) };
         let write = sqlx::query("UPDATE cell SET stamp = stamp WHERE cell = 0");
         let written = within(self.lease, write.execute(connection)).await;
@@ -236,7 +238,7 @@ async fn lock(connection: &mut PgConnection, cells: &Cells, lease: Duration) -> 
         "BEGIN; SET LOCAL idle_in_transaction_session_timeout = {ms}; SET LOCAL statement_timeout = {}",
         ms + ms / 4
     );
-    for cell in cells.iter() {
+    for cell in cells {
         take.push_str(&format!("; {COLUMNS} WHERE cell = {cell} FOR UPDATE"));
     }
     let limit = lease + lease / 2;

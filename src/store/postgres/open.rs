@@ -16,7 +16,7 @@ use crate::store::cells::cell_of;
 use crate::store::db::{MigrationFile, Readers, migrations, migrator, newest_of};
 use crate::store::name_tables::Names;
 use crate::store::sqlite::write_behind::WriteBehind;
-use crate::store::{Options, Result, Store, StoreError, Tables, Writer};
+use crate::store::{Options, Result, Store, StoreError, Writer};
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
 const MIGRATIONS: [MigrationFile; 23] = migrations! {
@@ -63,7 +63,7 @@ async fn ready(options: &Options) -> Result<(PgReaders, Names, CellWriter)> {
     .await?;
     let readers = pool(&hosts, options, options.readers, options.lease).await?;
     check_copied(&readers).await?;
-    let names = Names::new(Tables::default());
+    let names = Names::default();
     names::learn_all(&readers, &names).await?;
     let writer = CellWriter::new(hosts, options, readers.clone(), names.clone()).await?;
     Ok((readers, names, writer))
@@ -95,7 +95,7 @@ async fn refuse_shared(one: &mut PgConnection, hosts: &Hosts, patience: Duration
 /// [`StoreError::File`] where its schema is not of this version of the program.
 pub(in crate::store) async fn open_to_read(options: &Options) -> Result<Store> {
     let readers = pool(&Hosts::of(&options.url)?, options, 1, TO_READ_ALL).await?;
-    let names = Names::new(Tables::default());
+    let names = Names::default();
     {
         let mut connection = readers.pool().acquire().await?;
         // One connection, inside one transaction for as long as it lives.
@@ -176,7 +176,7 @@ async fn migrate(connection: &mut PgConnection) -> Result<()> {
     migrator.run(connection).await.map_err(|error| match error {
         MigrateError::ExecuteMigration(error, _) if is_made(&error) => StoreError::Overtaken(error.to_string()),
         MigrateError::Execute(error) | MigrateError::ExecuteMigration(error, _) => error.into(),
-        other => StoreError::Other(other.into()),
+        other => StoreError::other(other),
     })
 }
 

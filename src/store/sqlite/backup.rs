@@ -140,7 +140,7 @@ async fn read_through(file: &Path, records: bool) -> Result<BackupContents> {
     }
     // As it will be once a service is started on it.
     let mut drawn = [0; 8];
-    fill_random(&mut drawn).map_err(|error| StoreError::Other(error.into()))?;
+    fill_random(&mut drawn).map_err(StoreError::other)?;
     let migrated = std::env::temp_dir().join(format!("gyrowatch-check-{}.db", hex::encode(drawn)));
     let checked = async {
         private::create(&migrated).and_then(|_| copy(file, &migrated)).map_err(|error| failed(&migrated, &error))?;

@@ -39,7 +39,7 @@ impl Checkpoints {
         let beside = nearly_done.clone();
         let thread = thread::Builder::new().name("checkpoints".into());
         let thread = thread.spawn(move || serve(connection, &requests, &beside, &flush_failure));
-        let thread = thread.map_err(|error| StoreError::Other(error.into()))?;
+        let thread = thread.map_err(StoreError::other)?;
         Ok(Self { wanted, thread, nearly_done, begun: false, written: 0, every })
     }
 

@@ -17,7 +17,7 @@ use crate::store::name_tables::Names;
 use crate::store::sqlite::write_behind::WriteBehind;
 use crate::store::sqlite::write_behind::record_index::{IndexChanges, NewRecord};
 use crate::store::tables::diagnosis;
-use crate::store::{Changes, RecordRow, Result, StoreError};
+use crate::store::{ChangeTopic, Changes, RecordRow, Result, StoreError};
 
 #[derive(Debug)]
 pub(crate) struct FileWriter {
@@ -73,7 +73,9 @@ impl FileWriter {
         }
         self.flush_failure.record(committed)?;
         // First, so that whoever finds a row knows its names.
-        self.names.learn(changes.new_names());
+        if changes.brings(ChangeTopic::Names) {
+            self.names.change(|tables| tables.enter(changes.new_names()));
+        }
         self.write_behind.history.change(|history| history.committed(changes.history_rows(), &fold));
         self.write_behind.index.change(|index| index.committed(&entering, &indexed));
         self.checkpoints.written(pages);

@@ -352,23 +352,17 @@ pub async fn totals(store: &Store) -> Result<QueueState> {
     read!(store, one, sql)
 }
 
-/// Deliveries with their attempts, all as of one moment: an attempt that is written meanwhile is in none of them.
+/// Deliveries with their attempts, in one statement: all as of one moment.
 macro_rules! with_attempts {
     ($store:expr, $which:expr, $($bound:expr),+) => {{
-        let sql = AssertSqlSafe(format!("{COLUMNS} WHERE {}", $which));
-        let read = async {
-            on!($store.readers, db => {
-                let mut snapshot = db.begin_with($store.readers.words(SNAPSHOT)).await?;
-                let query = sqlx::query(sql)$(.bind($bound.bound()))+;
-                let found: Vec<Delivery> = each(query.fetch(&mut *snapshot)).await.map_err(of_delivery)?;
-                let mut deliveries: Vec<DeliveryRow> = found.into_iter().map(delivery).collect();
-                for delivery in &mut deliveries {
-                    delivery.attempts = each(sqlx::query(attempts()).bind(delivery.id.0).fetch(&mut *snapshot)).await?;
-                }
-                Ok(deliveries)
-            })
-        };
-        $store.readers.within_limit(read).await
+        let sql = AssertSqlSafe(format!(
+            "SELECT found.*, made.id, made.at, made.status, made.detail, made.took_us, made.answer
+             FROM ({COLUMNS} WHERE {}) AS found LEFT JOIN delivery_attempt AS made ON made.delivery = found.id
+             ORDER BY found.id DESC, made.id",
+            $which
+        ));
+        let rows: Result<Vec<(Delivery, Made)>> = read!($store, all, sql, $($bound),+);
+        rows.map(together).map_err(|error| error.of("delivery"))
     }};
 }
 
@@ -390,23 +384,41 @@ pub async fn get(store: &Store, id: Id) -> Result<Option<DeliveryRow>> {
     Ok(found?.pop())
 }
 
-/// What several queries see is of one moment.
-const SNAPSHOT: Sql = Sql { sqlite: "BEGIN", postgres: "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY" };
-
-fn attempts() -> AssertSqlSafe<String> {
-    AttemptRow::select("WHERE delivery = $1 ORDER BY id")
-}
-
-fn of_delivery(error: StoreError) -> StoreError {
-    error.of("delivery")
-}
-
 type Delivery =
     ((Id, Id, [Option<Id>; 2]), (UtcMicros, DeliveryState, UtcMicros, Option<UtcMicros>), (Option<String>, Option<Id>));
+
+/// An attempt, if there was one.
+type Made = ((Option<Id>, Option<UtcMicros>, Option<u16>), (Option<String>, Option<i64>, Option<String>));
 
 fn delivery(((id, hook, of), (queued_at, state, due_at, finished_at), (action, alert)): Delivery) -> DeliveryRow {
     let (subject, attempts) = (DeliverySubject::of(of, action.is_some()), Vec::new());
     DeliveryRow { id, hook, subject, action, alert, queued_at, state, due_at, finished_at, attempts }
+}
+
+/// A row for each attempt, those of a delivery beside one another.
+fn together(rows: Vec<(Delivery, Made)>) -> Vec<DeliveryRow> {
+    let mut deliveries: Vec<DeliveryRow> = Vec::new();
+    for (found, ((id, at, status), (detail, took_us, answer))) in rows {
+        let mut delivery = delivery(found);
+        let made = id.zip(at).zip(detail.zip(took_us));
+        let made = made.map(|((id, at), (detail, took_us))| AttemptRow {
+            id,
+            delivery: delivery.id,
+            at,
+            status,
+            detail,
+            answer,
+            took_us,
+        });
+        match deliveries.last_mut().filter(|last| last.id == delivery.id) {
+            Some(last) => last.attempts.extend(made),
+            None => {
+                delivery.attempts.extend(made);
+                deliveries.push(delivery);
+            }
+        }
+    }
+    deliveries
 }
 
 /// The gyros of whose alerts these deliveries tell.

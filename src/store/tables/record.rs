@@ -208,46 +208,40 @@ pub async fn ids(store: &Store) -> Result<Vec<Id>> {
 
 /// The records of an IMU at an instant: the one that counts first (there is one at the most), then those that do not.
 pub async fn at(store: &Store, imu: u32, at: UtcMicros) -> Result<Vec<RecordAt>> {
-    // On a server nothing waits, and $3 is null.
-    let waiting = store.write_behind.index.read().at(imu, at);
-    let sql = store.readers.words(Sql {
-        sqlite: "SELECT imu, calibrated_at, id, body_sha256, voided FROM record WHERE id = $3
-                 OR id IN (SELECT record FROM calendar WHERE imu = $1 AND calibrated_at = $2) ORDER BY voided",
-        postgres: "SELECT imu, calibrated_at, id, body_sha256, voided FROM record
-                   WHERE imu = $1 AND calibrated_at = $2 AND $3 IS NULL ORDER BY voided",
-    });
-    let found: Vec<((u32, UtcMicros), RecordAt)> = read!(store, all, sql, imu, at, waiting)?;
-    let found = found.into_iter().map(|(place, found)| {
-        let is_here = place == (imu, at);
-        if is_here {
-            Ok(found)
-        } else {
-            Err(StoreError::damaged(format_args!("record {} is of another instant", found.id)))
-        }
-    });
-    found.collect()
+    Ok(at_many(store, &[(imu, at)]).await?.pop().unwrap_or_default())
 }
 
 /// As [`at`], of many places: of a database server in one question, of a file one by one, which costs nothing
 /// there.
 pub async fn at_many(store: &Store, places: &[(u32, UtcMicros)]) -> Result<Vec<Vec<RecordAt>>> {
-    if !matches!(store.readers, Readers::Postgres(..)) {
-        let mut all = Vec::with_capacity(places.len());
-        for (imu, time) in places {
-            let is_new = store.write_behind.index.read().newest_of(*imu).is_none_or(|newest| newest < *time);
-            all.push(if is_new { Vec::new() } else { at(store, *imu, *time).await? });
-        }
+    let mut all = vec![Vec::new(); places.len()];
+    if places.is_empty() {
         return Ok(all);
     }
-    if places.is_empty() {
-        return Ok(Vec::new());
+    if let Readers::Sqlite(..) = store.readers {
+        let sql = "SELECT imu, calibrated_at, id, body_sha256, voided FROM record WHERE id = $3
+                   OR id IN (SELECT record FROM calendar WHERE imu = $1 AND calibrated_at = $2) ORDER BY voided";
+        for (&(imu, at), found) in places.iter().zip(&mut all) {
+            let (waiting, newest) = {
+                let index = store.write_behind.index.read();
+                (index.at(imu, at), index.newest_of(imu))
+            };
+            if newest.is_none_or(|newest| newest < at) {
+                continue;
+            }
+            let rows: Vec<((u32, UtcMicros), RecordAt)> = read!(store, all, sql, imu, at, waiting)?;
+            if let Some((_, other)) = rows.iter().find(|(place, _)| *place != (imu, at)) {
+                return Err(StoreError::damaged(format_args!("record {} is of another instant", other.id)));
+            }
+            found.extend(rows.into_iter().map(|(_, one)| one));
+        }
+        return Ok(all);
     }
     let sql = "SELECT CAST(key AS BIGINT), id, body_sha256, voided
                FROM jsonb_array_elements(CAST($1 AS JSONB)) WITH ORDINALITY AS j(value, key) JOIN record
                ON imu = CAST(j.value->>0 AS BIGINT) AND calibrated_at = CAST(j.value->>1 AS BIGINT) ORDER BY key, voided";
     let wanted: Vec<[i64; 2]> = places.iter().map(|(imu, at)| [i64::from(*imu), at.0]).collect();
     let found: Vec<(usize, RecordAt)> = read!(store, all, sql, serde_json::json!(wanted).to_string())?;
-    let mut all = vec![Vec::new(); places.len()];
     for (key, one) in found {
         all[key - 1].push(one);
     }

@@ -10,7 +10,7 @@ use crate::core::delivery::DeliveryState;
 use crate::core::message::sent;
 use crate::pipeline::hooks::{Attempted, Hooks, webhook_id};
 use crate::pipeline::prelude::*;
-use crate::store::{DeliverySubject, DueDelivery, HookRow, Progress};
+use crate::store::{AttemptRow, DeliverySubject, DueDelivery, HookRow, Progress};
 use crate::system;
 use crate::wire::alert::AlertBody;
 use crate::wire::hook::ExpectBody;
@@ -149,13 +149,16 @@ pub(super) fn report(
         DeliveryOutcome::Partly => again(None),
     };
     Attempted {
-        delivery: due.id,
+        attempt: AttemptRow {
+            id: Id(0),
+            delivery: due.id,
+            at,
+            status: attempt.status,
+            detail: attempt.detail.as_ref().map(to_stored).unwrap_or_default(),
+            answer: attempt.answer.clone(),
+            took_us: i64::try_from(attempt.took.as_micros()).unwrap_or(i64::MAX),
+        },
         hook: due.hook,
-        at,
-        status: attempt.status,
-        detail: attempt.detail.as_ref().map(to_stored).unwrap_or_default(),
-        answer: attempt.answer.clone(),
-        took_us: i64::try_from(attempt.took.as_micros()).unwrap_or(i64::MAX),
         progress,
         gone: (attempt.outcome == DeliveryOutcome::Gone).then(|| to.row.url.clone()),
         hasten: false,

@@ -222,7 +222,7 @@ impl DeliveryQueue {
                 count(to.kind, &attempted, &attempt);
                 let context = Arc::clone(&self.context);
                 self.under_way.push(Box::pin(async move {
-                    let delivery = attempted.delivery;
+                    let delivery = attempted.attempt.delivery;
                     let written = context.write_down(Found::Attempted(attempted)).await;
                     if written { QueueEvent::WrittenDown(delivery) } else { QueueEvent::Unwritten }
                 }));
@@ -271,10 +271,9 @@ impl DeliveryContext {
                 Err(error) => {
                     match &mut found {
                         Found::Attempted(attempted) => {
-                            let delivery = attempted.delivery;
+                            let delivery = attempted.attempt.delivery;
                             tracing::warn!(%error, %delivery, "an attempt cannot be written down; trying again");
-                            attempted.perhaps_written |=
-                                matches!(&error, Refused::Storage(error) if error.is_unanswered());
+                            attempted.perhaps_written |= matches!(error, Refused::Storage(StoreError::Unanswered(_)));
                         }
                         Found::Back(hook) => {
                             tracing::warn!(%error, %hook, "what waits cannot be hastened; trying again")
@@ -302,7 +301,7 @@ fn count(kind: HookKind, attempted: &Attempted, attempt: &Attempt) {
     };
     if matches!(outcome, "gone" | "dead") {
         let why = said(attempt);
-        tracing::warn!(hook = %attempted.hook, delivery = %attempted.delivery, why, "a delivery was given up");
+        tracing::warn!(hook = %attempted.hook, delivery = %attempted.attempt.delivery, why, "a delivery was given up");
     }
     metrics::counter!(telemetry::ATTEMPTS, "kind" => kind.name(), "outcome" => outcome).increment(1);
     metrics::histogram!(telemetry::ATTEMPT_TIME, "kind" => kind.name()).record(attempt.took);

@@ -1,7 +1,6 @@
 //! A calibration held against what is known of its IMU and gyros: what is to be noted, and whether its time is in
 //! doubt.
 
-use super::group::Group;
 use super::lookup::{Admission, Lookup};
 use super::overlapping::{Tested, overlapping};
 use super::recent_records::{NearbyRecords, RecentRecord};
@@ -81,51 +80,45 @@ pub(super) struct Check<'c> {
 impl<'c> Check<'c> {
     /// Holds a calibration that is about to be entered against what is known. Earlier records whose times turn out to
     /// be in doubt are set aside in the group.
-    pub async fn of(
-        sent: &'c Calibration,
-        admission: &mut Admission<'_>,
-        group: &mut Group,
-    ) -> Result<Checked, StoreError> {
+    pub async fn of(sent: &'c Calibration, admission: &mut Admission<'_>) -> Result<Checked, StoreError> {
         let at = sent.calibrated_at;
         let mut gyros = Vec::with_capacity(sent.gyros.len());
         for gyro in &sent.gyros {
-            let number = admission.lookup(group).number(NamesOf::Gyros, gyro.serial.as_str());
+            let number = admission.known.number(NamesOf::Gyros, gyro.serial.as_str());
             let around = match number {
-                Some(number) => admission.memory.around(admission.store, number, at, group).await?,
+                Some(number) => {
+                    admission.known.memory.around(admission.known.store, number, at, &admission.known.group).await?
+                }
                 None => NearbyRecords::default(),
             };
             let budget = admission.config.judging.budget_of(sent.imu.as_str(), gyro.serial.as_str());
             gyros.push(Known { sent: gyro, number, around, budget });
         }
-        let imu = admission.lookup(group).number(NamesOf::Imus, sent.imu.as_str());
+        let imu = admission.known.number(NamesOf::Imus, sent.imu.as_str());
         let mut check = Self { sent, imu, gyros, notes: Vec::new() };
-        let in_doubt = check.check_times(admission, group).await?.is_some();
-        let is_suspect = check.check_window(&admission.lookup(group)).await?;
-        check.check_names(&admission.lookup(group)).await?;
-        check.check_figures(&admission.lookup(group)).await?;
+        let in_doubt = check.check_times(admission).await?.is_some();
+        let is_suspect = check.check_window(&admission.known).await?;
+        check.check_names(&admission.known).await?;
+        check.check_figures(&admission.known).await?;
         if sent.kind == Kind::Campaign {
             let tested = check.gyros.iter();
             let tested = tested.filter_map(|one| Some((one.number?, one.sent.serial.as_str(), &one.around)));
             let tested: Vec<Tested<'_>> = tested.collect();
             let span = Span { from: at, to: sent.ends_at };
-            check.notes.extend(overlapping(span, &tested, &admission.lookup(group)).await?);
+            check.notes.extend(overlapping(&mut admission.known, span, &tested).await?);
         }
         let notes = check.notes.into_iter().map(Note::History).collect();
         Ok(Checked { notes, set_aside: in_doubt || is_suspect })
     }
 
     /// Whether its own time is in doubt, or those of earlier records are.
-    async fn check_times(
-        &mut self,
-        admission: &mut Admission<'_>,
-        group: &mut Group,
-    ) -> Result<Option<TimeDoubt>, StoreError> {
+    async fn check_times(&mut self, admission: &mut Admission<'_>) -> Result<Option<TimeDoubt>, StoreError> {
         let at = self.sent.calibrated_at;
         let nearest = self.gyros.iter().filter_map(|gyro| gyro.around.nearest(at)).min_by_key(|it| it.0.abs_diff(at.0));
         let in_doubt = self.doubt(nearest, admission).await?;
         self.notes.extend(in_doubt.map(HistoryNote::TimeInDoubt));
         if nearest.is_some_and(|nearest| at.days_since(nearest) > FAR_DAYS) {
-            let records = self.doubt_earlier(admission, group).await?;
+            let records = self.doubt_earlier(admission).await?;
             if !records.is_empty() {
                 self.notes.push(HistoryNote::OthersSetAside { records });
                 self.gyros.iter_mut().for_each(|gyro| gyro.around = NearbyRecords::default());
@@ -134,7 +127,7 @@ impl<'c> Check<'c> {
         if at.days_since(admission.now) > AHEAD_DAYS {
             self.notes.push(HistoryNote::AheadOfNow { hours: at.days_since(admission.now) * 24.0 });
         }
-        let newest = self.gyros.iter().filter_map(|gyro| admission.memory.newest_of(gyro.number?)).max();
+        let newest = self.gyros.iter().filter_map(|gyro| admission.known.memory.newest_of(gyro.number?)).max();
         let slipped = newest.and_then(|newest| slipped_year(at, newest, admission.now));
         self.notes.extend(slipped.map(|year| HistoryNote::YearInDoubt { year }));
         Ok(in_doubt)
@@ -161,7 +154,7 @@ impl<'c> Check<'c> {
         let nearest = match (of_gyros, self.imu) {
             // What is set aside is among the IMU's records: it is no company.
             (None, Some(imu)) => {
-                let newest = store::record::newest_of_imu(admission.store, imu).await?;
+                let newest = store::record::newest_of_imu(admission.known.store, imu).await?;
                 newest.filter(|newest| newest.days_since(at) > FAR_DAYS)
             }
             (of_gyros, _) => of_gyros,
@@ -245,20 +238,18 @@ impl<'c> Check<'c> {
 
     /// Sets aside the few records that the gyros have decades before `at`, where they are those of a clock that was
     /// never set: soon after one another, of these gyros alone, and confirmed by nobody.
-    async fn doubt_earlier(
-        &self,
-        admission: &mut Admission<'_>,
-        group: &mut Group,
-    ) -> Result<Vec<NamedRecord>, StoreError> {
+    async fn doubt_earlier(&self, admission: &mut Admission<'_>) -> Result<Vec<NamedRecord>, StoreError> {
         let at = self.sent.calibrated_at;
         let numbers: Vec<u32> = self.gyros.iter().filter_map(|gyro| gyro.number).collect();
         let mut earlier: BTreeMap<(UtcMicros, Id), bool> = BTreeMap::new();
         for number in &numbers {
-            let stored = store::history::oldest(admission.store, *number, Span::EVER, FALSE_RECORDS + 1).await?;
-            let stored =
-                stored.iter().filter(|row| !group.withdraws(row.record)).map(|row| ((row.at, row.record), true));
+            let stored = store::history::oldest(admission.known.store, *number, Span::EVER, FALSE_RECORDS + 1).await?;
+            let stored = stored
+                .iter()
+                .filter(|row| !admission.known.group.withdraws(row.record))
+                .map(|row| ((row.at, row.record), true));
             earlier.extend(stored);
-            let new = group.changes.history.iter().filter(|row| row.gyro == *number);
+            let new = admission.known.group.changes.history.iter().filter(|row| row.gyro == *number);
             earlier.extend(new.map(|row| ((row.figures.at, row.figures.record), false)));
         }
         let ends = earlier.keys().next().zip(earlier.keys().next_back());
@@ -271,15 +262,15 @@ impl<'c> Check<'c> {
         let note = HistoryNote::TimeInDoubt(TimeDoubt::FarFromOthers { nearest });
         for ((then, id), is_stored) in earlier {
             let done = if is_stored {
-                set_stored_aside(id, &numbers, &note, admission, group).await?
+                set_stored_aside(id, &numbers, &note, admission).await?
             } else {
-                group.set_new_aside(id, &numbers, &note)
+                admission.known.group.set_new_aside(id, &numbers, &note)
             };
             if done {
                 named.push(NamedRecord { record: id.to_string(), at: then });
             }
         }
-        admission.memory.forget_of(numbers);
+        admission.known.memory.forget_of(numbers);
         Ok(named)
     }
 }
@@ -289,18 +280,17 @@ async fn set_stored_aside(
     of: &[u32],
     note: &HistoryNote,
     admission: &mut Admission<'_>,
-    group: &mut Group,
 ) -> Result<bool, StoreError> {
-    let Some(record) = store::record::get(admission.store, id).await? else { return Ok(false) };
+    let Some(record) = store::record::get(admission.known.store, id).await? else { return Ok(false) };
     let others = record.verdicts.0.iter().any(|(gyro, _)| !of.contains(gyro));
-    let is_confirmed = group.changes.confirmed.iter().any(|row| row.record == id);
-    if others || is_confirmed || store::set_aside::confirmation(admission.store, id).await?.is_some() {
+    let is_confirmed = admission.known.group.changes.confirmed.iter().any(|row| row.record == id);
+    if others || is_confirmed || store::set_aside::confirmation(admission.known.store, id).await?.is_some() {
         return Ok(false);
     }
-    admission.withdraw(&record, group).await?;
+    admission.withdraw(&record).await?;
     let (author, reason) = (SERVICE.to_owned(), EARLIER_IN_DOUBT.to_owned());
-    group.changes.set_aside.stored.push(SetAsideRecord { record: id, author, reason });
-    group.changes.rejudged.notes.push((id, history_note::with(record.notes.as_deref(), note)));
+    admission.known.group.changes.set_aside.stored.push(SetAsideRecord { record: id, author, reason });
+    admission.known.group.changes.rejudged.notes.push((id, history_note::with(record.notes.as_deref(), note)));
     Ok(true)
 }
 

@@ -16,23 +16,24 @@ use crate::store::{IdSource, NamesOf, Table};
 /// A serial is near to another that differs by so many slips of the pen.
 const SLIPS: usize = 2;
 
-/// What admission may ask.
+/// Who takes items into a group, one by one.
 pub(crate) struct Admission<'a> {
-    pub store: &'a Store,
+    pub known: Lookup<'a>,
     pub ids: &'a mut IdSource,
-    pub memory: &'a mut RecentRecords,
-    pub ahead: &'a Prefetched,
     pub config: &'a Config,
     pub now: UtcMicros,
     /// Whose item is at hand.
     pub by: &'a Actor,
 }
 
-pub(super) struct Lookup<'a> {
+/// What admission may ask.
+pub(crate) struct Lookup<'a> {
     pub store: &'a Store,
-    pub memory: &'a RecentRecords,
+    pub memory: &'a mut RecentRecords,
+    /// Whether a bench has measured a gyro, as far as that is known.
+    pub benched: &'a HashMap<u32, bool>,
     pub ahead: &'a Prefetched,
-    pub group: &'a Group,
+    pub group: Group,
 }
 
 impl Lookup<'_> {

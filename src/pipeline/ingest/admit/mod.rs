@@ -27,8 +27,7 @@ use crate::wire::document::DocumentKind;
 use crate::wire::{history_note, time};
 use checking::{Check, Checked};
 pub(crate) use group::Group;
-pub(crate) use lookup::Admission;
-use lookup::Lookup;
+pub(crate) use lookup::{Admission, Lookup};
 use overlapping::overlapping;
 pub(crate) use prefetched::Prefetched;
 use recent_records::RecentRecord;
@@ -36,90 +35,85 @@ pub(crate) use recent_records::RecentRecords;
 
 impl Admission<'_> {
     /// Takes one item into the group. Verdicts are added when the whole group is judged.
-    pub async fn admit(&mut self, item: &Submission, group: &mut Group) -> Result<Accepted, Refused> {
+    pub async fn admit(&mut self, item: &Submission) -> Result<Accepted, Refused> {
         match item {
-            Submission::Calibration(calibration) => self.calibration(calibration, group).await,
-            Submission::Bench(bench) => self.bench(bench, group).await,
-            Submission::Event(event) => self.event(event, group).await,
-            Submission::Correction(correction) => self.correction(correction, group).await,
-            Submission::Confirmation(confirmation) => self.confirmation(confirmation, group).await,
-            Submission::SetAside(doubt) => self.suspicion(doubt, group).await,
-            Submission::Window(window) => self.window(window, group).await,
-            Submission::Attributes(order) => self.attributes(order, group).await,
+            Submission::Calibration(calibration) => self.calibration(calibration).await,
+            Submission::Bench(bench) => self.bench(bench).await,
+            Submission::Event(event) => self.event(event).await,
+            Submission::Correction(correction) => self.correction(correction).await,
+            Submission::Confirmation(confirmation) => self.confirmation(confirmation).await,
+            Submission::SetAside(doubt) => self.suspicion(doubt).await,
+            Submission::Window(window) => self.window(window).await,
+            Submission::Attributes(order) => self.attributes(order).await,
         }
     }
 
-    async fn calibration(&mut self, sent: &Calibration, group: &mut Group) -> Result<Accepted, Refused> {
-        if let Some(there) = self.lookup(group).by_key(sent.idempotency_key.as_deref(), &sent.body_sha256).await? {
+    async fn calibration(&mut self, sent: &Calibration) -> Result<Accepted, Refused> {
+        if let Some(there) = self.known.by_key(sent.idempotency_key.as_deref(), &sent.body_sha256).await? {
             return Ok(there);
         }
-        let imu = self.lookup(group).number(NamesOf::Imus, sent.imu.as_str());
-        let standing = self.lookup(group).counting_at(imu, sent.calibrated_at).await?;
+        let imu = self.known.number(NamesOf::Imus, sent.imu.as_str());
+        let standing = self.known.counting_at(imu, sent.calibrated_at).await?;
         if let Some((id, hash)) = &standing
             && *hash == sent.body_sha256
         {
             return Ok(Accepted::there(*id));
         }
         let stands = standing.as_ref().map(|(id, _)| *id);
-        if let Some(id) = self.lookup(group).voided_alike(imu, sent, stands).await? {
+        if let Some(id) = self.known.voided_alike(imu, sent, stands).await? {
             return Ok(Accepted::There { id, same_bytes: true, counts: false });
         }
         if let Some(id) = stands {
             return Ok(Accepted::There { id, same_bytes: false, counts: true });
         }
-        let aside = self.lookup(group).aside_at(imu, sent.calibrated_at).await?;
-        let (id, notes) = self.enter(sent, &aside, group).await?;
+        let aside = self.known.aside_at(imu, sent.calibrated_at).await?;
+        let (id, notes) = self.enter(sent, &aside).await?;
         Ok(Accepted::Stored { id, judged: [].into(), notes })
     }
 
     /// Takes a calibration in at an instant at which its IMU has none that counts, but perhaps some that are set `aside`.
-    async fn enter(
-        &mut self,
-        sent: &Calibration,
-        aside: &[Id],
-        group: &mut Group,
-    ) -> Result<(Id, Arc<[Note]>), Refused> {
+    async fn enter(&mut self, sent: &Calibration, aside: &[Id]) -> Result<(Id, Arc<[Note]>), Refused> {
         let at = sent.calibrated_at;
         for gyro in &sent.gyros {
-            let known = self.lookup(group).number(NamesOf::Gyros, gyro.serial.as_str());
-            if let Some(existing) = self.lookup(group).row_at(known, at).await? {
+            let known = self.known.number(NamesOf::Gyros, gyro.serial.as_str());
+            if let Some(existing) = self.known.row_at(known, at).await? {
                 let (index, serial) = (gyro.place, gyro.serial.to_string());
                 return Err(Refused::GyroElsewhere { existing, index, serial });
             }
         }
-        let Checked { mut notes, set_aside } = Check::of(sent, self, group).await?;
+        let Checked { mut notes, set_aside } = Check::of(sent, self).await?;
         if !aside.is_empty() {
             let records = aside.iter().map(ToString::to_string).collect();
             notes.push(Note::History(HistoryNote::SameTimeSetAside { records }));
         }
         let id = self.ids.next(self.now);
-        let home = store::names::cell_of_imu(self.store, sent.imu.as_str());
-        let imu = self.take_number(NamesOf::Imus, sent.imu.as_str(), home, group);
-        let station = self.take_number(NamesOf::Stations, sent.station.as_str(), home, group);
+        let home = store::names::cell_of_imu(self.known.store, sent.imu.as_str());
+        let imu = self.take_number(NamesOf::Imus, sent.imu.as_str(), home);
+        let station = self.take_number(NamesOf::Stations, sent.station.as_str(), home);
         let mut sheet = RecordVerdicts::default();
         for gyro in &sent.gyros {
-            let number = self.take_number(NamesOf::Gyros, gyro.serial.as_str(), home, group);
+            let number = self.take_number(NamesOf::Gyros, gyro.serial.as_str(), home);
             let figures = figures_of(&gyro.separation, id, at, imu, station);
             if set_aside {
-                group.changes.set_aside.history.push(HistoryRow { gyro: number, figures });
+                self.known.group.changes.set_aside.history.push(HistoryRow { gyro: number, figures });
             } else {
-                group.changes.history.push(HistoryRow { gyro: number, figures });
-                group.rows.insert((number, at), id);
+                self.known.group.changes.history.push(HistoryRow { gyro: number, figures });
+                self.known.group.rows.insert((number, at), id);
                 let (shown, ends_at) = (checking::shown(gyro), Some(sent.ends_at));
-                self.memory.add(number, RecentRecord { shown, ends_at, ..RecentRecord::from(&figures) });
+                self.known.memory.add(number, RecentRecord { shown, ends_at, ..RecentRecord::from(&figures) });
             }
             sheet.0.push((number, gyro.requirements.iter().flatten().map(StoredVerdict::from).collect()));
         }
         let place = if sent.kind == Kind::Campaign { "campaigns" } else { "records" };
-        let sent_by = Some(self.note_sending(place, id, group));
+        let sent_by = Some(self.note_sending(place, id));
         if set_aside {
-            group.aside.entry((imu, at)).or_default().push((id, sent.body_sha256));
+            self.known.group.aside.entry((imu, at)).or_default().push((id, sent.body_sha256));
         } else {
-            group.records.insert((imu, at), (id, sent.body_sha256));
+            self.known.group.records.insert((imu, at), (id, sent.body_sha256));
         }
-        group.take_key(sent.idempotency_key.as_deref(), id, sent.body_sha256);
-        group.changes.models_used.extend(sent.model.map(|model| (id, model)));
-        group.changes.records.push(RecordRow {
+        self.known.group.take_key(sent.idempotency_key.as_deref(), id, sent.body_sha256);
+        self.known.group.changes.models_used.extend(sent.model.map(|model| (id, model)));
+        self.known.group.changes.records.push(RecordRow {
             id,
             kind: sent.kind,
             imu,
@@ -137,25 +131,25 @@ impl Admission<'_> {
         Ok((id, notes.into()))
     }
 
-    async fn bench(&mut self, sent: &BenchTest, group: &mut Group) -> Result<Accepted, Refused> {
-        if let Some(there) = self.lookup(group).by_key(sent.idempotency_key.as_deref(), &sent.body_sha256).await? {
+    async fn bench(&mut self, sent: &BenchTest) -> Result<Accepted, Refused> {
+        if let Some(there) = self.known.by_key(sent.idempotency_key.as_deref(), &sent.body_sha256).await? {
             return Ok(there);
         }
         let result = &sent.result;
         let (at, method) = (result.measured_at, result.method);
-        if let Some(gyro) = self.lookup(group).number(NamesOf::Gyros, result.serial.as_str()) {
+        if let Some(gyro) = self.known.number(NamesOf::Gyros, result.serial.as_str()) {
             let mut counting = None;
-            if let Some((id, hash)) = group.benches.get(&(gyro, at, method)) {
+            if let Some((id, hash)) = self.known.group.benches.get(&(gyro, at, method)) {
                 if *hash == sent.body_sha256 {
                     return Ok(Accepted::there(*id));
                 }
                 counting = Some(*id);
             }
-            for there in store::bench::at(self.store, gyro, at, method).await? {
+            for there in store::bench::at(self.known.store, gyro, at, method).await? {
                 let same_bytes = there.hash == sent.body_sha256;
-                let counts = !there.voided && !group.changes.withdrawn.benches.contains(&(there.id, gyro));
+                let counts = !there.voided && !self.known.group.changes.withdrawn.benches.contains(&(there.id, gyro));
                 // What was voided and is sent again stays as it is: the sender does not know.
-                if same_bytes || is_alike(there.id, &sent.body, self.store).await? {
+                if same_bytes || is_alike(there.id, &sent.body, self.known.store).await? {
                     return Ok(Accepted::There { id: there.id, same_bytes: same_bytes || !counts, counts });
                 }
                 counting = counting.or(counts.then_some(there.id));
@@ -165,21 +159,21 @@ impl Admission<'_> {
             }
         }
         let names = [(NameKind::Serial, result.serial.as_str()), (NameKind::Station, result.station.as_str())];
-        let mut notes = self.lookup(group).look_alikes(&names);
-        if let Some(gyro) = self.lookup(group).number(NamesOf::Gyros, result.serial.as_str()) {
-            let around = self.memory.around(self.store, gyro, at, group).await?;
+        let mut notes = self.known.look_alikes(&names);
+        if let Some(gyro) = self.known.number(NamesOf::Gyros, result.serial.as_str()) {
+            let around = self.known.memory.around(self.known.store, gyro, at, &self.known.group).await?;
             let tested = [(gyro, result.serial.as_str(), &around)];
-            notes.extend(overlapping(Span { from: at, to: sent.ends_at }, &tested, &self.lookup(group)).await?);
+            notes.extend(overlapping(&mut self.known, Span { from: at, to: sent.ends_at }, &tested).await?);
         }
         let notes = notes.into_iter().map(Note::History).collect();
         let id = self.ids.next(self.now);
-        let home = store::names::cell_of_gyro(self.store, result.serial.as_str());
-        let gyro = self.take_number(NamesOf::Gyros, result.serial.as_str(), home, group);
-        let station = self.take_number(NamesOf::Stations, result.station.as_str(), home, group);
-        let sent_by = Some(self.note_sending("bench-results", id, group));
-        group.benches.insert((gyro, at, method), (id, sent.body_sha256));
-        group.take_key(sent.idempotency_key.as_deref(), id, sent.body_sha256);
-        group.changes.benches.push(BenchItem {
+        let home = store::names::cell_of_gyro(self.known.store, result.serial.as_str());
+        let gyro = self.take_number(NamesOf::Gyros, result.serial.as_str(), home);
+        let station = self.take_number(NamesOf::Stations, result.station.as_str(), home);
+        let sent_by = Some(self.note_sending("bench-results", id));
+        self.known.group.benches.insert((gyro, at, method), (id, sent.body_sha256));
+        self.known.group.take_key(sent.idempotency_key.as_deref(), id, sent.body_sha256);
+        self.known.group.changes.benches.push(BenchItem {
             id,
             gyro,
             station,
@@ -196,11 +190,11 @@ impl Admission<'_> {
         Ok(Accepted::Stored { id, judged: [].into(), notes })
     }
 
-    async fn event(&mut self, order: &EventOrder, group: &mut Group) -> Result<Accepted, Refused> {
+    async fn event(&mut self, order: &EventOrder) -> Result<Accepted, Refused> {
         let EventOrder { serial, event } = order;
-        let gyro = self.known_gyro(serial, group)?;
-        let stored = store::event::of_gyro(self.store, gyro).await?;
-        let mut known = stored.iter().chain(group.changes.events.iter().filter(|row| row.gyro == gyro));
+        let gyro = self.known_gyro(serial)?;
+        let stored = store::event::of_gyro(self.known.store, gyro).await?;
+        let mut known = stored.iter().chain(self.known.group.changes.events.iter().filter(|row| row.gyro == gyro));
         if let Some(row) = known.find(|row| (row.told.at, row.told.event) == (event.at, event.event)) {
             return Ok(Accepted::There { id: row.id, same_bytes: row.told == *event, counts: true });
         }
@@ -209,16 +203,16 @@ impl Admission<'_> {
             "id": id.to_string(), "event": event.event.name(), "at": time::format(event.at), "reason": event.reason,
             "author": event.author,
         });
-        self.audit(("mark event", format!("gyros/{serial}")), &audited, group);
-        group.changes.events.push(EventRow { id, gyro, told: event.clone(), received_at: self.now });
+        self.audit(("mark event", format!("gyros/{serial}")), &audited);
+        self.known.group.changes.events.push(EventRow { id, gyro, told: event.clone(), received_at: self.now });
         Ok(Accepted::stored(id))
     }
 
-    async fn attributes(&mut self, sent: &AttributesOrder, group: &mut Group) -> Result<Accepted, Refused> {
-        let gyro = self.known_gyro(&sent.serial, group)?;
-        let before = match group.changes.attributes.iter().rfind(|row| row.gyro == gyro) {
+    async fn attributes(&mut self, sent: &AttributesOrder) -> Result<Accepted, Refused> {
+        let gyro = self.known_gyro(&sent.serial)?;
+        let before = match self.known.group.changes.attributes.iter().rfind(|row| row.gyro == gyro) {
             Some(row) => row.attributes.clone(),
-            None => store::gyro_attribute::of(self.store, &[gyro]).await?.remove(&gyro).unwrap_or_default(),
+            None => store::gyro_attribute::of(self.known.store, &[gyro]).await?.remove(&gyro).unwrap_or_default(),
         };
         let attributes = before.patched(&sent.patch);
         let line = self.ids.next(self.now);
@@ -228,42 +222,37 @@ impl Admission<'_> {
         let audited = |of: &GyroAttributes| json!({ "batch": of.batch, "type": of.r#type, "unit": of.unit });
         let (was, is) = (audited(&before), audited(&attributes));
         let what = ("set attributes", format!("gyros/{}", sent.serial));
-        group.changes.access.audit.push(self.by.line(line, self.now, what, Some(&was), Some(&is)));
-        group.changes.attributes.push(GyroAttributeRow { gyro, attributes });
+        self.known.group.changes.access.audit.push(self.by.line(line, self.now, what, Some(&was), Some(&is)));
+        self.known.group.changes.attributes.push(GyroAttributeRow { gyro, attributes });
         Ok(Accepted::stored(line))
     }
 
     /// The number of a gyro that people say something of.
-    fn known_gyro(&self, serial: &Name, group: &Group) -> Result<u32, Refused> {
-        let known = self.lookup(group).number(NamesOf::Gyros, serial.as_str());
+    fn known_gyro(&self, serial: &Name) -> Result<u32, Refused> {
+        let known = self.known.number(NamesOf::Gyros, serial.as_str());
         Ok(known.ok_or_else(|| Problem::unknown_gyro(serial))?)
     }
 
     /// Notes in the audit trail what the sender does, and with what outcome.
-    fn audit(&mut self, what: (&str, String), after: &Value, group: &mut Group) {
+    fn audit(&mut self, what: (&str, String), after: &Value) {
         let line = self.ids.next(self.now);
-        group.changes.access.audit.push(self.by.line(line, self.now, what, None::<&()>, Some(after)));
-    }
-
-    /// What stands, this group included.
-    fn lookup<'b>(&'b self, group: &'b Group) -> Lookup<'b> {
-        Lookup { store: self.store, memory: self.memory, ahead: self.ahead, group }
+        self.known.group.changes.access.audit.push(self.by.line(line, self.now, what, None::<&()>, Some(after)));
     }
 
     /// Takes down that an item under `place` is its sender's; gives the line that will say so.
-    fn note_sending(&mut self, place: &str, id: Id, group: &mut Group) -> Id {
-        group.note_sending(self.by, place, id, || self.ids.next(self.now))
+    fn note_sending(&mut self, place: &str, id: Id) -> Id {
+        self.known.group.note_sending(self.by, place, id, || self.ids.next(self.now))
     }
 
     /// The name's number; a new one, at home in `cell`, where it has none yet.
-    fn take_number(&self, table: NamesOf, name: &str, cell: u8, group: &mut Group) -> u32 {
-        if let Some(number) = self.lookup(group).number(table, name) {
+    fn take_number(&mut self, table: NamesOf, name: &str, cell: u8) -> u32 {
+        if let Some(number) = self.known.number(table, name) {
             return number;
         }
-        let known = self.store.names().read();
-        let number = store::names::new_number(self.store, known.of(table), group.names.of(table));
-        group.names.of_mut(table).add(number, cell, name);
-        group.changes.names_mut(table).push(NewName { number, cell, name: name.to_owned() });
+        let known = self.known.store.names().read();
+        let number = store::names::new_number(self.known.store, known.of(table), self.known.group.names.of(table));
+        self.known.group.names.of_mut(table).add(number, cell, name);
+        self.known.group.changes.names_mut(table).push(NewName { number, cell, name: name.to_owned() });
         number
     }
 }

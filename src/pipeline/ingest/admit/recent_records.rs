@@ -171,6 +171,12 @@ impl RecentRecords {
         rows.find(|row| bits(row.shown.d) == bits(shown.d) && same_scale(&row.shown)).copied()
     }
 
+    /// Remembers when the last dwell of a record ended.
+    pub(super) fn note_end(&mut self, gyro: u32, record: Id, ends_at: UtcMicros) {
+        let rows = self.gyros.get_mut(&gyro).into_iter().flat_map(|ring| &mut ring.rows);
+        rows.filter(|row| row.record == record).for_each(|row| row.ends_at = Some(ends_at));
+    }
+
     /// Adds a record that has been admitted, of a gyro that was asked for, or is new.
     pub(super) fn add(&mut self, gyro: u32, row: RecentRecord) {
         let ring = self.gyros.entry(gyro).or_insert_with(|| GyroRecords { rows: Vec::new(), whole: true });

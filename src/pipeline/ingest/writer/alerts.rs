@@ -3,14 +3,13 @@
 use super::heads::{self, touched};
 use super::shared_shifts::{SharedLook, SharedShifts};
 use super::state::WriterState;
-use crate::core::alert_decision::{Action, Alert};
-use crate::pipeline::alerts::{AlertCache, AlertContext, AlertUpdate, Causes, NameLookup, follow_clock, follow_group};
+use crate::pipeline::alerts::{AlertCache, AlertContext, Causes, NameLookup, follow_clock, follow_group};
 use crate::pipeline::hooks::OutboxContext;
 use crate::pipeline::ingest::judge::Judged;
 use crate::pipeline::prelude::*;
 use crate::pipeline::queries::agreement::{Agreement, agreement_after};
 use crate::pipeline::{AlertOrder, Calibration, SilenceOrder};
-use crate::store::{AlertOf, AlertRow};
+use crate::store::AlertOf;
 use crate::wire::alert::AlertBody;
 
 /// Stations with gyros that are remembered.
@@ -23,18 +22,24 @@ impl WriterState {
         let measured: BTreeSet<u32> = changes.benches.iter().map(|bench| bench.gyro).chain(withdrawn).collect();
         let touched = changes.history.iter().map(|row| row.gyro).chain(changes.events.iter().map(|event| event.gyro));
         let touched = touched.chain(changes.withdrawn.gyros()).chain(changes.rejudged.gyros_restated());
-        let touched: BTreeSet<u32> = touched.collect();
-        let unknown: Vec<u32> = touched.iter().copied().filter(|gyro| !self.benched.contains_key(gyro)).collect();
-        if !unknown.is_empty() {
-            let on_benches: HashSet<u32> = store::bench::on_benches(&self.store, &unknown).await?.into_iter().collect();
-            self.benched.extend(unknown.into_iter().map(|gyro| (gyro, on_benches.contains(&gyro))));
-        }
+        let touched: Vec<u32> = touched.collect::<BTreeSet<u32>>().into_iter().collect();
+        self.learn_benched(&touched).await?;
         let known = touched.into_iter().filter(|gyro| self.benched[gyro]);
         let mut agreements = Vec::new();
         for gyro in known.chain(measured).collect::<BTreeSet<_>>() {
             agreements.extend(agreement_after(&self.store, &self.config.judging, gyro, changes).await?);
         }
         Ok(agreements)
+    }
+
+    /// Asks which of these gyros benches have measured, where that is not known.
+    pub(super) async fn learn_benched(&mut self, gyros: &[u32]) -> Result<(), StoreError> {
+        let unknown: Vec<u32> = gyros.iter().copied().filter(|gyro| !self.benched.contains_key(gyro)).collect();
+        if !unknown.is_empty() {
+            let on_benches: HashSet<u32> = store::bench::on_benches(&self.store, &unknown).await?.into_iter().collect();
+            self.benched.extend(unknown.into_iter().map(|gyro| (gyro, on_benches.contains(&gyro))));
+        }
+        Ok(())
     }
 
     /// Lets the alerts follow the verdicts; what becomes of them goes into the same transaction.
@@ -113,19 +118,6 @@ impl WriterState {
     pub(super) fn shared_shifts(&self, now: UtcMicros) -> SharedShifts<'_> {
         let Self { store, config, alerts, .. } = self;
         SharedShifts { store, config, alerts, now }
-    }
-
-    /// Every alert as it stands, for a hook that begins to listen: it hears what others were spared because it was found
-    /// late.
-    pub(super) async fn standings(&self, now: UtcMicros) -> Result<Vec<AlertUpdate>, StoreError> {
-        let rows = store::alerts::all(&self.store).await?;
-        let naming = NameLookup { tables: &self.store.names().read(), new: None };
-        // One that cannot be read is told to nobody; the next look at it names the damage.
-        let standing = |row: &AlertRow| {
-            let (alert, body) = (Alert { suppressed: None, ..row.alert }, Some(naming.alert(row, now).ok()?));
-            Some(AlertUpdate { id: row.id, alert, action: Action::Silent, step: None, body, cause: None })
-        };
-        Ok(rows.iter().filter_map(standing).collect())
     }
 
     /// Gyros of which the clock may begin or end that they are overdue.

@@ -4,7 +4,7 @@ use super::alerts::gyros_of;
 use super::shared_shifts::{NothingShared, shared_and_explicable};
 use super::state::WriterState;
 use crate::pipeline::prelude::*;
-use crate::store::{AlertOf, Cells};
+use crate::store::{AlertOf, Cells, all_cells};
 
 /// Gyros, stations and IMUs that one transaction of the clock is about.
 const AT_ONCE: usize = 1000;
@@ -52,13 +52,13 @@ async fn try_tick(
         found
     };
     for some in found.chunk_by(|(a, _), (b, _)| a == b).flat_map(|of_cell| of_cell.chunks(AT_ONCE)) {
-        state.begin(&Cells::one(some[0].0)).await?;
+        state.begin(&Cells::from([some[0].0])).await?;
         tick_in_turn(state, now, &some.iter().map(|(_, of)| *of).collect(), &overdue).await?;
         state.writer.give_back().await;
         state.tidy();
     }
     if store::alerts::digest_began(&state.store).await?.is_some_and(|since| now.days_since(since).abs() > BROKEN_OFF) {
-        state.begin(&Cells::all()).await?;
+        state.begin(&all_cells()).await?;
         let mut changes = Changes::default();
         state.digest(&mut changes, &BTreeSet::new(), now).await?;
         state.commit_with_heads(&mut changes).await?;
@@ -91,7 +91,7 @@ async fn follow_shared(
     if state.nothing_shared.is_some() {
         return Ok(());
     }
-    state.begin(&Cells::all()).await?;
+    state.begin(&all_cells()).await?;
     let done = follow_shared_in_turn(state, now).await;
     state.writer.give_back().await;
     done

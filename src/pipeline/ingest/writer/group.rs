@@ -7,7 +7,7 @@ use tokio::sync::watch;
 use super::forecasts;
 use super::state::{Item, Prepared, Tally, WriterState, items_of};
 use crate::pipeline::alerts::Causes;
-use crate::pipeline::ingest::admit::{Admission, Group, Prefetched};
+use crate::pipeline::ingest::admit::{Admission, Group, Lookup, Prefetched};
 use crate::pipeline::ingest::judge::Verdicts;
 use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::StoreJob;
@@ -17,25 +17,29 @@ use crate::telemetry;
 /// Admits and judges a group, and lets the alerts follow. What is remembered of its gyros is then ahead of what
 /// is stored.
 pub(super) async fn prepare(state: &mut WriterState, items: &[Item<'_>]) -> Result<Prepared, StoreError> {
-    let mut group = Group::default();
     let mut replies = Vec::with_capacity(items.len());
     let (now, service) = (state.clock.now(), Actor::by_caller());
     read_histories(state, items).await?;
     let ahead = Prefetched::read(&state.store, &state.memory, items.iter().map(|item| item.sent)).await?;
     let mut admission = Admission {
-        store: &state.store,
+        known: Lookup {
+            store: &state.store,
+            memory: &mut state.memory,
+            benched: &state.benched,
+            ahead: &ahead,
+            group: Group::default(),
+        },
         ids: state.writer.ids(),
-        memory: &mut state.memory,
-        ahead: &ahead,
         config: &state.config,
         now,
         by: &service,
     };
     for item in items {
         admission.by = item.by;
-        replies.push(admission.admit(item.sent, &mut group).await);
+        replies.push(admission.admit(item.sent).await);
     }
     let judging = Instant::now();
+    let mut group = admission.known.group;
     group.audit_sendings(now);
     let mut changes = group.changes;
     let mut found = state.judge.judge(&mut changes).await?;
@@ -61,13 +65,16 @@ pub(super) async fn prepare(state: &mut WriterState, items: &[Item<'_>]) -> Resu
 
 /// Reads ahead what is stored of the gyros of a group that are not remembered.
 async fn read_histories(state: &mut WriterState, items: &[Item<'_>]) -> Result<(), StoreError> {
-    let gyros: Vec<u32> = {
+    let mut gyros: Vec<u32> = {
         let tables = state.store.names().read();
         let sent = items.iter().filter_map(|item| item.sent.calibration()).flat_map(|sent| &sent.gyros);
         let known = sent.filter_map(|gyro| tables.gyros.number(gyro.serial.as_str()));
-        let unknown = known.filter(|gyro| !state.judge.knows(*gyro) || !state.memory.knows(*gyro));
+        let WriterState { judge, memory, benched, .. } = &*state;
+        let unknown = known.filter(|gyro| !judge.knows(*gyro) || !memory.knows(*gyro) || !benched.contains_key(gyro));
         unknown.collect::<BTreeSet<u32>>().into_iter().collect()
     };
+    state.learn_benched(&gyros).await?;
+    gyros.retain(|gyro| !state.judge.knows(*gyro) || !state.memory.knows(*gyro));
     let most = state.judge.read_ahead();
     let rows = store::histories::newest_ever(&state.store, &gyros, most).await?;
     let read: Vec<_> = gyros.into_iter().zip(rows).collect();

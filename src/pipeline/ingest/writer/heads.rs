@@ -7,7 +7,7 @@ use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
 use crate::pipeline::prelude::*;
 use crate::pipeline::queries::gyro_status::{Alerted, Facts};
 use crate::pipeline::queries::heads::{checksum, row_of, stations_of, stored_projections, stored_rows};
-use crate::store::{Cells, HeadChanges, HeadRow, HeadsMade, HistoryRow, RecordVerdicts, Writer};
+use crate::store::{HeadChanges, HeadRow, HeadsMade, HistoryRow, RecordVerdicts, Writer, all_cells};
 
 /// Rows of one transaction where all are made.
 const AT_ONCE: u32 = 1000;
@@ -145,7 +145,7 @@ pub(crate) async fn make_missing(store: &Store, writer: &mut Writer, config: &Co
     let all = store.names().read().gyros.len();
     let mut done = 0;
     loop {
-        writer.lock_cells(&Cells::all()).await?;
+        writer.lock_cells(&all_cells()).await?;
         let made = store::head::made(store).await?;
         if is_made(&made) {
             // Another server has.

@@ -4,7 +4,7 @@ use super::state::Item;
 use crate::pipeline::hooks::Found;
 use crate::pipeline::ingest::submission::{Calibration, Corrected, Submission};
 use crate::pipeline::prelude::*;
-use crate::store::{Cells, PackedText};
+use crate::store::{Cells, PackedText, all_cells};
 
 pub(super) struct Homes<'a> {
     pub store: &'a Store,
@@ -35,13 +35,13 @@ impl Homes<'_> {
                     }
                 }
                 // What others are storing meanwhile may lie in the window.
-                Submission::Window(_) => cells.extend(Cells::all().iter()),
+                Submission::Window(_) => cells.extend(all_cells()),
                 Submission::SetAside(sent) => self.of_record(sent.id, &mut cells).await?,
                 Submission::Confirmation(sent) => self.of_record(sent.id, &mut cells).await?,
             }
         }
         // What is about nothing that is stored is refused under any.
-        if cells.iter().next().is_none() {
+        if cells.is_empty() {
             cells.insert(0);
         }
         Ok(cells)
@@ -75,7 +75,7 @@ impl Homes<'_> {
     }
 
     pub async fn of_alerts(&self, gyros: Vec<u32>) -> Result<Cells, StoreError> {
-        let mut cells = Cells::one(0);
+        let mut cells = Cells::from([0]);
         if self.among_others {
             self.of_gyros(gyros, &mut cells).await?;
         }
@@ -88,7 +88,7 @@ impl Homes<'_> {
             return Ok(Cells::default());
         }
         let attempted = |found: &&&Found| match found {
-            Found::Attempted(attempted) => Some(attempted.delivery),
+            Found::Attempted(attempted) => Some(attempted.attempt.delivery),
             Found::Back(_) => None,
         };
         let deliveries: Vec<Id> = found.iter().filter_map(|found| attempted(&found)).collect();
@@ -98,6 +98,6 @@ impl Homes<'_> {
     /// Of an alert, which may not exist.
     pub async fn of_alert(&self, alert: Id) -> Cells {
         let row = store::alerts::get(self.store, alert).await.ok().flatten();
-        self.of_alerts(row.and_then(|row| row.of.gyro()).into_iter().collect()).await.unwrap_or(Cells::one(0))
+        self.of_alerts(row.and_then(|row| row.of.gyro()).into_iter().collect()).await.unwrap_or(Cells::from([0]))
     }
 }

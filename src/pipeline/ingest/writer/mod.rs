@@ -29,7 +29,7 @@ use crate::pipeline::ingest::judge::Judge;
 use crate::pipeline::prelude::*;
 use crate::pipeline::write_queue::{Job, ReplyTo, StoreJob};
 use crate::pipeline::{AccessOrder, DiagnosisOrder, HypothesisOrder, Order, Reply, Submission};
-use crate::store::{Cells, LeasedTask, Writer};
+use crate::store::{Cells, LeasedTask, Writer, all_cells};
 use crate::telemetry;
 use group::{answer, prepare, settle};
 use state::{Item, WriterState, items_of};
@@ -167,7 +167,7 @@ impl Task {
             later.shared.into_iter().for_each(|reply| drop(reply.send(Ok(()))));
         }
         for reply in later.digests {
-            let _gone = reply.send(in_turn!(self.state, Cells::all(), self.state.notify_digest()));
+            let _gone = reply.send(in_turn!(self.state, all_cells(), self.state.notify_digest()));
         }
         self.carry_out(later.orders, later.findings).await;
     }
@@ -183,12 +183,11 @@ impl Task {
             Job::Model { adoption, by, reply } => {
                 // Its gyros may have come from anywhere.
                 let _gone =
-                    reply.send(in_turn!(self.state, Cells::all(), restate::adopt(&mut self.state, &adoption, &by)));
+                    reply.send(in_turn!(self.state, all_cells(), restate::adopt(&mut self.state, &adoption, &by)));
                 self.state.after.due.send_modify(|moved| *moved += 1);
             }
             Job::Restate { stale, reply } => {
-                let _gone =
-                    reply.send(in_turn!(self.state, Cells::all(), restate::state_anew(&mut self.state, &stale)));
+                let _gone = reply.send(in_turn!(self.state, all_cells(), restate::state_anew(&mut self.state, &stale)));
             }
             Job::Pack { texts, reply } => {
                 let cells = self.state.homes().of_texts(&texts);
@@ -197,23 +196,23 @@ impl Task {
                 let _gone = reply.send(in_turn!(self.state, cells, commit(&mut self.state)));
             }
             Job::Hypothesis { order, by, reply } => {
-                let _gone = reply.send(in_turn!(self.state, Cells::one(0), self.order_hypothesis(&order, &by)));
+                let _gone = reply.send(in_turn!(self.state, Cells::from([0]), self.order_hypothesis(&order, &by)));
             }
             Job::Diagnoses { order, by, reply } => {
-                let _gone = reply.send(in_turn!(self.state, Cells::one(0), self.order_diagnoses(&order, &by)));
+                let _gone = reply.send(in_turn!(self.state, Cells::from([0]), self.order_diagnoses(&order, &by)));
             }
             Job::Diagnosed { made, reply } => {
-                let _gone = reply.send(in_turn!(self.state, Cells::one(0), forecasts::keep(&mut self.state, &made)));
+                let _gone = reply.send(in_turn!(self.state, Cells::from([0]), forecasts::keep(&mut self.state, &made)));
             }
             Job::Alert { order, by, reply } => {
                 let cells = self.state.homes().of_alert(order.alert).await;
                 let _gone = reply.send(in_turn!(self.state, cells, self.state.apply_order(&order, &by)));
             }
             Job::Silence { order, by, reply } => {
-                let _gone = reply.send(in_turn!(self.state, Cells::all(), self.state.order_silence(&order, &by)));
+                let _gone = reply.send(in_turn!(self.state, all_cells(), self.state.order_silence(&order, &by)));
             }
             Job::Access { order, by, reply } => {
-                let _gone = reply.send(in_turn!(self.state, Cells::one(0), self.register(&order, &by)));
+                let _gone = reply.send(in_turn!(self.state, Cells::from([0]), self.register(&order, &by)));
             }
             Job::Probe(reply) => {
                 let _gone = reply.send(self.state.writer.probe().await.map_err(Refused::from));
@@ -243,13 +242,13 @@ impl Task {
         let any_changes = findings.iter().any(|(found, _)| changes_the_hook(found));
         let changed = !orders.is_empty() || any_changes;
         for (order, by, reply) in orders {
-            let _gone = reply.send(in_turn!(self.state, Cells::all(), self.order_hook(&order, &by)));
+            let _gone = reply.send(in_turn!(self.state, all_cells(), self.hook_handler().carry_out(&order, &by)));
         }
         if !findings.is_empty() {
             let found: Vec<&Found> = findings.iter().map(|(found, _)| found).collect();
-            let cells = if any_changes { Ok(Cells::all()) } else { self.state.homes().of_findings(&found).await };
+            let cells = if any_changes { Ok(all_cells()) } else { self.state.homes().of_findings(&found).await };
             let written = match cells {
-                Ok(cells) => in_turn!(self.state, cells, self.write_down(&found)),
+                Ok(cells) => in_turn!(self.state, cells, self.hook_handler().write_down(found.iter().copied())),
                 Err(error) => Err(error.into()),
             };
             for (_, reply) in findings {
@@ -261,28 +260,10 @@ impl Task {
         }
     }
 
-    async fn order_hook(&mut self, order: &Order, by: &Actor) -> Result<Id, Refused> {
-        let now = self.state.clock.now();
-        let (alerts, heard) = match order {
-            Order::Create(_) => (self.state.standings(now).await?, HashMap::new()),
-            Order::Change(hook, _) => {
-                (self.state.standings(now).await?, store::hook::heard_by(&self.state.store, *hook).await?)
-            }
-            Order::Delete(_) | Order::Test(_) | Order::Redeliver(_) => Default::default(),
-        };
-        let old_secret_until = self.state.config.hooks.old_secret_until(now);
-        let (store, writer) = (&self.state.store, &mut self.state.writer);
-        HookHandler { store, writer, now, old_secret_until, alerts, heard }.carry_out(order, by).await
-    }
-
-    async fn write_down(&mut self, found: &[&Found]) -> Result<(), Refused> {
-        let now = self.state.clock.now();
-        let old_secret_until = self.state.config.hooks.old_secret_until(now);
-        let renotifies = |found: &&Found| matches!(found, Found::Attempted(attempted) if attempted.renotify);
-        let alerts = if found.iter().any(renotifies) { self.state.standings(now).await? } else { Vec::new() };
-        let (store, writer, heard) = (&self.state.store, &mut self.state.writer, HashMap::new());
-        let mut handler = HookHandler { store, writer, now, old_secret_until, alerts, heard };
-        handler.write_down(found.iter().copied()).await
+    fn hook_handler(&mut self) -> HookHandler<'_> {
+        let WriterState { store, writer, clock, config, .. } = &mut self.state;
+        let now = clock.now();
+        HookHandler { store, writer, now, old_secret_until: config.hooks.old_secret_until(now), alerts: None }
     }
 
     /// Begins or cancels an order of diagnoses, and has what is new worked off.

@@ -44,7 +44,7 @@ pub(super) async fn another_try(error: &StoreError, tries: &mut u32) -> bool {
 
 pub(super) async fn to_be_tried_again<T>(done: &Result<T, Refused>, tries: &mut u32) -> bool {
     match done {
-        Err(Refused::Storage(error)) => another_try(error.store_error(), tries).await,
+        Err(Refused::Storage(error)) => another_try(error, tries).await,
         _ => false,
     }
 }
@@ -112,12 +112,12 @@ impl WriterState {
             self.begin(&cells).await?;
             store::names::look_up(&self.store, names_of(items)).await?;
             let wanted = self.homes().of_items(items).await?;
-            if cells.contains(&wanted) {
+            if cells.is_superset(&wanted) {
                 return Ok(());
             }
             // Somebody else has just taken a new gyro home.
             self.writer.give_back().await;
-            cells.extend(wanted.iter());
+            cells.extend(wanted);
         }
     }
 

@@ -8,8 +8,8 @@ pub(crate) mod record_index;
 use sqlx::SqliteConnection;
 
 use crate::store::error::Result;
+use crate::store::shared::Shared;
 use crate::store::sqlite::write_behind::history_log::PendingHistory;
-use crate::store::sqlite::write_behind::queues::Shared;
 use crate::store::sqlite::write_behind::record_index::PendingIndex;
 
 #[derive(Debug, Clone, Default)]

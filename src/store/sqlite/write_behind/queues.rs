@@ -2,7 +2,6 @@
 //! written once for all of them.
 
 use std::collections::{BTreeSet, HashMap};
-use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
 
 /// Rows that may wait: enough that a page of a gyro takes several of them at a time, in a fleet of thousands too.
 const CAPACITY: usize = 16_384;
@@ -98,33 +97,6 @@ impl<T> PendingRows<T> {
             self.with_many.remove(&number);
             self.len -= queue.rows.len();
         }
-    }
-}
-
-/// What waits, as readers and the writer share it.
-#[derive(Debug, Default)]
-pub(crate) struct Shared<T>(Arc<RwLock<T>>);
-
-impl<T> Clone for Shared<T> {
-    fn clone(&self) -> Self {
-        Self(Arc::clone(&self.0))
-    }
-}
-
-impl<T> Shared<T> {
-    pub fn new(waiting: T) -> Self {
-        Self(Arc::new(RwLock::new(waiting)))
-    }
-
-    /// To be asked before the database: what is put into its place in between is then seen in both rather than in
-    /// neither.
-    pub fn read(&self) -> RwLockReadGuard<'_, T> {
-        // Every change leaves it whole, even one that panics.
-        self.0.read().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    pub fn change(&self, change: impl FnOnce(&mut T)) {
-        change(&mut self.0.write().unwrap_or_else(PoisonError::into_inner));
     }
 }
 

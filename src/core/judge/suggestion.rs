@@ -88,6 +88,8 @@ pub fn suggest(of: &SuggestionInput) -> Option<Suggestion> {
     let certain = |status: Status| matches!(status, Status::OutOfTolerance | Status::Confirmed);
     let mut out = of.verdicts.iter().filter(|(_, status)| certain(*status)).map(|(coefficient, _)| *coefficient);
     let soon = of.reaches_in_days.is_some_and(|days| days <= of.interval_days.unwrap_or(0.0));
+    // One that has stepped to its budget moves no further by itself.
+    let at_its_budget = of.verdicts.iter().any(|(_, status)| *status == Status::Borderline) && !of.ages;
     Some(match of.status? {
         _ if of.record_in_doubt => Suggestion::CheckRecord,
         _ if of.is_stations => Suggestion::CheckStation,
@@ -104,6 +106,7 @@ pub fn suggest(of: &SuggestionInput) -> Option<Suggestion> {
         Status::Unconfirmed => Suggestion::Retest,
         _ if of.overdue => Suggestion::Calibrate,
         Status::Drifting if of.may_have_reached => Suggestion::CalibrateNow,
+        Status::Drifting if at_its_budget => Suggestion::Retest,
         Status::Drifting if soon => Suggestion::ShortenInterval,
         Status::Drifting => Suggestion::Watch,
         Status::Borderline if of.scatters => Suggestion::FindCause,
@@ -191,6 +194,12 @@ mod tests {
         assert_eq!(drifting(Some(120.0), Some(90.0)), Some(Suggestion::Watch));
         assert_eq!(drifting(Some(60.0), None), Some(Suggestion::Watch));
         assert_eq!(drifting(None, Some(90.0)), Some(Suggestion::Watch));
+        let at_budget = |ages: bool| {
+            let seen = [(Coefficient::DI, Status::Drifting), (Coefficient::DI, Status::Borderline)];
+            suggest(&SuggestionInput { ages, ..of(Status::Drifting, &seen) })
+        };
+        assert_eq!(at_budget(false), Some(Suggestion::Retest), "a step to the budget is within it by chance");
+        assert_eq!(at_budget(true), Some(Suggestion::Watch));
         // A trend that no rule speaks of yet.
         let quiet =
             SuggestionInput { reaches_in_days: Some(30.0), interval_days: Some(90.0), ..of(Status::InTolerance, &[]) };

@@ -7,8 +7,8 @@ use super::text::encoded;
 use crate::core::judge::{Rule, Status};
 use crate::wire::prelude::*;
 
-types! {
 /// The alert of one gyro, station, IMU or batch, coefficient and rule. Its identity lasts: when it fires again it is the same alert.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct AlertBody {
     pub id: String,
     /// `station`, `imu` or `batch`, where it is about the one that is named as such; left out where it is about a gyro.
@@ -24,22 +24,27 @@ pub struct AlertBody {
     pub state: Cow<'static, str>,
     /// What the gyro is by it: `confirmed`, `out_of_tolerance`, `unconfirmed`, `drifting` or `overdue`;
     /// `in_tolerance` once it is resolved. None where an earlier version wrote this.
-    pub status?: Cow<'static, str>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub status: Option<Cow<'static, str>>,
     /// `warning`, or `critical` once a second campaign has confirmed the violation of a specification.
     pub severity: Cow<'static, str>,
     /// When the gyro began to do this: the time of the record that began it. Null where an earlier version wrote this.
+    #[schema(required)]
     pub since: Option<String>,
     /// When that was found.
     pub fired_at: String,
+    #[schema(required)]
     pub resolved_at: Option<String>,
     /// The last verdict.
     #[serde(flatten)]
     pub finding: AlertFindingBody,
+    #[schema(required)]
     pub acknowledged: Option<AcknowledgementBody>,
+    #[schema(required)]
     pub silenced: Option<SilenceBody>,
     /// The alert of the station, batch or IMU that explains it; left out where there is none.
-    pub inhibited_by?: String,
-}
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inhibited_by: Option<String>,
 }
 
 fn of_gyro() -> Cow<'static, str> {
@@ -108,29 +113,38 @@ impl AlertBody {
     }
 }
 
-types! {
 /// What an alert says of the verdict that it follows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct AlertFindingBody {
     /// The magnitude that was compared with the limit.
+    #[schema(required)]
     pub value: Option<f64>,
     pub limit: f64,
     pub unit: Cow<'static, str>,
+    #[schema(required)]
     pub sd: Option<f64>,
     /// Probability that the true value exceeds the limit, where `sd` is known.
+    #[schema(required)]
     pub probability: Option<f64>,
     #[serde(flatten)]
     pub reason: Reason,
     /// The record that was judged, and where it came from; none for `overdue`.
+    #[schema(required)]
     pub record: Option<String>,
+    #[schema(required)]
     pub calibrated_at: Option<String>,
+    #[schema(required)]
     pub imu: Option<String>,
+    #[schema(required)]
     pub slot: Option<Cow<'static, str>>,
+    #[schema(required)]
     pub station: Option<String>,
     /// Of production; only where it is about a batch.
-    pub batch?: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub batch: Option<String>,
     /// The value at which the alert of its IMU began that explains it, or did until it had grown by a whole limit since.
-    pub with_imu?: f64,
-}
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub with_imu: Option<f64>,
 }
 
 impl AlertFindingBody {

@@ -53,9 +53,8 @@ pub struct UncertaintyBody {
     pub fixture: Option<f64>,
 }
 
-types! {
 /// Of what a campaign says of one gyro.
-#[derive(Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct UncertaintiesBody {
     pub d_i: UncertaintyBody,
     pub d_s: UncertaintyBody,
@@ -64,6 +63,7 @@ pub struct UncertaintiesBody {
 }
 
 /// One gyro of a record, separated.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SeparationBody {
     pub slot: Slot,
     pub serial: String,
@@ -82,45 +82,54 @@ pub struct SeparationBody {
     /// Angle from the nominal to the measured input axis, arc minutes.
     pub misalignment_arcmin: f64,
     /// The rigid method's figures, where `method` is another.
-    pub rigid?: RigidBody,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rigid: Option<RigidBody>,
     /// None for a geometry that equations (8) to (13) do not cover.
+    #[schema(required)]
     pub published: Option<PublishedBody>,
     /// Equations (8) to (13) letter by letter, misprints included: for comparison only.
+    #[schema(required)]
     pub as_printed: Option<PublishedBody>,
     /// Where the model in force states the coefficients at a temperature of its own: the same at the mean temperature
     /// of this campaign.
-    pub as_measured?: AsMeasuredBody,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub as_measured: Option<AsMeasuredBody>,
     /// Of a campaign: what the standard deviations are made of.
-    pub uncertainty?: UncertaintiesBody,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<UncertaintiesBody>,
 }
 
 /// D_I and D_S at the temperature at which they were measured.
-#[derive(Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct AsMeasuredBody {
     pub temperature_c: f64,
     pub d_i: FigureBody,
     pub d_s: FigureBody,
 }
 
-#[derive(Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct RigidBody {
     pub d_i: f64,
     pub d_s: f64,
     pub d_o: f64,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct PublishedBody {
     /// Number of the equation that resolved the gyro, `8` to `13`.
     pub branch: Cow<'static, str>,
     pub d_i: f64,
     pub d_s: f64,
+    #[schema(required)]
     pub d_i_sd: Option<f64>,
+    #[schema(required)]
     pub d_s_sd: Option<f64>,
     /// Root mean square of the residuals of the equation's three rows.
     pub closure_rms: f64,
 }
 
 /// One gyro judged by one rule.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct VerdictBody {
     pub serial: String,
     pub coefficient: Cow<'static, str>,
@@ -131,19 +140,22 @@ pub struct VerdictBody {
     /// `unconfirmed`, `out_of_tolerance` or `confirmed`.
     pub status: Cow<'static, str>,
     /// The magnitude that is compared with the limit; none where there are too few points.
+    #[schema(required)]
     pub value: Option<f64>,
     pub limit: f64,
     /// The key of the configuration that sets the limit; none where the verdict was decided with other limits than
     /// today's.
+    #[schema(required)]
     pub limit_from: Option<String>,
+    #[schema(required)]
     pub sd: Option<f64>,
     /// Probability that the true value exceeds the limit, where `sd` is known.
+    #[schema(required)]
     pub probability: Option<f64>,
     /// Whether a second campaign says the same.
     pub confirmed: bool,
     #[serde(flatten)]
     pub reason: Reason,
-}
 }
 
 impl SeparationBody {

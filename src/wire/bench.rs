@@ -6,8 +6,8 @@ use crate::core::message::text;
 use crate::core::record::short;
 use crate::wire::prelude::*;
 
-types! {
 /// A bench result as it stands on the wire.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BenchBody {
     pub serial: String,
@@ -17,12 +17,16 @@ pub struct BenchBody {
     pub method: BenchMethod,
     pub d_i_deg_per_h_g0: f64,
     pub d_s_deg_per_h_g0: f64,
-    pub d_i_sd?: f64,
-    pub d_s_sd?: f64,
-    pub temperature_c?: f64,
-    pub operator?: String,
-    pub note?: String,
-}
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub d_i_sd: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub d_s_sd: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature_c: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub operator: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
 }
 
 /// Reads and checks a bench result; `max_drift` is the largest accepted |D|, deg/(h*g0).

@@ -15,31 +15,6 @@ use crate::core::named::Named;
 use crate::wire::prelude::*;
 use crate::wire::time;
 
-/// What is sent and answered. A member `name?: T` is left out where there is none; one that is an `Option` is `null` then.
-macro_rules! types {
-    ($($(#[$of:meta])* $vis:vis struct $name:ident { $($members:tt)* })+) => {
-        $($crate::wire::body::types!(@ [$(#[$of])* $vis struct $name] [] $($members)*);)+
-    };
-    (@ [$($head:tt)*] [$($members:tt)*]) => {
-        #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, utoipa::ToSchema)]
-        $($head)* { $($members)* }
-    };
-    (@ $head:tt [$($read:tt)*] $(#[$of:meta])* $vis:vis $name:ident?: $kind:ty, $($left:tt)*) => {
-        $crate::wire::body::types!(@ $head [
-            $($read)* $(#[$of])* #[serde(default, skip_serializing_if = "Option::is_none")] $vis $name: Option<$kind>,
-        ] $($left)*);
-    };
-    (@ $head:tt [$($read:tt)*] $(#[$of:meta])* $vis:vis $name:ident: Option<$kind:ty>, $($left:tt)*) => {
-        $crate::wire::body::types!(@ $head [
-            $($read)* $(#[$of])* #[schema(required)] $vis $name: Option<$kind>,
-        ] $($left)*);
-    };
-    (@ $head:tt [$($read:tt)*] $(#[$of:meta])* $vis:vis $name:ident: $kind:ty, $($left:tt)*) => {
-        $crate::wire::body::types!(@ $head [$($read)* $(#[$of])* $vis $name: $kind,] $($left)*);
-    };
-}
-pub(crate) use types;
-
 /// A value of the core as a body has it.
 pub(crate) trait ToBody<T> {
     fn to_body(&self) -> T;

@@ -26,14 +26,16 @@ mod parameters;
 
 pub use parameters::{EffectParameterBody, NullDirectionBody, ParameterBody};
 
-types! {
 /// The answer to a campaign.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct CampaignAnswer {
     /// Identifier of the stored campaign; none where nothing is stored (the command line's `calibrate`).
-    pub id?: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub id: Option<String>,
     pub imu: String,
     /// Identifier of the adopted model that it was fitted with; none for the plain model.
-    pub imu_model?: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub imu_model: Option<String>,
     pub station: String,
     pub measured_at: String,
     /// `imu`, `torque_feedback` or `turntable_servo`.
@@ -43,12 +45,14 @@ pub struct CampaignAnswer {
     /// Gyros that were fitted but not separated, and why.
     pub not_separated: Vec<NotSeparatedBody>,
     /// Of a single-gyro bench test: what is stored and compared.
-    pub bench_result?: BenchBody,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bench_result: Option<BenchBody>,
     /// What could not be checked, and how the figures came about.
     pub notes: Vec<NoteBody>,
     pub verdicts: Vec<VerdictBody>,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct NotSeparatedBody {
     pub slot: Slot,
     pub serial: String,
@@ -56,6 +60,7 @@ pub struct NotSeparatedBody {
 }
 
 /// The fit of every gyro.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct CalibrationBody {
     /// The terms that were asked for.
     pub model: Vec<String>,
@@ -67,12 +72,12 @@ pub struct CalibrationBody {
     pub repeats: Vec<Vec<usize>>,
     /// What the noise is beyond white, independent and as stated, where something is found. The memory is in every
     /// standard deviation and covariance.
-    pub noise?: NoiseFoundBody,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise: Option<NoiseFoundBody>,
     /// What the station states of itself, in the campaign or in the configuration.
     #[serde(default)]
     pub station_uncertainty: StationStatedBody,
     pub gyros: Vec<GyroFitBody>,
-}
 }
 
 /// Several campaigns of one IMU, and what repeats between them.
@@ -136,8 +141,8 @@ impl StationStatedBody {
     }
 }
 
-types! {
 /// The fit of one gyro. Of a bench test, the coefficients of eq. (5) stand in `parameters`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct GyroFitBody {
     pub slot: Slot,
     pub serial: String,
@@ -148,14 +153,21 @@ pub struct GyroFitBody {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<EffectParameterBody>,
     /// The parameters once more, under the names that a calibration record has for them.
-    pub e_pulse_per_arcsec?: Triple,
-    pub g_pulse_per_s_g0?: Triple,
-    pub p_pulse_per_s_g02?: Triple,
-    pub bias_pulse_per_s?: f64,
-    pub e_sd?: Triple,
-    pub g_sd?: Triple,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub e_pulse_per_arcsec: Option<Triple>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub g_pulse_per_s_g0: Option<Triple>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub p_pulse_per_s_g02: Option<Triple>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bias_pulse_per_s: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub e_sd: Option<Triple>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub g_sd: Option<Triple>,
     /// Covariance of the parameters, row by row in their order; none where nothing gives the noise.
-    pub covariance?: Vec<Vec<f64>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub covariance: Option<Vec<Vec<f64>>>,
     /// Of the parameters, without effects.
     pub rank: usize,
     /// Directions of the parameters that no dwell can see.
@@ -164,27 +176,35 @@ pub struct GyroFitBody {
     pub chi2: f64,
     pub dof: usize,
     /// chi2/dof, where standard errors are given and dwells are left over.
+    #[schema(required)]
     pub reduced_chi2: Option<f64>,
     /// Lack of fit: the chance of residuals as large as these if the model and the noise scale are right. Where
     /// repeats give the scale it is no chi-square probability of `reduced_chi2`.
+    #[schema(required)]
     pub p_value: Option<f64>,
     pub noise: NoiseBody,
     pub residuals: ResidualsBody,
 }
 
 /// How far the outputs are trusted, and why.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct NoiseBody {
     /// `sem`, `repeats+sem`, `repeats+residuals+sem`, `residuals+sem`, `repeats`, `residuals` or `none`.
     pub source: String,
     /// Whether dwells were weighted by their standard errors.
     pub weighted: bool,
     /// What the standard errors are multiplied by; none without standard errors.
+    #[schema(required)]
     pub sem_factor: Option<f64>,
+    #[schema(required)]
     pub sem_factor_sd: Option<f64>,
     /// Root mean square over the dwells of the standard deviation of one output.
+    #[schema(required)]
     pub rms_pulse_per_s: Option<f64>,
+    #[schema(required)]
     pub rms_deg_per_h: Option<f64>,
     /// Degrees of freedom behind the scale; none where standard errors are taken at their word.
+    #[schema(required)]
     pub dof: Option<f64>,
     /// Spread of repeats: chi2 against the standard errors as given, and its degrees of freedom.
     pub pure_error_chi2: f64,
@@ -192,16 +212,18 @@ pub struct NoiseBody {
 }
 
 /// Dwell by dwell, in their order.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ResidualsBody {
     /// Measured less fitted.
     pub pulse_per_s: Vec<f64>,
     /// The same over |E|; none where E is unknown.
+    #[schema(required)]
     pub deg_per_h: Option<Vec<f64>>,
     /// Over its own standard deviation; none where nothing gives the noise.
+    #[schema(required)]
     pub standardised: Option<Vec<f64>>,
     /// Share of its own output in each fitted value, 0 to 1.
     pub leverage: Vec<f64>,
-}
 }
 
 impl CampaignAnswer {

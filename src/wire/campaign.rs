@@ -28,8 +28,8 @@ const TABLE: &str = "table";
 /// Largest | |q| - 1 | of an attitude: four printed digits still pass.
 const MAX_QUATERNION_EXCESS: f64 = 1e-4;
 
-types! {
 /// Site of the station.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SiteBody {
     /// Geodetic latitude, degrees, north positive.
@@ -37,34 +37,42 @@ pub struct SiteBody {
     /// Local gravity, g0 (9.80665 m/s^2).
     pub gravity_g0: f64,
     /// Direction of the magnetic field [East, North, Up], any unit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<[f64; 3]>, min_items = 3, max_items = 3)]
-    pub magnetic_field_nav?: Numbers,
+    pub magnetic_field_nav: Option<Numbers>,
 }
 
 /// Systematic standard uncertainties of the station, arcsec. What is left out is the configuration's.
-#[derive(Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StationUncertaintyBody {
     /// Of the table's vertical, about east and about north alike.
-    pub levelling_arcsec?: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub levelling_arcsec: Option<f64>,
     /// Of the table's north.
-    pub azimuth_arcsec?: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub azimuth_arcsec: Option<f64>,
     /// Of the IMU against the table, about each body axis alike.
-    pub fixture_arcsec?: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fixture_arcsec: Option<f64>,
 }
 
 /// One gyro of a campaign.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CampaignGyroBody {
     /// G1, G2 or G3. A single-gyro bench test may leave it out (G1).
-    pub slot?: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slot: Option<String>,
     pub serial: String,
     /// E that is held and not fitted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<[f64; 3]>, min_items = 3, max_items = 3)]
-    pub known_e_pulse_per_arcsec?: Numbers,
+    pub known_e_pulse_per_arcsec: Option<Numbers>,
 }
 
 /// One averaging interval.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DwellBody {
     /// `static` or `rate`.
@@ -72,24 +80,28 @@ pub struct DwellBody {
     pub start_s: f64,
     pub duration_s: f64,
     /// Commanded unit quaternion [w, x, y, z] with v_body = C(q) v_nav, nav = East-North-Up.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<[f64; 4]>, min_items = 4, max_items = 4)]
-    pub attitude?: Numbers,
+    pub attitude: Option<Numbers>,
     /// Commanded mean specific force, body axes, g0.
     #[schema(value_type = [f64; 3], min_items = 3, max_items = 3)]
     pub specific_force_g0: Numbers,
     /// Commanded mean inertial rate, Earth rate included, body axes, arcsec/s.
     #[schema(value_type = [f64; 3], min_items = 3, max_items = 3)]
     pub rate_arcsec_s: Numbers,
-    pub temperature_c?: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature_c: Option<f64>,
     /// Mean output of each gyro, in the order of `gyros`.
     #[schema(value_type = Vec<f64>, min_items = 1, max_items = 3)]
     pub output_pulse_s: Numbers,
     /// Standard errors of those means.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Vec<f64>>, min_items = 1, max_items = 3)]
-    pub output_sem_pulse_s?: Numbers,
+    pub output_sem_pulse_s: Option<Numbers>,
 }
 
 /// A campaign of raw dwells, or a raw single-gyro bench test.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CampaignBody {
     pub imu: String,
@@ -97,24 +109,31 @@ pub struct CampaignBody {
     /// RFC 3339, with offset.
     pub measured_at: String,
     pub geometry: GeometryBody,
-    pub site?: SiteBody,
-    pub station_uncertainty?: StationUncertaintyBody,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub site: Option<SiteBody>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub station_uncertainty: Option<StationUncertaintyBody>,
     #[schema(min_items = 1, max_items = 3)]
     pub gyros: Vec<CampaignGyroBody>,
     #[schema(min_items = 1)]
     pub dwells: Vec<DwellBody>,
     /// What `rate_arcsec_s` holds: `inertial` rates (default), or the `table`'s own, to which the service adds the
     /// Earth's.
-    pub rates?: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rates: Option<String>,
     /// `imu` (default), `torque_feedback` or `turntable_servo`.
-    pub test?: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub test: Option<String>,
     /// Terms to fit: any of `bias`, `g_linear`, `g_squared`, `scale`. All four by default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(min_items = 1)]
-    pub model?: Vec<String>,
-    pub temperature_c?: f64,
-    pub operator?: String,
-    pub note?: String,
-}
+    pub model: Option<Vec<String>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature_c: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub operator: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
 }
 
 /// Reads and checks a campaign in JSON.

@@ -9,7 +9,7 @@ use crate::wire::prelude::*;
 
 const D_O_UNIT: &str = "deg/(h*g0)";
 
-types! {
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ClosureBody {
     /// `no_gap`, or `partly_explained`: what it is called is one of a class that a record cannot take apart.
     pub verdict: String,
@@ -26,27 +26,34 @@ pub struct ClosureBody {
     pub note_codes: Vec<MessageBody>,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ClosureGapBody {
     /// Root mean square of D_O over the gyros: a drift in deg/h where 1 g0 acts along O.
     pub rms_deg_per_h_g0: f64,
     pub budget_deg_per_h_g0: f64,
     /// Smallest probability of a gyro's D_O by noise alone; null where no standard deviations are stated.
+    #[schema(required)]
     pub p_value: Option<f64>,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ClosureWhereBody {
     pub gyros: Vec<ClosureShareBody>,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ClosureShareBody {
     pub slot: String,
     pub share: f64,
     pub d_o: f64,
+    #[schema(required)]
     pub sd: Option<f64>,
     pub of_budget: f64,
+    #[schema(required)]
     pub p_value: Option<f64>,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ClosureEffectBody {
     pub effect: String,
     /// Every entry that no single record can tell from it, itself included.
@@ -56,17 +63,20 @@ pub struct ClosureEffectBody {
     pub estimates: Vec<ClosureEstimateBody>,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ClosureEstimateBody {
     /// The member of the class that the estimate is for.
     pub effect: String,
     pub slot: String,
     pub name: String,
     pub value: f64,
+    #[schema(required)]
     pub sd: Option<f64>,
     pub unit: String,
 }
 
 /// What D_S would be if the closure is clocking; if it is D_O, D_S stays.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ClosureImpactBody {
     pub slot: String,
     pub coefficient: String,
@@ -78,6 +88,7 @@ pub struct ClosureImpactBody {
     pub of_budget: f64,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct MeasurementBody {
     /// In the language that the request asks for.
     pub measurement: String,
@@ -85,7 +96,6 @@ pub struct MeasurementBody {
     #[serde(flatten)]
     pub message: MessageBody,
     pub separates: Vec<String>,
-}
 }
 
 impl From<&ClosureDiagnosis> for ClosureBody {

@@ -22,9 +22,8 @@ pub struct WhichBody {
     pub again: bool,
 }
 
-types! {
 /// An order and its progress.
-#[derive(Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct JobBody {
     pub id: String,
     /// `waiting`, `running`, `done` or `canceled`.
@@ -34,13 +33,15 @@ pub struct JobBody {
     pub asked_by: String,
     pub asked_at: String,
     /// When the first of its campaigns was taken up.
+    #[schema(required)]
     pub begun_at: Option<String>,
+    #[schema(required)]
     pub ended_at: Option<String>,
     pub counts: CountsBody,
 }
 
 /// How far an order has come, in campaigns.
-#[derive(Copy, Default, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct CountsBody {
     pub campaigns: u64,
     pub waiting: u64,
@@ -50,26 +51,28 @@ pub struct CountsBody {
 }
 
 /// Orders, newest first.
-#[derive(Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct JobsBody {
     pub diagnoses: Vec<JobBody>,
     /// Cursor of the next page; null on the last.
+    #[schema(required)]
     pub next: Option<String>,
 }
 
 /// An order with what failed.
-#[derive(Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct JobDetailBody {
     #[serde(flatten)]
     pub job: JobBody,
     /// In the order in which they were stored.
     pub failures: Vec<FailureBody>,
     /// Cursor of the next failures; null on the last page.
+    #[schema(required)]
     pub next: Option<String>,
 }
 
 /// A campaign that could not be diagnosed.
-#[derive(Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct FailureBody {
     pub campaign: String,
     pub imu: String,
@@ -78,7 +81,7 @@ pub struct FailureBody {
 }
 
 /// What the diagnoses of many campaigns say together.
-#[derive(Default)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SummaryBody {
     pub campaigns: CoverageBody,
     /// Each named effect, the one in most IMUs first.
@@ -94,6 +97,7 @@ pub struct SummaryBody {
 }
 
 /// A campaign that the rule `forecast` finds outside what was foretold, and the gyro that is furthest.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct OutsideForecastBody {
     pub imu: String,
     pub campaign: SightingBody,
@@ -105,7 +109,7 @@ pub struct OutsideForecastBody {
 }
 
 /// How many campaigns the summary rests on.
-#[derive(Copy, Default, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct CoverageBody {
     pub diagnosed: u64,
     pub no_gap: u64,
@@ -121,6 +125,7 @@ pub struct CoverageBody {
 }
 
 /// One effect over all IMUs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct OverviewBody {
     /// Catalogue name.
     pub effect: String,
@@ -134,6 +139,7 @@ pub struct OverviewBody {
 }
 
 /// One effect in one gyro of one IMU.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct FindingBody {
     /// Catalogue name.
     pub effect: String,
@@ -150,6 +156,7 @@ pub struct FindingBody {
     /// Of how many from the first one on.
     pub of_since: u64,
     /// The last campaign of the gyro before the first one with the effect; null where there is none.
+    #[schema(required)]
     pub clear_at: Option<String>,
     pub first: SightingBody,
     pub last: SightingBody,
@@ -158,7 +165,7 @@ pub struct FindingBody {
     pub impact: Vec<LargestShiftBody>,
 }
 
-#[derive(Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct AtStationBody {
     pub station: String,
     /// With the effect.
@@ -168,7 +175,7 @@ pub struct AtStationBody {
 }
 
 /// A campaign in which it was seen.
-#[derive(Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct SightingBody {
     pub campaign: String,
     pub measured_at: String,
@@ -176,13 +183,14 @@ pub struct SightingBody {
 }
 
 /// How far the gap closes on held-out dwells once the effect is in the model, over the campaigns that name it.
-#[derive(Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ClosuresBody {
     pub least: f64,
     pub median: f64,
     pub greatest: f64,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct LargestShiftBody {
     /// `D_I` or `D_S`.
     pub coefficient: String,
@@ -193,6 +201,7 @@ pub struct LargestShiftBody {
 }
 
 /// A gap of an IMU that the catalogue does not explain, or not wholly.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct DoubtBody {
     /// `unexplained` or `partly_explained`.
     pub verdict: String,
@@ -207,5 +216,4 @@ pub struct DoubtBody {
     pub of: u64,
     pub first: SightingBody,
     pub last: SightingBody,
-}
 }

@@ -12,7 +12,7 @@ use crate::core::effects::{Effect, Estimate};
 use crate::wire::prelude::*;
 use crate::wire::unit;
 
-types! {
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct DiagnosisBody {
     /// What the campaign was compared with.
     pub model: InUseBody,
@@ -25,7 +25,8 @@ pub struct DiagnosisBody {
     /// Adopted effects in the order of adoption.
     pub effects: Vec<EffectBody>,
     /// Closure by all adopted effects together.
-    pub closure?: HeldOutBody,
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub closure: Option<HeldOutBody>,
     pub remaining: RemainingBody,
     pub candidates: Vec<CandidateBody>,
     pub not_identifiable: Vec<NotIdentifiableBody>,
@@ -38,7 +39,8 @@ pub struct DiagnosisBody {
     pub residuals: Vec<ResidualBody>,
     pub notes: Vec<String>,
     /// What the noise is beyond white, independent and as stated, where something is found.
-    pub noise?: NoiseFoundBody,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise: Option<NoiseFoundBody>,
     /// What is left goes with, the strongest first: no cause.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub description: Vec<DescribedBody>,
@@ -46,15 +48,17 @@ pub struct DiagnosisBody {
     #[serde(default)]
     pub note_codes: Vec<MessageBody>,
     /// The gap against a reference, where one was given.
-    pub reference?: SplitBody,
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub reference: Option<SplitBody>,
     /// Effects of the model in use as this campaign shows them, where the model holds the coefficients of the IMU.
-    pub effects_against_model?: ChangedBody,
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub effects_against_model: Option<ChangedBody>,
     /// What was foretold of this campaign by the model in force before it; of stored campaigns.
-    pub forecast?: ForecastPointBody,
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub forecast: Option<ForecastPointBody>,
     /// Hypotheses of one's own that competed with the catalogue.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub hypotheses: Vec<HypothesisBody>,
-}
 }
 
 impl DiagnosisBody {
@@ -139,12 +143,13 @@ impl InUseBody {
     }
 }
 
-types! {
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct InUseEffectBody {
     pub effect: String,
     pub gyros: Vec<String>,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct NoiseFloorBody {
     pub deg_per_h: f64,
     pub source: String,
@@ -152,6 +157,7 @@ pub struct NoiseFloorBody {
     pub gyros: Vec<GyroFloorBody>,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct GyroFloorBody {
     pub slot: String,
     pub deg_per_h: f64,
@@ -159,6 +165,7 @@ pub struct GyroFloorBody {
 }
 
 /// One thing that what is left goes with.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct DescribedBody {
     /// `time`, `temperature`, `rate_of_temperature`, `up_direction`, `heading`, `rate_level`, `rate_axis`,
     /// `rate_history`, `previous_orientation`, `orientation_age` or `phase`; of two together `time_and_force`,
@@ -170,25 +177,32 @@ pub struct DescribedBody {
 }
 
 /// Noise beyond white, independent and as stated.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct NoiseFoundBody {
     /// Correlation of each pair of gyros.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub between_gyros: Vec<CorrelationBody>,
     /// A bias that wanders from dwell to dwell.
-    pub flicker?: MemoryBody,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flicker: Option<MemoryBody>,
     /// With what power of duration the noise falls, where the standard errors do not say it.
-    pub falls_with_duration?: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub falls_with_duration: Option<f64>,
     /// How many times the noise is as large at the fastest rate as at rest, where the standard errors do not say it.
-    pub grows_with_rate?: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub grows_with_rate: Option<f64>,
     /// How many times the noise is as large at the end as at the beginning, where the standard errors do not say it.
-    pub grows_in_time?: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub grows_in_time: Option<f64>,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct CorrelationBody {
     pub gyros: [String; 2],
     pub correlation: f64,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct MemoryBody {
     /// `flicker` or `random_walk`, whichever is likelier.
     pub kind: String,
@@ -197,11 +211,13 @@ pub struct MemoryBody {
     pub probability: f64,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct GyroMemoryBody {
     pub slot: String,
     pub deg_per_h: f64,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct GapBody {
     /// Root mean square of the residuals.
     pub rms_deg_per_h: f64,
@@ -212,6 +228,7 @@ pub struct GapBody {
     pub p_value: f64,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct EffectBody {
     pub effect: String,
     /// Every entry that this campaign cannot tell from it, itself included.
@@ -221,7 +238,8 @@ pub struct EffectBody {
     pub wider_in: Vec<GyroClassBody>,
     pub gyros: Vec<String>,
     /// From when to when it acts, s after the first dwell, where that is not the whole campaign.
-    pub acts_in?: [f64; 2],
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub acts_in: Option<[f64; 2]>,
     pub estimates: Vec<EstimateBody>,
     pub held_out: HeldOutBody,
     pub p_value_adjusted: f64,
@@ -232,17 +250,20 @@ pub struct EffectBody {
 }
 
 /// What an effect adds to the drift of one gyro, dwell by dwell.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct EffectDriftBody {
     pub slot: String,
     pub deg_per_h: Vec<f64>,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct GyroClassBody {
     pub slot: String,
     /// All that would do, the named effect first.
     pub class: Vec<String>,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct EstimateBody {
     /// `all` for a coefficient that the gyros share.
     pub slot: String,
@@ -252,6 +273,7 @@ pub struct EstimateBody {
     pub unit: String,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct HeldOutBody {
     pub before_deg_per_h: f64,
     pub after_deg_per_h: f64,
@@ -260,6 +282,7 @@ pub struct HeldOutBody {
     pub interval: [f64; 2],
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct RemainingBody {
     pub rms_deg_per_h: f64,
     pub reduced_chi2: f64,
@@ -267,6 +290,7 @@ pub struct RemainingBody {
     pub signs: Vec<SignBody>,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SignBody {
     pub kind: String,
     pub gyros: Vec<String>,
@@ -274,7 +298,6 @@ pub struct SignBody {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pointers: Vec<String>,
     pub p_value: f64,
-}
 }
 
 impl SignBody {
@@ -294,12 +317,14 @@ pub fn sign_word(kind: &str, language: Language) -> &str {
     words.into_iter().find(|word| !word.is_empty()).unwrap_or(kind)
 }
 
-types! {
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct CandidateBody {
     pub effect: String,
     /// Fraction of the reducible gap that it closes alone; null where it could not be tried.
+    #[schema(required)]
     pub closure: Option<f64>,
     /// 95 % interval of that.
+    #[schema(required)]
     pub interval: Option<[f64; 2]>,
     pub p_value_adjusted: f64,
     /// Whether noise alone shows as much too often for a name: `closure` is then that of a chance pattern, and no
@@ -314,6 +339,7 @@ pub struct CandidateBody {
     pub finding: MessageBody,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct NotIdentifiableBody {
     pub effect: String,
     pub visible_fraction: f64,
@@ -329,35 +355,39 @@ pub struct NotIdentifiableBody {
     pub finding: MessageBody,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ImpactBody {
     pub slot: String,
     pub coefficient: String,
     pub plain: f64,
     /// As the campaign itself states it; none in diagnoses of earlier versions.
-    pub plain_sd?: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plain_sd: Option<f64>,
     pub augmented: f64,
     pub augmented_sd: f64,
     pub shift: f64,
     pub of_budget: f64,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct NextDwellBody {
     pub phase: String,
     pub specific_force_g0: [f64; 3],
     pub rate_arcsec_s: [f64; 3],
     /// How the table is set for it; none in diagnoses of earlier versions.
-    pub table?: TableBody,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub table: Option<TableBody>,
     pub separates: Vec<String>,
 }
 
 /// How a table is set for a dwell.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct TableBody {
     /// Which body direction points up, and which north.
     pub up: [f64; 3],
     pub north: [f64; 3],
     /// About the vertical, without the Earth's.
     pub rate_deg_s: f64,
-}
 }
 
 impl TableBody {

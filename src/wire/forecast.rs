@@ -14,8 +14,8 @@ use crate::core::message::{figure, p_value as probability, text};
 use crate::wire::prelude::*;
 use crate::wire::unit;
 
-types! {
 /// Forecast of one campaign.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ForecastBody {
     pub imu: String,
     pub station: String,
@@ -23,50 +23,61 @@ pub struct ForecastBody {
     pub model: ForecastModelBody,
     pub gyros: Vec<GyroForecastBody>,
     /// What the adopted effects should take away of the forecast error; none without effects.
-    pub promised?: ClosingBody,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub promised: Option<ClosingBody>,
     /// Where the campaign is still to be measured: the dwells that tell most of what the model does not know, the best
     /// first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub next_dwells: Vec<TellingBody>,
     /// Where the campaign is measured.
-    pub compared?: ComparedBody,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compared: Option<ComparedBody>,
     /// The model's effects as this campaign shows them; none without effects, or where they cannot be fitted.
-    pub effects_against_model?: ChangedBody,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub effects_against_model: Option<ChangedBody>,
     /// What is left out, and what lies outside the model's validity.
     pub notes: Vec<String>,
     pub note_codes: Vec<MessageBody>,
 }
 
 /// Forecasts of the stored campaigns of an IMU, each from the model in force when it came in.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ForecastSeriesBody {
     pub imu: String,
     /// Oldest first.
     pub points: Vec<ForecastPointBody>,
     /// The newest forecast, dwell by dwell.
-    pub latest?: ForecastBody,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub latest: Option<ForecastBody>,
 }
 
 /// The forecast of one stored campaign.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ForecastPointBody {
     /// Its identifier.
     pub campaign: String,
     /// The adopted model that was in force when it came in; none for the plain one.
-    pub imu_model?: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub imu_model: Option<String>,
     pub measured_at: String,
     pub station: String,
-    pub model?: ForecastModelBody,
-    pub promised?: ClosingBody,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<ForecastModelBody>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub promised: Option<ClosingBody>,
     /// Without what is said dwell by dwell.
-    pub compared?: ComparedBody,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compared: Option<ComparedBody>,
     /// Adopted effects whose coefficients are others in this campaign.
     pub effects_changed: Vec<String>,
     pub notes: Vec<String>,
     #[serde(default)]
     pub note_codes: Vec<MessageBody>,
     /// Why nothing was foretold.
-    pub why_not?: String,
-    pub why_not_code?: MessageBody,
-}
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub why_not: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub why_not_code: Option<MessageBody>,
 }
 
 impl ForecastPointBody {
@@ -127,17 +138,19 @@ impl ForecastPointBody {
     }
 }
 
-types! {
 /// The model that foretold.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ForecastModelBody {
     /// When the newest of its campaigns was measured.
     pub measured_at: String,
     pub campaigns: usize,
     pub effects: Vec<String>,
-    pub reference_temperature_c?: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference_temperature_c: Option<f64>,
 }
 
 /// By dwell, deg/h: pulse/s over `scale_pulse_per_arcsec`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct GyroForecastBody {
     pub slot: String,
     pub serial: String,
@@ -153,7 +166,7 @@ pub struct GyroForecastBody {
 }
 
 /// A dwell that is worth measuring.
-#[derive(Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct TellingBody {
     pub dwell: usize,
     pub specific_force_g0: Triple,
@@ -165,7 +178,7 @@ pub struct TellingBody {
 }
 
 /// How much of the forecast error above the noise goes away with the adopted effects.
-#[derive(Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ClosingBody {
     /// Root mean square of the error without and with them.
     pub before_deg_per_h: f64,
@@ -173,8 +186,8 @@ pub struct ClosingBody {
     /// 1 - (after^2 - noise^2)/(before^2 - noise^2). Without an interval it says nothing.
     pub closure: f64,
     /// 95 %; none where the error without them does not exceed the noise.
+    #[schema(required)]
     pub interval: Option<[f64; 2]>,
-}
 }
 
 /// A gyro, the root mean square of its errors over their standard deviations, and the p of such over all gyros.
@@ -296,7 +309,7 @@ impl ForecastVerdictBody {
     }
 }
 
-types! {
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct GyroComparedBody {
     pub slot: String,
     pub rms_over_sd: f64,
@@ -311,6 +324,7 @@ pub struct GyroComparedBody {
     pub pit: Vec<f64>,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct MissBody {
     pub slot: String,
     pub dwell: usize,
@@ -318,20 +332,24 @@ pub struct MissBody {
 }
 
 /// One step of the ladder of models.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct RungBody {
     /// The effect that joins here; none for model (6) alone.
+    #[schema(required)]
     pub effect: Option<String>,
     pub rms_deg_per_h: f64,
     pub rms_over_sd: f64,
 }
 
 /// The model's effects then and now.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ChangedBody {
     pub effects: Vec<ChangedEffectBody>,
     /// D_I and D_S with the changed effects as the campaign has them, less those with the model's.
     pub shifts: Vec<ShiftBody>,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ChangedEffectBody {
     pub effect: String,
     /// `all` for one that the gyros share.
@@ -350,6 +368,7 @@ pub struct ChangedEffectBody {
     pub beyond_seen: bool,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ThenNowBody {
     pub name: String,
     pub unit: String,
@@ -359,12 +378,12 @@ pub struct ThenNowBody {
     pub now_sd: f64,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ShiftBody {
     pub slot: String,
     pub coefficient: String,
     pub shift: f64,
     pub sd: f64,
-}
 }
 
 /// The state of a campaign that lies outside its forecast.

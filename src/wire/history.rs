@@ -9,7 +9,7 @@ use crate::core::changes::{
 use crate::wire::prelude::*;
 use crate::wire::time;
 
-types! {
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct HistoryDiagnosisBody {
     pub serial: String,
     /// Other gyros that met the same stations, from which the stations' doing was told.
@@ -19,6 +19,7 @@ pub struct HistoryDiagnosisBody {
     pub coefficients: Vec<CoefficientBody>,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct CoefficientBody {
     pub coefficient: Cow<'static, str>,
     /// `too_few`, `no_change`, `explained`, `partly_explained` or `unexplained`.
@@ -36,17 +37,21 @@ pub struct CoefficientBody {
     /// Records that stand apart from those before and after them, and were left out.
     pub outliers: Vec<OutlierBody>,
     /// How the coefficient wanders without a cause; null where it does not.
+    #[schema(required)]
     pub wander: Option<WanderBody>,
     /// That what is left is more than scatter; left out where it is not.
-    pub excess?: ExcessBody,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub excess: Option<ExcessBody>,
     /// Significance of what follows in time after all that was named.
     pub remaining_p_value: f64,
     /// When it leaves its budget, where it ages; null where it does not.
+    #[schema(required)]
     pub due: Option<DueBody>,
     /// All this in sentences, in the language of the request.
     pub said: Vec<String>,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct CauseBody {
     pub cause: Cow<'static, str>,
     /// Every cause that these records cannot tell from it, itself included.
@@ -55,10 +60,12 @@ pub struct CauseBody {
     pub detail: String,
     pub estimates: Vec<HistoryEstimateBody>,
     /// Null where no block of records can be predicted from the others, or where they say nothing of it.
+    #[schema(required)]
     pub held_out: Option<LeftOutBody>,
     pub p_value_adjusted: f64,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct HistoryEstimateBody {
     pub name: String,
     pub value: f64,
@@ -67,6 +74,7 @@ pub struct HistoryEstimateBody {
 }
 
 /// Error of blocks of time predicted from the others, root mean square.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct LeftOutBody {
     pub before: f64,
     pub after: f64,
@@ -75,12 +83,14 @@ pub struct LeftOutBody {
     pub interval: [f64; 2],
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct RejectedBody {
     pub cause: Cow<'static, str>,
     pub detail: String,
     pub reason: String,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct OutlierBody {
     pub calibrated_at: String,
     /// From its neighbours.
@@ -88,6 +98,7 @@ pub struct OutlierBody {
     pub sd: f64,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct WanderBody {
     /// `random_walk`, `walk_by_record` or `flicker`.
     pub process: String,
@@ -97,6 +108,7 @@ pub struct WanderBody {
 }
 
 /// What is left varies far more than calibrations scatter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ExcessBody {
     /// Standard deviation of what is left, and that expected of calibrations.
     pub sd: f64,
@@ -105,13 +117,14 @@ pub struct ExcessBody {
 }
 
 /// When the coefficient leaves its budget; an end of an interval is null where it may never come.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct DueBody {
     pub at: String,
     pub interval_80: [Option<String>; 2],
     pub interval_95: [Option<String>; 2],
     /// Until when it is within its budget with 95 %; null where that was never so.
+    #[schema(required)]
     pub calibrate_by: Option<String>,
-}
 }
 
 impl HistoryDiagnosisBody {

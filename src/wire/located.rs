@@ -4,29 +4,31 @@ use crate::core::campaign::Phase;
 use crate::core::diagnose as core;
 use crate::wire::prelude::*;
 
-types! {
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct WhereBody {
     pub gyros: Vec<GyroShareBody>,
     pub phases: Vec<PhaseShareBody>,
     pub dwells: Vec<DwellShareBody>,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct GyroShareBody {
     pub slot: String,
     pub share: f64,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct PhaseShareBody {
     pub phase: String,
     pub share: f64,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct DwellShareBody {
     pub index: usize,
     pub slot: String,
     pub residual_deg_per_h: f64,
     pub share: f64,
-}
 }
 
 bodies! {

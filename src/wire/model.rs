@@ -65,8 +65,8 @@ pub struct AdoptionBody {
     pub reason: String,
 }
 
-types! {
 /// One effect of the catalogue in the model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct KnownEffectBody {
     /// Id of the catalogue.
@@ -80,10 +80,12 @@ pub struct KnownEffectBody {
     /// As the campaign of the provenance shows them. Each later campaign fits its own.
     pub estimates: Vec<KnownEstimateBody>,
     /// What it is, where it is a hypothesis of one's own: `effect` is then its id.
-    pub hypothesis?: HypothesisBody,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hypothesis: Option<HypothesisBody>,
 }
 
 /// One coefficient.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct KnownEstimateBody {
     /// `all` for a coefficient that the gyros share.
@@ -95,39 +97,49 @@ pub struct KnownEstimateBody {
 }
 
 /// At most one member.
-#[derive(Default)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[schema(max_properties = 1)]
 #[serde(deny_unknown_fields)]
 pub struct ShapeBody {
     /// Time constant of `warmup`.
-    pub tau_s?: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tau_s: Option<f64>,
     /// Instant of `bias_step`.
-    pub instant_s?: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub instant_s: Option<f64>,
     /// Index of `outlier_dwell`.
-    pub dwell?: usize,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dwell: Option<usize>,
     /// Period of `periodic`.
-    pub period_s?: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub period_s: Option<f64>,
     /// Direction of the field of `magnetic`, from north towards east, rad.
-    pub field_azimuth_rad?: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub field_azimuth_rad: Option<f64>,
     /// Rotation of S about I that `anisoinertia` assumes, rad.
-    pub clocking_rad?: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clocking_rad: Option<f64>,
     /// The one product of `cross_compliance`: 0 for a_I a_S, 1 for a_I a_O, 2 for a_O a_S.
-    pub product?: usize,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub product: Option<usize>,
     /// Whether `levelling` tilts the IMU on the table (true) or the table.
-    pub with_rate?: bool,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub with_rate: Option<bool>,
     /// `input_spin`, where `temperature_g` acts along I and S alone.
-    pub axes?: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axes: Option<String>,
     /// Value of the parameter of a hypothesis of one's own, in the unit of its range.
-    pub value?: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub value: Option<f64>,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProvenanceBody {
     pub imu: String,
     pub station: String,
     /// RFC 3339, with offset.
     pub measured_at: String,
-}
 }
 
 /// Reads and checks a model file.

@@ -4,7 +4,7 @@ pub(super) use serde::{Deserialize, Serialize};
 pub(super) use serde_json::{Value, json};
 pub(super) use utoipa::ToSchema;
 
-pub(super) use super::body::{ToBody, bodies, types};
+pub(super) use super::body::{ToBody, bodies};
 pub(super) use super::message::MessageBody;
 pub(super) use super::triple::Triple;
 pub(super) use crate::core::fault::{Fault, Faults};

@@ -10,8 +10,8 @@ use crate::core::name::Name;
 use crate::core::record::{GyroParameters, Plausibility, Record};
 use crate::wire::prelude::*;
 
-types! {
 /// A record as it stands on the wire.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RecordBody {
     /// Identifier of the inertial measurement unit, at most 64 characters.
@@ -24,32 +24,42 @@ pub struct RecordBody {
     /// One to three gyros.
     #[schema(min_items = 1, max_items = 3)]
     pub gyros: Vec<GyroBody>,
-    pub temperature_c?: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature_c: Option<f64>,
     /// The campaign that the record was fitted from, as the station names it.
-    pub campaign?: String,
-    pub operator?: String,
-    pub note?: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub campaign: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub operator: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
 }
 
 /// One gyro's row of model (6). G is given in one of its two units.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GyroBody {
     pub slot: Slot,
     /// Serial number of the gyro, at most 64 characters. Its history follows it from IMU to IMU.
     pub serial: String,
     pub e_pulse_per_arcsec: Triple,
-    pub g_pulse_per_s_g0?: Triple,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub g_pulse_per_s_g0: Option<Triple>,
     /// G already divided by |E|.
-    pub g_deg_per_h_g0?: Triple,
-    pub p_pulse_per_s_g02?: Triple,
-    pub bias_pulse_per_s?: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub g_deg_per_h_g0: Option<Triple>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub p_pulse_per_s_g02: Option<Triple>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bias_pulse_per_s: Option<f64>,
     /// Standard deviations of E, pulse/arcsec.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Deviations>)]
-    pub e_sd?: Triple,
+    pub e_sd: Option<Triple>,
     /// Standard deviations of G, in the unit in which G is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Deviations>)]
-    pub g_sd?: Triple,
-}
+    pub g_sd: Option<Triple>,
 }
 
 /// Reads and checks a record. Errors name every fault of content by its pointer, or the one fault of form.

@@ -7,17 +7,18 @@ use crate::core::suspect_window::SuspectWindow;
 use crate::wire::prelude::*;
 use crate::wire::time;
 
-types! {
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct StationsBody {
     pub unit: String,
     /// The station that most offsets count from.
+    #[schema(required)]
     pub against: Option<String>,
     pub stations: Vec<StationBody>,
     /// Spread of the stations' offsets; null where there is one station.
     pub reproducibility: BothBody<Option<SpreadBody>>,
 }
 
-#[derive(Default)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct StationBody {
     pub name: String,
     /// That count, each once for all gyros in it. Stations are compared by the newest hundred of each gyro, and of a fleet
@@ -27,10 +28,13 @@ pub struct StationBody {
     pub gyros: usize,
     pub imus: usize,
     /// Times of the records; null where none counts.
+    #[schema(required)]
     pub first: Option<String>,
+    #[schema(required)]
     pub last: Option<String>,
     /// The station that its offsets count from; left out of that one, and where no gyros lead to another.
-    pub against?: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub against: Option<String>,
     /// Gyros that it calibrated last and that were not calibrated in their interval.
     pub overdue: usize,
     /// When many of its gyros were off, each in a direction of its own, oldest first; left out where they never were.
@@ -39,13 +43,16 @@ pub struct StationBody {
     #[serde(flatten)]
     pub coefficients: BothBody<StationColumnBody>,
     /// Windows in which what it measures does not count, oldest first; only where one station is asked for.
-    pub suspect_windows?: Vec<SuspectWindowBody>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub suspect_windows: Option<Vec<SuspectWindowBody>>,
 }
 
 /// Many gyros of a station were off from then on, and until then no more.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct UnlikeBody {
     pub from: String,
     /// Null where they still are.
+    #[schema(required)]
     pub until: Option<String>,
     /// How many, of how many.
     pub gyros: usize,
@@ -53,12 +60,12 @@ pub struct UnlikeBody {
 }
 
 /// What was calibrated from then to then does not count.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SuspectWindowBody {
     pub from: String,
     pub to: String,
     pub by: String,
     pub reason: String,
-}
 }
 
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -69,39 +76,45 @@ pub struct BothBody<T> {
     pub d_s: T,
 }
 
-types! {
 /// One coefficient at a station, deg/(h*g0).
-#[derive(Default)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct StationColumnBody {
     /// Standard deviation of one record; null with too few.
+    #[schema(required)]
     pub repeatability: Option<SpreadBody>,
     /// How much more it reads than the station that offsets count from; null of that one, and where no gyros lead from
     /// one to the other.
+    #[schema(required)]
     pub offset: Option<SharedBody>,
     /// A year; null where nothing can be said.
+    #[schema(required)]
     pub drift: Option<SharedBody>,
     /// Whether the drift is beyond chance, and the gyros of several IMUs share it.
     pub drifts: bool,
     /// When the drift began; left out where it is as old as the records.
-    pub drift_since?: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drift_since: Option<String>,
     /// Re-levellings and the like that were found, oldest first.
     pub steps: Vec<StationStepBody>,
     /// Times for which it was off, oldest first.
     #[serde(default)]
     pub windows: Vec<StationWindowBody>,
     /// What single gyros show beyond the common offset: gyro x station; null with too few.
+    #[schema(required)]
     pub gyro_by_station: Option<SpreadBody>,
     /// What its gyros read about their own levels, oldest first.
     pub course: Vec<CoursePointBody>,
 }
 
 /// A standard deviation with its 95 % interval.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SpreadBody {
     pub sd: f64,
     pub interval: [f64; 2],
 }
 
 /// What the gyros share.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SharedBody {
     pub value: f64,
     pub sd: f64,
@@ -110,12 +123,14 @@ pub struct SharedBody {
     pub imus: usize,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct StationStepBody {
     pub at: String,
     #[serde(flatten)]
     pub size: SharedBody,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct StationWindowBody {
     /// Its first record that is off, and the first after it that is not.
     pub from: String,
@@ -124,12 +139,12 @@ pub struct StationWindowBody {
     pub size: SharedBody,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct CoursePointBody {
     pub at: String,
     pub value: f64,
     pub sd: f64,
     pub records: usize,
-}
 }
 
 impl StationsBody {

@@ -9,19 +9,22 @@ use crate::wire::answer::UncertaintyBody;
 use crate::wire::prelude::*;
 use crate::wire::unit;
 
-types! {
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ParameterBody {
     pub name: String,
     pub unit: String,
     pub value: f64,
     /// None where the dwells do not determine the parameter, or nothing gives the noise.
+    #[schema(required)]
     pub sd: Option<f64>,
     /// Whether the dwells, with the gauge, leave one value.
     pub determined: bool,
     /// What `sd` is made of.
-    pub uncertainty?: UncertaintyBody,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<UncertaintyBody>,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct EffectParameterBody {
     /// Id of the catalogue.
     pub effect: String,
@@ -29,15 +32,17 @@ pub struct EffectParameterBody {
     pub unit: String,
     pub value: f64,
     /// None where nothing gives the noise.
+    #[schema(required)]
     pub sd: Option<f64>,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct NullDirectionBody {
     /// Shares of the parameters, a unit vector; those of zero are left out.
     pub direction: BTreeMap<String, f64>,
     /// The condition that was imposed to make the estimate unique; none where it is cut off at the shortest one.
+    #[schema(required)]
     pub gauge: Option<String>,
-}
 }
 
 impl ParameterBody {

@@ -21,14 +21,15 @@ const NEAR_K: f64 = 1.0;
 /// Share of |E| by which the E that effects are resolved on may differ from the fitted one.
 const E_AGREES: f64 = 0.01;
 
-types! {
 /// The coefficients of one IMU, fitted to its campaigns.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct IdentifiedBody {
     pub imu: String,
     pub geometry: GeometryBody,
     /// Temperature at which the coefficients are stated; none where no campaign states temperatures.
-    pub reference_temperature_c?: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference_temperature_c: Option<f64>,
     /// When the newest campaign was measured, RFC 3339 with offset.
     pub measured_at: String,
     pub gyros: Vec<ModelGyroBody>,
@@ -39,6 +40,7 @@ pub struct IdentifiedBody {
     pub validity: ValidityBody,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ModelGyroBody {
     pub slot: String,
@@ -54,25 +56,29 @@ pub struct ModelGyroBody {
 
 /// The standard deviation of a mean over T hours is `sem_factor` times the stated standard error; where none is
 /// stated, |E| sqrt(N^2/T + (q w_I)^2).
-#[derive(Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NoiseLawBody {
     /// None where the campaigns state no standard errors.
-    pub sem_factor?: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sem_factor: Option<f64>,
     /// N.
     pub random_walk_deg_per_sqrt_h: f64,
     /// q, in parts per million.
     pub rate_noise_ppm: f64,
     /// Degrees of freedom that the scale is known by; none where standard errors are taken at their word.
-    pub dof?: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dof: Option<f64>,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ModelCoefficientBody {
     /// `all` for one that the gyros share.
     pub slot: String,
     /// Id of the effect that it belongs to; none for D0, G, P and E.
-    pub effect?: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub effect: Option<String>,
     pub name: String,
     pub value: f64,
     /// The root of its place in `covariance`.
@@ -83,25 +89,28 @@ pub struct ModelCoefficientBody {
     pub unit: String,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FittedCampaignBody {
     pub station: String,
     pub measured_at: String,
     pub dwells: usize,
     /// Its identifier in the service, or the SHA-256 of its file.
-    pub source?: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub source: Option<String>,
 }
 
 /// What the campaigns have shown.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ValidityBody {
     /// Lowest and highest temperature.
-    pub temperature_c?: [f64; 2],
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature_c: Option<[f64; 2]>,
     /// Largest rate.
     pub rate_arcsec_s: f64,
     /// Directions of specific force, body axes.
     pub directions: Vec<Triple>,
-}
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]

@@ -33,7 +33,6 @@ use crate::core::message::{Message, figure, list};
 use crate::core::model::Term;
 use crate::core::mounting::{Slot, Triad};
 use crate::core::numerics::least_squares::{Factor, Fit};
-use crate::core::numerics::median::median_of;
 use crate::message;
 
 /// Condition that makes D_F, D_II and D_SS unique in a tumble about the output axis.
@@ -397,24 +396,22 @@ impl BenchProblem<'_> {
         let rank = factor.rank();
         let white = noise.covariance_scale().map(|scale| DMatrix::from_diagonal_element(rank, rank, scale));
         let mut coordinates = white.clone();
-        let Weighed { kinds, white: of_white } = self.weigh(factor, fit, &station, &mut coordinates);
+        let weighed = self.weigh(factor, fit, &station, &mut coordinates);
         // Of one gyro, kinds may widen what white noise makes of a coefficient, and not narrow it.
         let of_kind = |(coordinates, of_white): (DMatrix<f64>, f64)| {
             let identity = DMatrix::identity(fit.estimate.len(), fit.estimate.len());
             Uncertainty {
                 fit: factor.covariance_of(&coordinates),
                 white: factor.covariance_of(&white.clone().unwrap_or(coordinates)) * of_white,
-                share: noise.share(&evidence, noise_report::is_other(&kinds)),
+                share: noise.share(&evidence, noise_report::is_other(&weighed.kinds)),
                 station: StationResponse::by_part(&station.responses, &identity),
                 contradicted: StationResponse::contradicted(&station.responses, &identity),
             }
         };
-        let mixed = coordinates.map(|mixed| (mixed, of_white[0]));
+        let mixed = coordinates.map(|mixed| (mixed, weighed.white[0]));
         let uncertainties: Vec<Uncertainty> =
             white.clone().map(|white| (white, 1.0)).into_iter().chain(mixed).map(of_kind).collect();
         let slot = self.campaign.gyros[0].slot;
-        let usual = sigma.as_ref().and_then(|sigma| median_of(sigma.iter().copied()));
-        let sds = |power: f64| usual.map(|usual| (slot, power.sqrt() * usual / k.abs())).into_iter().collect();
         if let Some(parts) = uncertainties.first().filter(|_| first > 0)
             && self.method == BenchMethod::TorqueFeedback
             && k.abs() < LEAST_SCALE_TO_NOISE * parts.fit.view((0, 0), (first, first)).trace().max(0.0).sqrt()
@@ -462,7 +459,7 @@ impl BenchProblem<'_> {
             sigma,
             noise,
             errors_scatter: self.shrunken.as_ref().and_then(|shrunken| shrunken.scatter),
-            noise_found: noise_report::of_kinds(&kinds, sds),
+            noise_found: noise_report::of_kinds(&weighed, &[(slot, Some(k.abs()))]),
             notes: station.notes,
             residuals: fit.residuals,
             leverage: fit.leverage,

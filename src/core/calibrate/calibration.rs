@@ -12,7 +12,6 @@ use crate::core::effects::{Coefficient, Effect};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::Slot;
 use crate::core::named::named;
-use crate::core::numerics::median::median_of;
 use crate::core::numerics::tails::chi2_tail;
 use crate::core::record::Name;
 
@@ -246,12 +245,6 @@ impl GyroCalibration {
     /// E, pulse/arcsec, body axes: fitted or held.
     pub fn e(&self) -> Option<Vector3<f64>> {
         self.known_e.or_else(|| self.of(Term::Scale).map(vector))
-    }
-
-    /// Standard deviation of correlated noise of this power over the square of the median noise of a dwell, deg/h.
-    pub(super) fn correlated_noise_sd(&self, power: f64) -> Option<f64> {
-        let usual = median_of(self.sigma.as_ref()?.iter().copied())?;
-        Some(power.sqrt() * usual / self.scale_factor()?)
     }
 
     /// The parameters of one term, where it was fitted.

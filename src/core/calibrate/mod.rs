@@ -40,7 +40,7 @@ use crate::core::calibrate::effect_columns::{Regressors, Retold};
 use crate::core::calibrate::regressor::Regressor;
 use crate::core::calibrate::shared_coefficients::{CommonFit, OwnFit, SharedRegressors};
 use crate::core::campaign::repeats::PureError;
-use correlated_noise::FittedGyro;
+use correlated_noise::{FittedGyro, Weighed};
 use growth::{Exposure, NoiseGrowth};
 use gyro_fit::{GyroFit, SharedDesigns, fit_gyro, retold};
 use law::DwellConditions;
@@ -174,29 +174,25 @@ fn calibrate_in(
     let mut coordinates: Vec<_> = fits.iter().zip(&noises).map(|(fit, noise)| fit.coordinates(noise)).collect();
     let found = (kinds == Kinds::All).then(|| weigh(dwells, has_sem, &fits, &mut coordinates));
     notes.extend(shrunken.and_then(|shrunken| shrunken.scatter).map(|scatter| CampaignNote::ErrorsScatter { scatter }));
-    let (found, white) = found.map_or((None, vec![1.0; fits.len()]), |found| (Some(found.kinds), found.white));
-    let is_other_noise = found.as_ref().is_some_and(noise_report::is_other);
+    let found = found.unwrap_or_else(|| Weighed::white(fits.len()));
+    let is_other_noise = noise_report::is_other(&found.kinds);
     let mut gyros: Vec<GyroCalibration> = fits
         .into_iter()
         .zip(noises)
-        .zip(coordinates.into_iter().zip(white))
+        .zip(coordinates.into_iter().zip(found.white.iter().copied()))
         .zip(&campaign.gyros)
         .map(|(((fit, noise), coordinates), gyro)| fit.finish(gyro, noise, coordinates, is_other_noise))
         .collect();
     for gyro in &mut gyros {
         gyro.effects.retain(|one| !any_temperature.contains(&one.effect));
     }
-    let noise_found = found.map(|found| noise_report::report(&found, &gyros)).unwrap_or_default();
+    let asks = kinds == Kinds::All;
+    let noise_found = asks.then(|| noise_report::report(&found, &gyros)).unwrap_or_default();
     Calibration { terms, has_sem, repeats, growth, growth_chance, gyros, notes, contradicted, noise_found }
 }
 
 /// Averages the covariance of each gyro's coordinates over the kinds of noise.
-fn weigh(
-    dwells: &[Dwell],
-    has_sem: bool,
-    fits: &[GyroFit],
-    coordinates: &mut [Option<DMatrix<f64>>],
-) -> correlated_noise::Weighed {
+fn weigh(dwells: &[Dwell], has_sem: bool, fits: &[GyroFit], coordinates: &mut [Option<DMatrix<f64>>]) -> Weighed {
     let fitted: Vec<FittedGyro> = fits.iter().map(GyroFit::fitted).collect();
     correlated_noise::weigh(&DwellConditions::of(dwells), &fitted, coordinates, has_sem)
 }

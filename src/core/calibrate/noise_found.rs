@@ -30,9 +30,16 @@ pub enum LawFound {
     /// It falls with duration to this power.
     Duration { power: f64 },
     /// So many times as large at the fastest rate as at rest.
-    Rate { times: f64 },
+    Rate { times: f64, is_bound: bool },
     /// So many times as large at the end as at the beginning.
-    Time { times: f64 },
+    Time { times: f64, is_bound: bool },
+}
+
+impl LawFound {
+    /// Whether that is the most that is tried: the noise may grow, or fall, by more.
+    pub fn is_bound(self) -> bool {
+        matches!(self, Self::Rate { is_bound: true, .. } | Self::Time { is_bound: true, .. })
+    }
 }
 
 impl CorrelatedNoiseFound {
@@ -64,10 +71,23 @@ impl NoiseFound {
         }));
         notes.extend(self.laws.iter().map(|law| match *law {
             LawFound::Duration { power } => message!("noise_of_duration", power = figure(power, 2)),
-            LawFound::Rate { times } => message!("noise_of_rate", times = figure(times, 1)),
-            LawFound::Time { times } => message!("noise_of_time", times = figure(times, 1)),
+            LawFound::Rate { times, is_bound } => {
+                message!("noise_of_rate", times = figure(times, 1), bound = bound(times, is_bound))
+            }
+            LawFound::Time { times, is_bound } => {
+                message!("noise_of_time", times = figure(times, 1), bound = bound(times, is_bound))
+            }
         }));
         notes
+    }
+}
+
+/// Whether the true growth is at least or at most what is said.
+fn bound(times: f64, is_bound: bool) -> &'static str {
+    match is_bound {
+        true if times > 1.0 => "least",
+        true => "most",
+        false => "none",
     }
 }
 

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::design;
 use super::noise::{self, NoiseScale};
-use super::noise_found::NoiseFound;
+use super::noise_found::{LawFound, NoiseFound};
 use super::uncertainty::Uncertainty;
 use crate::core::campaign::repeats::PureError;
 use crate::core::campaign::{Campaign, CampaignNote, GyroNoise, coarse_steps};
@@ -122,6 +122,8 @@ pub struct Calibration {
     pub contradicted: Vec<(Slot, Effect)>,
     /// What the noise is beyond white, independent and as stated; its memory is in the covariances.
     pub noise_found: NoiseFound,
+    /// Whether residuals that exceed the noise as stated do not exceed it where it goes by the law that is found.
+    pub law_explains: bool,
 }
 
 /// Whether residuals are so large that chance does not explain them: `p_value` is their chance.
@@ -159,8 +161,13 @@ impl Calibration {
         }));
         notes.extend((!self.has_sem).then_some(CampaignNote::NoStandardErrors));
         let grows = self.growth_chance < GROWTH_CHANCE;
-        notes.extend(grows.then(|| CampaignNote::NoiseGrows { times: (1.0 + self.growth).sqrt() }));
+        notes.extend(grows.then(|| CampaignNote::NoiseGrows { times: (1.0 + self.growth).sqrt(), is_bound: false }));
         let found = &self.noise_found;
+        notes.extend(found.laws.iter().filter(|_| self.law_explains).filter_map(|law| match *law {
+            LawFound::Rate { times, is_bound } => Some(CampaignNote::NoiseGrows { times, is_bound }),
+            LawFound::Time { times, is_bound } => Some(CampaignNote::NoiseGrowsInTime { times, is_bound }),
+            LawFound::Duration { .. } => None,
+        }));
         notes.extend(found.largest_correlation().map(|correlation| CampaignNote::NoiseShared { correlation }));
         notes.extend(remembers(found));
         notes.extend(self.repeats.is_empty().then_some(CampaignNote::NoRepeats));

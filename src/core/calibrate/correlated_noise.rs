@@ -309,6 +309,13 @@ impl<'a> FittedGyro<'a> {
         (!found.is_empty()).then_some((all, mean))
     }
 
+    /// Sum of squared residuals where the noise goes by a law, and its variances over those of the weights.
+    pub fn squares_under(&self, law: Law, course: &DwellConditions, stated: bool) -> Option<(f64, DVector<f64>)> {
+        let variances = self.under(law, course);
+        let (_, rss) = self.independent(&self.deviations(&variances), stated)?;
+        Some((rss, variances))
+    }
+
     /// Restricted likelihood (ln L) of independent noise of these standard deviations, and RSS.
     pub fn independent(&self, d: &DVector<f64>, stated: bool) -> Option<(f64, f64)> {
         let mut columns = self.columns();

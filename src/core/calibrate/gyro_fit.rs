@@ -8,6 +8,7 @@ use super::calibration::{EffectParameter, GAUGE, GyroCalibration, NullDirection,
 use super::correlated_noise::{self, FittedGyro};
 use super::design::{self, Design, WeightedDesign};
 use super::growth::{Exposure, Unweighted};
+use super::law::{DwellConditions, Law};
 use super::noise::{Evidence, NoiseScale};
 use super::uncertainty::{StationResponse, Uncertainty};
 use crate::core::augmented::KnownCoefficient;
@@ -299,6 +300,18 @@ impl GyroFit {
         let (basis, weights) = (self.factor().basis(), self.factor().weights());
         let (residuals, dof) = self.left();
         FittedGyro { basis, weights, variances, even, residuals, dof }
+    }
+
+    /// What the fit and its repeats say where the noise goes by a law.
+    pub fn evidence_under(
+        &self,
+        law: Law,
+        course: &DwellConditions,
+        (has_sem, repeats): (bool, &[Vec<usize>]),
+    ) -> Option<Evidence> {
+        let (chi2, variances) = self.fitted().squares_under(law, course, has_sem)?;
+        let sd = |k: usize| self.weighted.sd[k] * variances[k].sqrt();
+        Some(Evidence::of(chi2, self.left().1, PureError::of(repeats, |k| self.of_position[k], sd)))
     }
 
     /// Covariance of the coordinates on the design's basis without a memory of the noise.

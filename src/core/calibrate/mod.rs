@@ -43,7 +43,7 @@ use crate::core::campaign::repeats::PureError;
 use correlated_noise::{FittedGyro, Weighed};
 use growth::{Exposure, NoiseGrowth};
 use gyro_fit::{GyroFit, SharedDesigns, fit_gyro, retold};
-use law::DwellConditions;
+use law::{DwellConditions, Law};
 use noise::{Evidence, NoiseScale};
 
 /// Fits `terms` to every gyro of a campaign that passed [`Campaign::check`].
@@ -176,6 +176,8 @@ fn calibrate_in(
     notes.extend(shrunken.and_then(|shrunken| shrunken.scatter).map(|scatter| CampaignNote::ErrorsScatter { scatter }));
     let found = found.unwrap_or_else(|| Weighed::white(fits.len()));
     let is_other_noise = noise_report::is_other(&found.kinds);
+    let chances = noise_report::law(&found.kinds)
+        .and_then(|law| chances_under(law, &DwellConditions::of(dwells), (has_sem, &repeats), &fits));
     let mut gyros: Vec<GyroCalibration> = fits
         .into_iter()
         .zip(noises)
@@ -186,9 +188,40 @@ fn calibrate_in(
     for gyro in &mut gyros {
         gyro.effects.retain(|one| !any_temperature.contains(&one.effect));
     }
+    // Residuals that are as large as noise that goes by a law are of that noise, as their standard deviations have it.
+    let explained = |(gyro, chance): (&mut GyroCalibration, Option<f64>)| {
+        let explains = exceeds_noise(gyro.p_value) && !exceeds_noise(chance);
+        gyro.p_value = if explains { chance } else { gyro.p_value };
+        explains
+    };
+    let explained = gyros.iter_mut().zip(chances.into_iter().flatten()).map(explained).filter(|explains| *explains);
+    let law_explains = explained.count() > 0;
     let asks = kinds == Kinds::All;
     let noise_found = asks.then(|| noise_report::report(&found, &gyros)).unwrap_or_default();
-    Calibration { terms, has_sem, repeats, growth, growth_chance, gyros, notes, contradicted, noise_found }
+    Calibration {
+        terms,
+        has_sem,
+        repeats,
+        growth,
+        growth_chance,
+        gyros,
+        notes,
+        contradicted,
+        noise_found,
+        law_explains,
+    }
+}
+
+/// Chances of residuals as large as each gyro's where the noise goes by a law.
+fn chances_under(
+    law: Law,
+    course: &DwellConditions,
+    (has_sem, repeats): (bool, &[Vec<usize>]),
+    fits: &[GyroFit],
+) -> Option<Vec<Option<f64>>> {
+    let evidence = fits.iter().map(|fit| fit.evidence_under(law, course, (has_sem, repeats)));
+    let evidence = evidence.collect::<Option<Vec<Evidence>>>()?;
+    Some(noise::noise(&evidence, has_sem).iter().zip(&evidence).map(|(noise, own)| noise.p_value(own)).collect())
 }
 
 /// Averages the covariance of each gyro's coordinates over the kinds of noise.

@@ -82,8 +82,9 @@ impl NoiseFound {
     }
 }
 
-/// Whether the true growth is at least or at most what is said.
-fn bound(times: f64, is_bound: bool) -> &'static str {
+/// Whether the true growth is at least or at most what is said, for words.
+/// `times` where it is the most that is tried.
+pub fn bound(times: f64, is_bound: bool) -> &'static str {
     match is_bound {
         true if times > 1.0 => "least",
         true => "most",

@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 
 use super::GyroCalibration;
 use super::correlated_noise::{DepartureWeights, NoiseDeparture, Weighed};
+use super::law::Law;
 use super::noise_found::{CorrelatedNoiseFound, NoiseFound};
 use crate::core::mounting::Slot;
 use crate::core::numerics::tails::chi2_tail;
@@ -17,6 +18,14 @@ const SHARED: f64 = 1e-3;
 /// Whether the noise is said to be other than white, independent and as stated.
 pub(super) fn is_other(found: &DepartureWeights) -> bool {
     [true, false].into_iter().any(|memory| certain(found, memory).is_some())
+}
+
+/// The law by which the noise is said to go.
+pub(super) fn law(found: &DepartureWeights) -> Option<Law> {
+    match certain(found, false) {
+        Some((NoiseDeparture::Law(law), _)) => Some(law),
+        _ => None,
+    }
 }
 
 /// The likeliest kind with a memory or without, and the probability of all those, where it is certain.
@@ -43,10 +52,7 @@ pub(super) fn of_kinds(found: &Weighed, scales: &[(Slot, Option<f64>)]) -> Noise
         let deg_per_h = in_gyros.filter_map(|((slot, scale), pulse_s)| Some((*slot, pulse_s / (*scale)?))).collect();
         CorrelatedNoiseFound { kind: wander.memory.name(), deg_per_h, probability }
     });
-    let laws = match certain(&found.kinds, false) {
-        Some((NoiseDeparture::Law(law), _)) => vec![law.found()],
-        _ => Vec::new(),
-    };
+    let laws = law(&found.kinds).map(Law::found).into_iter().collect();
     NoiseFound { between_gyros: Vec::new(), memory, laws }
 }
 

@@ -1,4 +1,7 @@
 use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
 
 use super::calibration::GAUGE;
 use super::*;
@@ -146,6 +149,38 @@ fn standard_errors_are_rescaled_by_repeats() {
     assert_close(value(fit, "D0").1, (0.01 / 20.0 * 84.0 / 21.0f64).sqrt());
 }
 
+/// Six faces with turns about each, `repeats` times over; the noise is `sd` of each rate, errors are stated as 0.1.
+fn turning(repeats: usize, sd: impl Fn(f64) -> f64, left_out: impl Fn(f64) -> f64, seed: u64) -> Campaign {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let rates = [0.0, 0.0, 600.0, -600.0, 1800.0, -1800.0];
+    let rows: Vec<Row> = (0..36 * repeats)
+        .map(|k| {
+            let (up, rate) = (FACES[k % 6], rates[k / 6 % 6]);
+            let noise = sd(rate) * rng.sample::<f64, _>(StandardNormal);
+            let y = up[0] * 3.0 + up[1] + up[0] * rate * 2.0 + left_out(up[0] * rate) + noise;
+            (up, up.map(|a| a * rate), y, Some(0.1))
+        })
+        .collect();
+    campaign(&rows, None)
+}
+
+#[test]
+fn residuals_of_noise_that_grows_with_rate_do_not_exceed_it() {
+    let codes = |campaign: &Campaign| {
+        let fit = calibrate(campaign, Terms::MODEL_6);
+        let codes: Vec<&str> = fit.all_notes().iter().map(CampaignNote::code).collect();
+        let told = |code: &str| codes.contains(&code);
+        (told("residuals_exceed_noise"), told("noise_grows_with_rate"), fit.gyros[0].p_value.expect("dwells are left"))
+    };
+    let grows = |rate: f64| 0.1 * (1.0 + 8.0 * (rate / 1800.0).powi(2)).sqrt();
+    let found: Vec<_> = (500..520).map(|seed| codes(&turning(2, grows, |_| 0.0, seed))).collect();
+    assert!(found.iter().all(|(exceeds, grows, p)| !exceeds && *grows && *p >= 1e-3), "{found:?}");
+    // A curve of the scale is no noise: at the middle rate it leaves more than the law has there.
+    let cubic = |rate: f64| 2.0 * ((rate / 1800.0).powi(3) - rate / 1800.0);
+    let (exceeds, ..) = codes(&turning(2, |_| 0.1, cubic, 520));
+    assert!(exceeds);
+}
+
 #[test]
 fn gyros_that_share_their_noise_are_said_with_its_correlation() {
     let rows: Vec<Row> = (0..40).map(|_| (FACES[0], [0.0; 3], 5.0, Some(0.1))).collect();
@@ -285,7 +320,10 @@ fn how_the_figures_came_about_is_noted() {
     (without.growth, without.growth_chance) = (3.0, 0.01);
     assert_eq!(without.all_notes(), [CampaignNote::NoStandardErrors]);
     without.growth_chance = 0.009;
-    assert_eq!(without.all_notes(), [CampaignNote::NoStandardErrors, CampaignNote::NoiseGrows { times: 2.0 }]);
+    assert_eq!(
+        without.all_notes(),
+        [CampaignNote::NoStandardErrors, CampaignNote::NoiseGrows { times: 2.0, is_bound: false }]
+    );
 }
 
 #[test]

@@ -35,7 +35,9 @@ pub enum CampaignNote {
     /// No orientation was measured twice.
     NoRepeats,
     /// The noise at the fastest rate over that at rest.
-    NoiseGrows { times: f64 },
+    NoiseGrows { times: f64, is_bound: bool },
+    /// The noise at the end over that at the beginning. Both times it may be the most that is tried.
+    NoiseGrowsInTime { times: f64, is_bound: bool },
     /// Correlation of the two gyros that share most noise.
     NoiseShared { correlation: f64 },
     /// Dwells near in time err alike: how likely, and by how much in the gyro that wanders most.
@@ -130,6 +132,7 @@ impl CampaignNote {
             Self::NoStandardErrors => "no_standard_errors",
             Self::NoRepeats => "no_repeats",
             Self::NoiseGrows { .. } => "noise_grows_with_rate",
+            Self::NoiseGrowsInTime { .. } => "noise_grows_in_time",
             Self::NoiseShared { .. } => "residuals_shared",
             Self::NoiseRemembers { .. } => "residuals_remember",
             Self::ErrorsOverstated { .. } => "standard_errors_overstated",

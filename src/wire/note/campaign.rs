@@ -3,6 +3,7 @@
 use serde_json::Map;
 
 use crate::core::bench::Alias;
+use crate::core::calibrate::noise_found::bound;
 use crate::core::campaign::{
     CampaignNote, CoarseStep, DwellColumn, EffectNotFitted, StationUndetermined, Stepped, StuckOutput,
 };
@@ -41,7 +42,12 @@ pub(super) fn message(note: &CampaignNote) -> Message {
         CampaignNote::Coarse(step) => step.message(),
         CampaignNote::NoStandardErrors => message!("no_standard_errors"),
         CampaignNote::NoRepeats => message!("no_repeats"),
-        CampaignNote::NoiseGrows { times } => message!("noise_grows_with_rate", times = figure(*times, 1)),
+        CampaignNote::NoiseGrows { times, is_bound } => {
+            message!("noise_grows_with_rate", times = figure(*times, 1), bound = bound(*times, *is_bound))
+        }
+        CampaignNote::NoiseGrowsInTime { times, is_bound } => {
+            message!("noise_grows_in_time", times = figure(*times, 1), bound = bound(*times, *is_bound))
+        }
         CampaignNote::NoiseShared { correlation } => {
             message!("residuals_shared", correlation = signed(*correlation, 2))
         }
@@ -176,7 +182,13 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
             };
             json!({"of": step_of, "step": step, "slot": Slot::name(*slot), "times": times})
         }
-        CampaignNote::NoiseGrows { times } => json!({"times": times}),
+        CampaignNote::NoiseGrows { times, is_bound } | CampaignNote::NoiseGrowsInTime { times, is_bound } => {
+            if *is_bound {
+                json!({"times": times, "is_bound": true})
+            } else {
+                json!({"times": times})
+            }
+        }
         CampaignNote::NoiseShared { correlation } => json!({"correlation": correlation}),
         CampaignNote::NoiseRemembers { probability, deg_per_h } => {
             json!({"probability": probability, "deg_per_h": deg_per_h})

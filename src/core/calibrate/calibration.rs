@@ -102,6 +102,17 @@ pub struct GyroCalibration {
     pub(super) known_e: Option<Vector3<f64>>,
 }
 
+/// What a drift in time of one pulse/s an hour makes of one gyro's fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DriftResponse {
+    /// Of E (pulse/arcsec) and G (pulse/(s g0)), body axes.
+    pub e: Vector3<f64>,
+    pub g: Vector3<f64>,
+    /// Sums of squares over the standard errors that weigh: of the drift, and of what residuals show of it.
+    pub squares: f64,
+    pub left: f64,
+}
+
 /// The fit of a whole campaign.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Calibration {
@@ -122,6 +133,8 @@ pub struct Calibration {
     pub contradicted: Vec<(Slot, Effect)>,
     /// What the noise is beyond white, independent and as stated; its memory is in the covariances.
     pub noise_found: NoiseFound,
+    /// By gyro.
+    pub by_drift: Vec<DriftResponse>,
     /// Whether residuals that exceed the noise as stated do not exceed it where it goes by the law that is found.
     pub law_explains: bool,
 }

@@ -4,7 +4,9 @@ use std::rc::Rc;
 
 use nalgebra::{DMatrix, DVector, DVectorView, Vector3};
 
-use super::calibration::{EffectParameter, GAUGE, GyroCalibration, NullDirection, Parameter, ScaleSource};
+use super::calibration::{
+    DriftResponse, EffectParameter, GAUGE, GyroCalibration, NullDirection, Parameter, ScaleSource,
+};
 use super::correlated_noise::{self, FittedGyro};
 use super::design::{self, Design, WeightedDesign};
 use super::growth::{Exposure, Unweighted};
@@ -269,6 +271,19 @@ impl GyroFit {
         };
         let e = self.known_e.or_else(|| of(Term::Scale)).filter(|e| e.norm() > 0.0)?;
         Some((e, of(Term::GLinear).unwrap_or_default()))
+    }
+
+    /// What a drift that goes with these `hours` by one pulse/s an hour makes of the fit.
+    pub fn by_drift(&self, hours: &DVector<f64>) -> DriftResponse {
+        let WeightedDesign { design, factor, .. } = &*self.weighted;
+        let taken = factor.fit(hours);
+        let values = &design.expand * &taken.estimate;
+        let of = |term| {
+            let first = design::first_column(design.terms, term);
+            design.terms.contains(term).then(|| values.fixed_rows::<3>(first).into_owned()).unwrap_or_default()
+        };
+        let squares = hours.component_mul(factor.weights()).norm_squared();
+        DriftResponse { e: of(Term::Scale), g: of(Term::GLinear), squares, left: taken.chi2 }
     }
 
     /// Residuals (pulse/s) with their leverages, for what the noise may depend on.

@@ -30,7 +30,7 @@ pub use calibration::{
     Calibration, EffectParameter, GyroCalibration, NullDirection, Parameter, ScaleSource, exceeds_noise, weights_sd,
 };
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::augmented::{Adopted, KnownCoefficient, Options};
 use super::campaign::{Campaign, CampaignNote, Dwell, EffectNotFitted, Phase, StationUncertainty};
@@ -176,6 +176,9 @@ fn calibrate_in(
     notes.extend(shrunken.and_then(|shrunken| shrunken.scatter).map(|scatter| CampaignNote::ErrorsScatter { scatter }));
     let found = found.unwrap_or_else(|| Weighed::white(fits.len()));
     let is_other_noise = noise_report::is_other(&found.kinds);
+    let hours = DVector::from_iterator(dwells.len(), dwells.iter().map(|dwell| dwell.mid_s() / 3600.0));
+    let hours = hours.add_scalar(-hours.mean());
+    let by_drift = fits.iter().map(|fit| fit.by_drift(&hours)).collect();
     let chances = noise_report::law(&found.kinds)
         .and_then(|law| chances_under(law, &DwellConditions::of(dwells), (has_sem, &repeats), &fits));
     let mut gyros: Vec<GyroCalibration> = fits
@@ -208,6 +211,7 @@ fn calibrate_in(
         notes,
         contradicted,
         noise_found,
+        by_drift,
         law_explains,
     }
 }

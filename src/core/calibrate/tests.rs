@@ -182,6 +182,34 @@ fn residuals_of_noise_that_grows_with_rate_do_not_exceed_it() {
 }
 
 #[test]
+fn a_drift_that_the_order_of_dwells_hides_is_told_by_what_it_moves() {
+    // Turns first; then each face five times, face by face, or the faces in turn.
+    let of = |in_order: bool, drift: f64| {
+        let turns = [[600.0, 0.0, 0.0], [0.0, 600.0, 0.0], [0.0, 0.0, 600.0]];
+        let turns = turns.iter().flat_map(|w| [*w, w.map(|w| -w)]).map(|w| (FACES[4], w));
+        let faces = (0..30).map(|k| (FACES[if in_order { k / 5 } else { k % 6 }], [0.0; 3]));
+        let rows: Vec<Row> = turns
+            .chain(faces)
+            .enumerate()
+            .map(|(k, (a, w))| (a, w, 3.0 * a[0] + a[1] + 2.0 * (w[0] + drift * k as f64 / 15.0), Some(1e-3)))
+            .collect();
+        let found = outcome::evaluate(&campaign(&rows, None), &Plausibility::default());
+        let Ok(outcome::Outcome::Imu { calibration, separations, .. }) = found else { panic!("{found:?}") };
+        let rigid = &separations[0].as_ref().expect("it is separated").rigid;
+        let note = calibration.all_notes().into_iter().find(|note| note.code() == "drift_aliased");
+        (note, [rigid.d_i, rigid.d_s])
+    };
+    let (told, still) = of(true, 0.0);
+    let Some(CampaignNote::DriftAliased { slot: Some(Slot::G1), drift, d_i, d_s }) = told else { panic!("{told:?}") };
+    let (_, moved) = of(true, drift);
+    for (moved, (still, said)) in moved.iter().zip(still.iter().zip([d_i, d_s])) {
+        assert!(((moved - still).abs() - said).abs() < 1e-9, "{moved} {still} {said}");
+    }
+    assert!(d_i.max(d_s) > 1e-3, "{d_i} {d_s}");
+    assert_eq!(of(false, 0.0).0, None);
+}
+
+#[test]
 fn gyros_that_share_their_noise_are_said_with_its_correlation() {
     let rows: Vec<Row> = (0..40).map(|_| (FACES[0], [0.0; 3], 5.0, Some(0.1))).collect();
     let calibration = calibrate_in_white_noise(&campaign(&rows, Some([1.0, 0.0, 0.0])), Terms::of(&[Term::Bias]));

@@ -64,8 +64,9 @@ pub enum CampaignNote {
     StationContradicted { part: StationPart, times: f64, arcsec: f64 },
     /// A product of specific forces that a bench test does not fit moves a coefficient by so much of itself.
     ProductAliased(Alias),
-    /// The positions of a bench test follow time: a drift of so many deg/h an hour moves D_I and D_S, deg/(h g0).
-    DriftAliased { drift: f64, d_i: f64, d_s: f64 },
+    /// The positions follow time: a drift of so many deg/h an hour moves D_I and D_S, deg/(h g0), in a bench test or in
+    /// this gyro of an IMU.
+    DriftAliased { slot: Option<Slot>, drift: f64, d_i: f64, d_s: f64 },
     /// In the gauge of a tumble D_F holds this many deg/h for every deg/(h g0^2) of D_II + D_SS.
     OffsetInGauge { moves: f64 },
     /// D_I of all gyros is near the shift that a wrong sign of the latitude makes, deg/(h g0).

@@ -103,8 +103,14 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             coefficient = *coefficient,
             moves = figure(0.01 * moves.abs(), 4),
         ),
-        CampaignNote::DriftAliased { drift, d_i, d_s } => {
-            message!("drift_aliased", drift = text(drift), d_i = significant(*d_i, 2), d_s = significant(*d_s, 2),)
+        CampaignNote::DriftAliased { slot, drift, d_i, d_s } => {
+            let (d_i, d_s) = (significant(*d_i, 2), significant(*d_s, 2));
+            match slot {
+                None => message!("drift_aliased", drift = text(drift), d_i, d_s),
+                Some(slot) => {
+                    message!("drift_aliased_of_gyro", slot = slot.name(), drift = significant(*drift, 2), d_i, d_s)
+                }
+            }
         }
         CampaignNote::OffsetInGauge { moves } => message!("d_f_in_gauge", moves = figure(0.01 * moves, 4)),
         CampaignNote::LatitudeSign { shift } => message!("latitude_sign", shift = signed(*shift, 1)),
@@ -220,8 +226,11 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
         CampaignNote::ProductAliased(Alias { product, coefficient, moves }) => {
             json!({"product": product, "coefficient": coefficient, "moves": moves})
         }
-        CampaignNote::DriftAliased { drift, d_i, d_s } => {
-            json!({"drift_deg_per_h_h": drift, "d_i_deg_per_h_g0": d_i, "d_s_deg_per_h_g0": d_s})
+        CampaignNote::DriftAliased { slot, drift, d_i, d_s } => {
+            let moves = json!({"drift_deg_per_h_h": drift, "d_i_deg_per_h_g0": d_i, "d_s_deg_per_h_g0": d_s});
+            let Value::Object(mut members) = moves else { return Map::new() };
+            members.extend(slot.map(|slot| ("slot".to_owned(), json!(slot.name()))));
+            Value::Object(members)
         }
         CampaignNote::OffsetInGauge { moves } => json!({"moves": moves}),
         CampaignNote::LatitudeSign { shift } => json!({"shift_deg_per_h_g0": shift}),

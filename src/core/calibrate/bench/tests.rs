@@ -622,7 +622,9 @@ fn a_drift_that_positions_follow_is_told_by_what_it_moves() {
     };
     let (still, drifts) = (of(&in_order, 0.0), of(&in_order, 1e-3));
     let told = |found: &BenchCalibration| found.all_notes().into_iter().find(|note| note.code() == "drift_aliased");
-    let Some(CampaignNote::DriftAliased { drift, d_i, d_s }) = told(&still) else { panic!("{:?}", still.all_notes()) };
+    let Some(CampaignNote::DriftAliased { drift, d_i, d_s, .. }) = told(&still) else {
+        panic!("{:?}", still.all_notes())
+    };
     assert_eq!(drift, 1e-3);
     for (name, said) in [("D_I", d_i), ("D_S", d_s)] {
         let moved = drifts.coefficient(name).unwrap().value - still.coefficient(name).unwrap().value;

@@ -52,6 +52,11 @@ pub struct BenchCoefficient {
     pub uncertainty: Option<UncertaintyBudget>,
 }
 
+/// Terms of the third degree that eq. (5) leaves out, by their powers of a_I and a_S; the size that is told of,
+/// deg/(h g0^3), and the part of the standard deviation of D_I or D_S from which on.
+const CUBICS: [(&str, i32, i32); 4] = [("D_III", 3, 0), ("D_IIS", 2, 1), ("D_ISS", 1, 2), ("D_SSS", 0, 3)];
+const CUBIC: f64 = 0.01;
+
 /// A product that moves a coefficient by less than this share of itself is told from it well enough.
 const LEAST_MOVED: f64 = 0.05;
 
@@ -83,6 +88,8 @@ pub struct BenchCalibration {
     pub gauge: Option<&'static str>,
     /// Products that eq. (5) leaves out here and that these positions do not tell from a coefficient.
     pub aliases: Vec<Alias>,
+    /// The same of terms of the third degree and D_I and D_S.
+    cubic_aliases: Vec<Alias>,
     /// Where the positions follow time: by how much a drift of one deg/h an hour moves D_I and D_S, deg/(h g0).
     by_drift: Option<[f64; 2]>,
     /// Mean of a_I^2 + a_S^2, g0^2.
@@ -358,6 +365,18 @@ impl BenchProblem<'_> {
         found
     }
 
+    /// What D_I and D_S take of terms of the third degree.
+    fn cubic_aliases(&self, factor: &Factor, axes: &Matrix3<f64>, first: usize) -> Vec<Alias> {
+        let forces: Vec<Vector3<f64>> = self.campaign.dwells.iter().map(|d| axes * d.specific_force_g0).collect();
+        let of_term = |(product, i, s): (&'static str, i32, i32)| {
+            let column = DVector::from_iterator(forces.len(), forces.iter().map(|a| a.x.powi(i) * a.y.powi(s)));
+            let taken = factor.fit(&column).estimate;
+            let alias = |(coefficient, place)| Alias { product, coefficient, moves: taken[first + place] };
+            [("D_I", 1), ("D_S", 2)].map(alias)
+        };
+        CUBICS.into_iter().flat_map(of_term).filter(|alias| alias.moves.abs() > LEAST_MOVED).collect()
+    }
+
     /// Time fitted by what is fitted, where little of it is left over: a drift would not show, but in the coefficients.
     fn by_drift(&self, factor: &Factor, first: usize) -> Option<[f64; 2]> {
         const HOUR_S: f64 = 3600.0;
@@ -436,6 +455,7 @@ impl BenchProblem<'_> {
             return Err(NotFitted::NoScale);
         }
         let aliases = self.aliases(factor, &axes, (form, first));
+        let cubic_aliases = self.cubic_aliases(factor, &axes, first);
         let by_drift = self.by_drift(factor, first);
         let fit = solved.fit;
         Ok(BenchCalibration {
@@ -449,6 +469,7 @@ impl BenchProblem<'_> {
             coefficients,
             gauge: (form.squares == Squares::Difference).then_some(GAUGE),
             aliases,
+            cubic_aliases,
             by_drift,
             squared_force: self.mean_squared_force(&axes),
             chi2: fit.chi2,
@@ -532,13 +553,19 @@ impl BenchCalibration {
     pub fn all_notes(&self) -> Vec<CampaignNote> {
         let mut notes: Vec<CampaignNote> =
             self.aliases.iter().map(|alias| CampaignNote::ProductAliased(*alias)).collect();
+        let sd = |name| self.coefficient(name).and_then(|c| c.sd);
+        let moved = |alias: &Alias| {
+            sd(alias.coefficient).is_some_and(|sd| CUBIC * alias.moves.abs() > TOLD_FROM * sd).then_some(*alias)
+        };
+        let cubic: Vec<Alias> = self.cubic_aliases.iter().filter_map(moved).collect();
+        notes.extend((!cubic.is_empty()).then_some(CampaignNote::CubicAliased { size: CUBIC, aliases: cubic }));
         let exceeds = exceeds_noise(self.p_value);
         notes.extend(exceeds.then(|| CampaignNote::ResidualsExceedNoise { gyros: vec![self.slot] }));
         notes.extend(self.errors_scatter.map(|scatter| CampaignNote::ErrorsScatter { scatter }));
         notes.extend(remembers(&self.noise_found));
         notes.extend(self.overstated().map(|times| CampaignNote::ErrorsOverstated { gyros: vec![(self.slot, times)] }));
         let moved = self.by_drift.map(|by| by.map(|by| DRIFT * by.abs()));
-        let told = |by: f64, name| self.coefficient(name).and_then(|c| c.sd).is_some_and(|sd| by > TOLD_FROM * sd);
+        let told = |by: f64, name| sd(name).is_some_and(|sd| by > TOLD_FROM * sd);
         let told = moved.filter(|[d_i, d_s]| told(*d_i, "D_I") || told(*d_s, "D_S"));
         notes.extend(told.map(|[d_i, d_s]| CampaignNote::DriftAliased { slot: None, drift: DRIFT, d_i, d_s }));
         notes.extend(self.gauge.map(|_| CampaignNote::OffsetInGauge { moves: 0.5 * self.squared_force }));

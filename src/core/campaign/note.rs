@@ -64,6 +64,9 @@ pub enum CampaignNote {
     StationContradicted { part: StationPart, times: f64, arcsec: f64 },
     /// A product of specific forces that a bench test does not fit moves a coefficient by so much of itself.
     ProductAliased(Alias),
+    /// Terms of the third degree that a bench test does not fit, and what one deg/(h g0^3) of each would move, deg/(h g0);
+    /// told of this size.
+    CubicAliased { size: f64, aliases: Vec<Alias> },
     /// The positions follow time: a drift of so many deg/h an hour moves D_I and D_S, deg/(h g0), in a bench test or in
     /// this gyro of an IMU.
     DriftAliased { slot: Option<Slot>, drift: f64, d_i: f64, d_s: f64 },
@@ -147,6 +150,7 @@ impl CampaignNote {
             Self::StationLeftOut { .. } => "station_left_out",
             Self::StationContradicted { .. } => "station_contradicted",
             Self::ProductAliased(_) => "product_aliased",
+            Self::CubicAliased { .. } => "cubic_aliased",
             Self::DriftAliased { .. } => "drift_aliased",
             Self::OffsetInGauge { .. } => "d_f_in_gauge",
             Self::LatitudeSign { .. } => "latitude_sign",

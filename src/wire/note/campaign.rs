@@ -103,6 +103,13 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             coefficient = *coefficient,
             moves = figure(0.01 * moves.abs(), 4),
         ),
+        CampaignNote::CubicAliased { size, aliases } => {
+            let one = |alias: &Alias| {
+                let moves = significant(size * alias.moves.abs(), 2);
+                message!("cubic_moves", cubic = alias.product, coefficient = alias.coefficient, moves)
+            };
+            message!("cubic_aliased", size = text(size), moved = list(aliases.iter().map(one)))
+        }
         CampaignNote::DriftAliased { slot, drift, d_i, d_s } => {
             let (d_i, d_s) = (significant(*d_i, 2), significant(*d_s, 2));
             match slot {
@@ -225,6 +232,10 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
         }
         CampaignNote::ProductAliased(Alias { product, coefficient, moves }) => {
             json!({"product": product, "coefficient": coefficient, "moves": moves})
+        }
+        CampaignNote::CubicAliased { size, aliases } => {
+            let one = |Alias { product, coefficient, moves }: &Alias| json!({"product": product, "coefficient": coefficient, "moves": moves});
+            json!({"size_deg_per_h_g03": size, "aliases": aliases.iter().map(one).collect::<Vec<Value>>()})
         }
         CampaignNote::DriftAliased { slot, drift, d_i, d_s } => {
             let moves = json!({"drift_deg_per_h_h": drift, "d_i_deg_per_h_g0": d_i, "d_s_deg_per_h_g0": d_s});

@@ -57,11 +57,24 @@ fn every_bad_member_is_named_by_its_place() {
         ("/plausible_sizes", json!({"poltergeist": 1.0}), "/plausible_sizes/poltergeist"),
         ("/plausible_sizes", json!({"magnetic": 0.0}), "/plausible_sizes/magnetic"),
         ("/plausible_sizes", json!({"magnetic": 1e300}), "/plausible_sizes/magnetic"),
+        ("/plausible_sizes", json!({"scale": 1.0, "magnetic": 1.0}), "/plausible_sizes/scale"),
+        ("/plausible_sizes", json!({"outlier_dwell": 1.0}), "/plausible_sizes/outlier_dwell"),
     ];
     for (pointer, value, place) in cases {
         let faults = parse(&with(pointer, value.clone())).expect_err(place);
         assert!(faults.0.iter().any(|f| f.pointer == place), "{pointer} = {value}: {faults}");
     }
+}
+
+#[test]
+fn a_size_that_is_given_twice_is_refused_and_one_of_an_entry_without_says_which_have_one() {
+    let twice = document().to_string().replace(r#"{"magnetic":0.5}"#, r#"{"magnetic":0.5,"magnetic":0.6}"#);
+    let faults = parse(twice.as_bytes()).expect_err("which of the two?");
+    let words = faults.to_string();
+    assert!(faults.0[0].pointer.starts_with("/plausible_sizes") && words.contains("`magnetic` is given twice"), "{faults}");
+    let faults = parse(&with("/plausible_sizes", json!({"outlier_dwell": 1.0}))).expect_err("it has none");
+    let words = faults.to_string();
+    assert!(words.contains("outlier_dwell has no plausible size; those that have one are") && words.contains("warmup"));
 }
 
 #[test]

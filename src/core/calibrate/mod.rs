@@ -21,6 +21,7 @@ mod noise_report;
 pub mod outcome;
 mod regressor;
 pub mod repeats_between;
+pub mod reseated;
 mod shared_coefficients;
 mod shrunken_errors;
 pub mod station;

@@ -71,7 +71,10 @@ fn a_size_that_is_given_twice_is_refused_and_one_of_an_entry_without_says_which_
     let twice = document().to_string().replace(r#"{"magnetic":0.5}"#, r#"{"magnetic":0.5,"magnetic":0.6}"#);
     let faults = parse(twice.as_bytes()).expect_err("which of the two?");
     let words = faults.to_string();
-    assert!(faults.0[0].pointer.starts_with("/plausible_sizes") && words.contains("`magnetic` is given twice"), "{faults}");
+    assert!(
+        faults.0[0].pointer.starts_with("/plausible_sizes") && words.contains("`magnetic` is given twice"),
+        "{faults}"
+    );
     let faults = parse(&with("/plausible_sizes", json!({"outlier_dwell": 1.0}))).expect_err("it has none");
     let words = faults.to_string();
     assert!(words.contains("outlier_dwell has no plausible size; those that have one are") && words.contains("warmup"));

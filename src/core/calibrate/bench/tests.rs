@@ -313,7 +313,7 @@ fn a_product_that_hides_in_a_coefficient_is_said_with_what_it_does() {
 fn terms_of_the_third_degree_are_said_with_what_they_do_to_d_i_and_d_s() {
     let of = |cubic: f64, sd: f64| {
         let outputs: Vec<f64> =
-            tumble().iter().map(|place| output(1.4, &DRIFT, place) + 1.4 * cubic * place.0.x.powi(3)).collect();
+            tumble().iter().map(|place| output(1.4, &DRIFT, place) + 1.4 * cubic * place.0[0].powi(3)).collect();
         fitted(&bench(TestKind::TorqueFeedback, &tumble(), &outputs, Some(sd), Some([1.4, 0.0, 0.0])))
     };
     let note = |found: &BenchCalibration| found.all_notes().into_iter().find(|note| note.code() == "cubic_aliased");

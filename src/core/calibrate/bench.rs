@@ -560,7 +560,7 @@ impl BenchCalibration {
         let cubic: Vec<Alias> = self.cubic_aliases.iter().filter_map(moved).collect();
         notes.extend((!cubic.is_empty()).then_some(CampaignNote::CubicAliased { size: CUBIC, aliases: cubic }));
         let exceeds = exceeds_noise(self.p_value);
-        notes.extend(exceeds.then(|| CampaignNote::ResidualsExceedNoise { gyros: vec![self.slot] }));
+        notes.extend(exceeds.then(|| CampaignNote::ResidualsExceedNoise { gyros: vec![self.slot], law: None }));
         notes.extend(self.errors_scatter.map(|scatter| CampaignNote::ErrorsScatter { scatter }));
         notes.extend(remembers(&self.noise_found));
         notes.extend(self.overstated().map(|times| CampaignNote::ErrorsOverstated { gyros: vec![(self.slot, times)] }));

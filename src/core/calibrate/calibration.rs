@@ -135,8 +135,8 @@ pub struct Calibration {
     pub noise_found: NoiseFound,
     /// By gyro.
     pub by_drift: Vec<DriftResponse>,
-    /// Whether residuals that exceed the noise as stated do not exceed it where it goes by the law that is found.
-    pub law_explains: bool,
+    /// The law of the noise, where residuals that exceed the noise as stated do not exceed it where it goes by that.
+    pub law_that_explains: Option<LawFound>,
 }
 
 /// Whether residuals are so large that chance does not explain them: `p_value` is their chance.
@@ -174,13 +174,8 @@ impl Calibration {
         }));
         notes.extend((!self.has_sem).then_some(CampaignNote::NoStandardErrors));
         let grows = self.growth_chance < GROWTH_CHANCE;
-        notes.extend(grows.then(|| CampaignNote::NoiseGrows { times: (1.0 + self.growth).sqrt(), is_bound: false }));
+        notes.extend(grows.then(|| CampaignNote::NoiseGrows { times: (1.0 + self.growth).sqrt() }));
         let found = &self.noise_found;
-        notes.extend(found.laws.iter().filter(|_| self.law_explains).filter_map(|law| match *law {
-            LawFound::Rate { times, is_bound } => Some(CampaignNote::NoiseGrows { times, is_bound }),
-            LawFound::Time { times, is_bound } => Some(CampaignNote::NoiseGrowsInTime { times, is_bound }),
-            LawFound::Duration { .. } => None,
-        }));
         notes.extend(found.largest_correlation().map(|correlation| CampaignNote::NoiseShared { correlation }));
         notes.extend(remembers(found));
         notes.extend(self.repeats.is_empty().then_some(CampaignNote::NoRepeats));
@@ -189,7 +184,9 @@ impl Calibration {
         notes.extend(self.understated());
         let scattering = |g: &&GyroCalibration| exceeds_noise(g.p_value);
         let gyros: Vec<Slot> = self.gyros.iter().filter(scattering).map(|g| g.slot).collect();
-        notes.extend((!gyros.is_empty()).then_some(CampaignNote::ResidualsExceedNoise { gyros }));
+        notes.extend(
+            (!gyros.is_empty()).then_some(CampaignNote::ResidualsExceedNoise { gyros, law: self.law_that_explains }),
+        );
         notes
     }
 

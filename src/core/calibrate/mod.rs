@@ -180,8 +180,11 @@ fn calibrate_in(
     let hours = DVector::from_iterator(dwells.len(), dwells.iter().map(|dwell| dwell.mid_s() / 3600.0));
     let hours = hours.add_scalar(-hours.mean());
     let by_drift = fits.iter().map(|fit| fit.by_drift(&hours)).collect();
-    let chances = noise_report::law(&found.kinds)
-        .and_then(|law| chances_under(law, &DwellConditions::of(dwells), (has_sem, &repeats), &fits));
+    let course = DwellConditions::of(dwells);
+    let law = noise_report::law(&found.kinds);
+    let chances = law.and_then(|law| chances_under(law, &course, (has_sem, &repeats), &fits));
+    let explains = |chances: &Vec<Option<f64>>| !chances.iter().any(|chance| exceeds_noise(*chance));
+    let law_that_explains = law.filter(|_| chances.as_ref().is_some_and(explains)).map(Law::found);
     let mut gyros: Vec<GyroCalibration> = fits
         .into_iter()
         .zip(noises)
@@ -192,14 +195,6 @@ fn calibrate_in(
     for gyro in &mut gyros {
         gyro.effects.retain(|one| !any_temperature.contains(&one.effect));
     }
-    // Residuals that are as large as noise that goes by a law are of that noise, as their standard deviations have it.
-    let explained = |(gyro, chance): (&mut GyroCalibration, Option<f64>)| {
-        let explains = exceeds_noise(gyro.p_value) && !exceeds_noise(chance);
-        gyro.p_value = if explains { chance } else { gyro.p_value };
-        explains
-    };
-    let explained = gyros.iter_mut().zip(chances.into_iter().flatten()).map(explained).filter(|explains| *explains);
-    let law_explains = explained.count() > 0;
     let asks = kinds == Kinds::All;
     let noise_found = asks.then(|| noise_report::report(&found, &gyros)).unwrap_or_default();
     Calibration {
@@ -213,7 +208,7 @@ fn calibrate_in(
         contradicted,
         noise_found,
         by_drift,
-        law_explains,
+        law_that_explains,
     }
 }
 

@@ -40,6 +40,19 @@ impl LawFound {
     pub fn is_bound(self) -> bool {
         matches!(self, Self::Rate { is_bound: true, .. } | Self::Time { is_bound: true, .. })
     }
+
+    /// In words.
+    pub fn message(self) -> Message {
+        match self {
+            Self::Duration { power } => message!("noise_of_duration", power = figure(power, 2)),
+            Self::Rate { times, is_bound } => {
+                message!("noise_of_rate", times = figure(times, 1), bound = bound(times, is_bound))
+            }
+            Self::Time { times, is_bound } => {
+                message!("noise_of_time", times = figure(times, 1), bound = bound(times, is_bound))
+            }
+        }
+    }
 }
 
 impl CorrelatedNoiseFound {
@@ -69,22 +82,13 @@ impl NoiseFound {
             let probability = figure(memory.probability.min(0.999), 3);
             message!("noise_memory", probability, size = significant(memory.largest(), 2))
         }));
-        notes.extend(self.laws.iter().map(|law| match *law {
-            LawFound::Duration { power } => message!("noise_of_duration", power = figure(power, 2)),
-            LawFound::Rate { times, is_bound } => {
-                message!("noise_of_rate", times = figure(times, 1), bound = bound(times, is_bound))
-            }
-            LawFound::Time { times, is_bound } => {
-                message!("noise_of_time", times = figure(times, 1), bound = bound(times, is_bound))
-            }
-        }));
+        notes.extend(self.laws.iter().map(|law| law.message()));
         notes
     }
 }
 
-/// Whether the true growth is at least or at most what is said, for words.
-/// `times` where it is the most that is tried.
-pub fn bound(times: f64, is_bound: bool) -> &'static str {
+/// Whether the true growth is at least or at most what is said.
+fn bound(times: f64, is_bound: bool) -> &'static str {
     match is_bound {
         true if times > 1.0 => "least",
         true => "most",

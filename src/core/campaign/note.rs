@@ -5,6 +5,7 @@ use super::station_uncertainty::StationPart;
 use super::steps::CoarseStep;
 use super::stuck::StuckOutput;
 use crate::core::bench::Alias;
+use crate::core::calibrate::noise_found::LawFound;
 use crate::core::effects::{Effect, MissingInput, Refusal};
 use crate::core::mounting::Slot;
 use crate::core::named::named;
@@ -35,9 +36,7 @@ pub enum CampaignNote {
     /// No orientation was measured twice.
     NoRepeats,
     /// The noise at the fastest rate over that at rest.
-    NoiseGrows { times: f64, is_bound: bool },
-    /// The noise at the end over that at the beginning. Both times it may be the most that is tried.
-    NoiseGrowsInTime { times: f64, is_bound: bool },
+    NoiseGrows { times: f64 },
     /// Correlation of the two gyros that share most noise.
     NoiseShared { correlation: f64 },
     /// Dwells near in time err alike: how likely, and by how much in the gyro that wanders most.
@@ -48,8 +47,8 @@ pub enum CampaignNote {
     ErrorsScatter { scatter: f64 },
     /// Gyros whose repeats scatter many times as much as the stated standard errors, and how many times together.
     ErrorsUnderstated { gyros: Vec<Slot>, times: f64 },
-    /// Gyros whose residuals are more than the noise of their outputs.
-    ResidualsExceedNoise { gyros: Vec<Slot> },
+    /// Gyros whose residuals are more than the noise of their outputs as stated, and the law by which it may go instead.
+    ResidualsExceedNoise { gyros: Vec<Slot>, law: Option<LawFound> },
     /// An effect of the model was not fitted.
     EffectLeftOut { slot: Option<Slot>, effect: Effect, why: EffectNotFitted },
     /// The dwells contradict what the model says of an effect, but tell it less well: D_I and D_S hold that uncertainty.
@@ -136,7 +135,6 @@ impl CampaignNote {
             Self::NoStandardErrors => "no_standard_errors",
             Self::NoRepeats => "no_repeats",
             Self::NoiseGrows { .. } => "noise_grows_with_rate",
-            Self::NoiseGrowsInTime { .. } => "noise_grows_in_time",
             Self::NoiseShared { .. } => "residuals_shared",
             Self::NoiseRemembers { .. } => "residuals_remember",
             Self::ErrorsOverstated { .. } => "standard_errors_overstated",

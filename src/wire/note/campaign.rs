@@ -3,7 +3,6 @@
 use serde_json::Map;
 
 use crate::core::bench::Alias;
-use crate::core::calibrate::noise_found::bound;
 use crate::core::campaign::{
     CampaignNote, CoarseStep, DwellColumn, EffectNotFitted, StationUndetermined, Stepped, StuckOutput,
 };
@@ -42,12 +41,7 @@ pub(super) fn message(note: &CampaignNote) -> Message {
         CampaignNote::Coarse(step) => step.message(),
         CampaignNote::NoStandardErrors => message!("no_standard_errors"),
         CampaignNote::NoRepeats => message!("no_repeats"),
-        CampaignNote::NoiseGrows { times, is_bound } => {
-            message!("noise_grows_with_rate", times = figure(*times, 1), bound = bound(*times, *is_bound))
-        }
-        CampaignNote::NoiseGrowsInTime { times, is_bound } => {
-            message!("noise_grows_in_time", times = figure(*times, 1), bound = bound(*times, *is_bound))
-        }
+        CampaignNote::NoiseGrows { times } => message!("noise_grows_with_rate", times = figure(*times, 1)),
         CampaignNote::NoiseShared { correlation } => {
             message!("residuals_shared", correlation = signed(*correlation, 2))
         }
@@ -72,8 +66,12 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             let slots = list(gyros.iter().map(|slot| slot.name()));
             message!("standard_errors_understated", slots, times = figure(*times, 1))
         }
-        CampaignNote::ResidualsExceedNoise { gyros } => {
-            message!("residuals_exceed_noise", slots = list(gyros.iter().map(|slot| slot.name())))
+        CampaignNote::ResidualsExceedNoise { gyros, law } => {
+            let slots = list(gyros.iter().map(|slot| slot.name()));
+            match law {
+                None => message!("residuals_exceed_noise", slots),
+                Some(law) => message!("residuals_exceed_noise_or_law", slots, law = law.message()),
+            }
         }
         CampaignNote::EffectLeftOut { slot: None, effect, why } => {
             message!("effect_left_out", effect = effect.id(), why = left_out(why))
@@ -195,13 +193,7 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
             };
             json!({"of": step_of, "step": step, "slot": Slot::name(*slot), "times": times})
         }
-        CampaignNote::NoiseGrows { times, is_bound } | CampaignNote::NoiseGrowsInTime { times, is_bound } => {
-            if *is_bound {
-                json!({"times": times, "is_bound": true})
-            } else {
-                json!({"times": times})
-            }
-        }
+        CampaignNote::NoiseGrows { times } => json!({"times": times}),
         CampaignNote::NoiseShared { correlation } => json!({"correlation": correlation}),
         CampaignNote::NoiseRemembers { probability, deg_per_h } => {
             json!({"probability": probability, "deg_per_h": deg_per_h})
@@ -215,7 +207,7 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
         CampaignNote::ErrorsUnderstated { gyros, times } => {
             json!({"slots": gyros.iter().map(|slot| slot.name()).collect::<Vec<_>>(), "times": times})
         }
-        CampaignNote::ResidualsExceedNoise { gyros } => {
+        CampaignNote::ResidualsExceedNoise { gyros, .. } => {
             json!({"slots": gyros.iter().map(|slot| slot.name()).collect::<Vec<_>>()})
         }
         CampaignNote::EffectLeftOut { slot, effect, .. } => match slot {

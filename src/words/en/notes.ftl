@@ -34,16 +34,7 @@ cubic_aliased = terms of the third degree are not fitted, and these positions ha
 drift_aliased = the positions follow time: a drift of { $drift } deg/h an hour would hide in the coefficients and move D_I by { $d_i }, D_S by { $d_s } deg/(h g0). Take the positions in random order
 drift_aliased_of_gyro = { $slot }: the order of the dwells follows time: a drift of { $drift } deg/h an hour is too small to be seen and would move D_I by { $d_i }, D_S by { $d_s } deg/(h g0). Take the dwells in random order
 d_f_in_gauge = D_F is that of D_II + D_SS = 0, which a tumble about the output axis cannot tell: 0.01 deg/(h g0²) of their sum would move D_F by { $moves } deg/h, which is in no sigma
-noise_grows_with_rate = the residuals at the fastest rate are { $bound ->
-        [least] at least { $times }
-        [most] at most { $times }
-       *[other] { $times }
-    } times those at rest; sigmas follow them
-noise_grows_in_time = the residuals at the end are { $bound ->
-        [least] at least { $times }
-        [most] at most { $times }
-       *[other] { $times }
-    } times those at the beginning; sigmas follow them
+noise_grows_with_rate = the residuals at the fastest rate are { $times } times those at rest; sigmas follow them
 residuals_shared = the residuals of the gyros go together: their correlation is up to { $correlation }. They share noise, or an effect that the model leaves out
 residuals_remember = residuals near in time go together (probability { $probability }), by about { $size } deg/h: noise with a memory, or an effect that the model leaves out; sigmas hold it
 standard_errors_overstated = the stated standard errors are larger than the scatter of the dwells ({ $gyros }). If they are wrong, sigmas that rest on them are too large and a small gap may not be seen
@@ -51,6 +42,7 @@ overstated_times = { $slot } { $times } times
 overstated_by_far = { $slot } by far
 standard_errors_scatter = the stated standard errors scatter by { $percent } % about a law of duration and rate that the residuals follow better: they are estimates of few values each, and the weights are shrunk to that law
 residuals_exceed_noise = { $slots }: residuals exceed the noise; the model leaves something out (see diagnose)
+residuals_exceed_noise_or_law = { $slots }: residuals exceed the noise as stated. Either { $law }, or the model leaves something out (see diagnose)
 effect_left_out = { $effect } is left out of the fit: { $why }
 effect_left_out_of_gyro = { $slot }: { $effect } is left out of the fit: { $why }
 effect_contradicted = { $slot }: these dwells contradict the model's { $effect } and tell it less well than the model did: D_I and D_S at the reference temperature are as uncertain as that. Adopt a model that holds these dwells

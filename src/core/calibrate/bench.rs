@@ -567,7 +567,7 @@ impl BenchCalibration {
         let moved = self.by_drift.map(|by| by.map(|by| DRIFT * by.abs()));
         let told = |by: f64, name| sd(name).is_some_and(|sd| by > TOLD_FROM * sd);
         let told = moved.filter(|[d_i, d_s]| told(*d_i, "D_I") || told(*d_s, "D_S"));
-        notes.extend(told.map(|[d_i, d_s]| CampaignNote::DriftAliased { slot: None, drift: DRIFT, d_i, d_s }));
+        notes.extend(told.map(|[d_i, d_s]| CampaignNote::DriftAliased { of: None, drift: DRIFT, d_i, d_s }));
         notes.extend(self.gauge.map(|_| CampaignNote::OffsetInGauge { moves: 0.5 * self.squared_force }));
         notes.extend(self.notes.iter().cloned());
         notes

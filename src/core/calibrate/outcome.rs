@@ -6,7 +6,8 @@ use super::{Calibration, GyroCalibration, Kinds, calibrate_at_station, calibrate
 use crate::core::augmented::{AugmentedModel, Options};
 use crate::core::campaign::commanded::{force_off_gravity, latitude_of_rates};
 use crate::core::campaign::{
-    Campaign, CampaignGyro, CampaignNote, CoarseStep, StationPart, StationUncertainty, Stepped, Temperatures, TestKind,
+    Campaign, CampaignGyro, CampaignNote, CoarseStep, DriftOfGyro, StationPart, StationUncertainty, Stepped,
+    Temperatures, TestKind,
 };
 use crate::core::fault::Faults;
 use crate::core::model::Terms;
@@ -158,6 +159,8 @@ fn drift_aliased(
     calibration: &Calibration,
     separations: &[Result<Separation, NotSeparated>],
 ) -> Option<CampaignNote> {
+    let times = campaign.dwells.iter().map(|dwell| dwell.mid_s() / 3600.0);
+    let hours = times.clone().fold(f64::NEG_INFINITY, f64::max) - times.fold(f64::INFINITY, f64::min);
     let of_gyro = |(j, separation): (usize, &Result<Separation, NotSeparated>)| {
         let (gyro, by) = (&calibration.gyros[j], calibration.by_drift[j]);
         let rigid = &separation.as_ref().ok()?.rigid;
@@ -169,7 +172,8 @@ fn drift_aliased(
         let moved = separate(&campaign.geometry, gyro.slot, &(e + by.e * pulses), &(g + by.g * pulses), None).ok()?;
         let [d_i, d_s] = [moved.rigid.d_i - rigid.d_i, moved.rigid.d_s - rigid.d_s].map(f64::abs);
         let times = (d_i / sd[0]).max(d_s / sd[1]);
-        let note = CampaignNote::DriftAliased { slot: Some(gyro.slot), drift, d_i, d_s };
+        let of = DriftOfGyro { slot: gyro.slot, whole: drift * hours };
+        let note = CampaignNote::DriftAliased { of: Some(of), drift, d_i, d_s };
         (times > TOLD_OF_DRIFT).then_some((times, note))
     };
     let told = separations.iter().enumerate().filter_map(of_gyro);

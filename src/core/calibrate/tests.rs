@@ -203,12 +203,14 @@ fn a_drift_that_the_order_of_dwells_hides_is_told_by_what_it_moves() {
         (note, [rigid.d_i, rigid.d_s])
     };
     let (told, still) = of(true, 0.0);
-    let Some(CampaignNote::DriftAliased { slot: Some(Slot::G1), drift, d_i, d_s }) = told else { panic!("{told:?}") };
+    let Some(CampaignNote::DriftAliased { of: Some(of_gyro), drift, d_i, d_s }) = told else { panic!("{told:?}") };
     let (_, moved) = of(true, drift);
     for (moved, (still, said)) in moved.iter().zip(still.iter().zip([d_i, d_s])) {
         assert!(((moved - still).abs() - said).abs() < 1e-9, "{moved} {still} {said}");
     }
     assert!(d_i.max(d_s) > 1e-3, "{d_i} {d_s}");
+    // 36 dwells, one every four minutes.
+    assert!(of_gyro.slot == Slot::G1 && (of_gyro.whole - drift * 35.0 / 15.0).abs() < 1e-12, "{of_gyro:?}");
     assert_eq!(of(false, 0.0).0, None);
 }
 

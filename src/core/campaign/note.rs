@@ -68,7 +68,7 @@ pub enum CampaignNote {
     CubicAliased { size: f64, aliases: Vec<Alias> },
     /// The positions follow time: a drift of so many deg/h an hour moves D_I and D_S, deg/(h g0), in a bench test or in
     /// this gyro of an IMU.
-    DriftAliased { slot: Option<Slot>, drift: f64, d_i: f64, d_s: f64 },
+    DriftAliased { of: Option<DriftOfGyro>, drift: f64, d_i: f64, d_s: f64 },
     /// In the gauge of a tumble D_F holds this many deg/h for every deg/(h g0^2) of D_II + D_SS.
     OffsetInGauge { moves: f64 },
     /// D_I of all gyros is near the shift that a wrong sign of the latitude makes, deg/(h g0).
@@ -85,6 +85,13 @@ pub enum CampaignNote {
     HeldSize { slot: Slot, share: f64, moves: f64 },
     /// The campaign does not determine E, whose size along the nominal axis is taken, pulse/arcsec.
     NominalAxis { slot: Slot, scale: f64 },
+}
+
+/// The gyro of an IMU that a drift moves most, and the drift over the whole campaign, deg/h.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DriftOfGyro {
+    pub slot: Slot,
+    pub whole: f64,
 }
 
 /// Why the campaign cannot tell what an error of its station does.

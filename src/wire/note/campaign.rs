@@ -4,7 +4,7 @@ use serde_json::Map;
 
 use crate::core::bench::Alias;
 use crate::core::campaign::{
-    CampaignNote, CoarseStep, DwellColumn, EffectNotFitted, StationUndetermined, Stepped, StuckOutput,
+    CampaignNote, CoarseStep, DriftOfGyro, DwellColumn, EffectNotFitted, StationUndetermined, Stepped, StuckOutput,
 };
 use crate::core::message::{Parameter, figure, list, signed, significant, text};
 use crate::wire::campaign::commanded;
@@ -108,12 +108,12 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             };
             message!("cubic_aliased", size = text(size), moved = list(aliases.iter().map(one)))
         }
-        CampaignNote::DriftAliased { slot, drift, d_i, d_s } => {
+        CampaignNote::DriftAliased { of, drift, d_i, d_s } => {
             let (d_i, d_s) = (significant(*d_i, 2), significant(*d_s, 2));
-            match slot {
+            match of {
                 None => message!("drift_aliased", drift = text(drift), d_i, d_s),
-                Some(slot) => {
-                    message!("drift_aliased_of_gyro", slot = slot.name(), drift = significant(*drift, 2), d_i, d_s)
+                Some(DriftOfGyro { slot, whole }) => {
+                    message!("drift_aliased_of_gyro", slot = slot.name(), drift = significant(*whole, 2), d_i, d_s)
                 }
             }
         }
@@ -229,10 +229,13 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
             let one = |Alias { product, coefficient, moves }: &Alias| json!({"product": product, "coefficient": coefficient, "moves": moves});
             json!({"size_deg_per_h_g03": size, "aliases": aliases.iter().map(one).collect::<Vec<Value>>()})
         }
-        CampaignNote::DriftAliased { slot, drift, d_i, d_s } => {
+        CampaignNote::DriftAliased { of, drift, d_i, d_s } => {
             let moves = json!({"drift_deg_per_h_h": drift, "d_i_deg_per_h_g0": d_i, "d_s_deg_per_h_g0": d_s});
             let Value::Object(mut members) = moves else { return Map::new() };
-            members.extend(slot.map(|slot| ("slot".to_owned(), json!(slot.name()))));
+            if let Some(DriftOfGyro { slot, whole }) = of {
+                members.insert("slot".to_owned(), json!(slot.name()));
+                members.insert("drift_deg_per_h".to_owned(), json!(whole));
+            }
             Value::Object(members)
         }
         CampaignNote::OffsetInGauge { moves } => json!({"moves": moves}),

@@ -185,7 +185,7 @@ impl ModelBody {
     fn checked(&self) -> Result<AugmentedModel, Faults> {
         let model = self.to_core()?;
         let mut faults = Faults::default();
-        let without_size = |(effect, _): &&(Effect, f64)| !effect.entry().plausible.is_finite();
+        let without_size = |(effect, _): &&(Effect, f64)| !effect.entry().has_size();
         for (effect, _) in model.plausible_sizes.0.iter().filter(without_size) {
             let message = message!("effect_without_size", effect = effect.id(), effects = effects::known_with_size());
             faults.push(format!("/plausible_sizes/{}", effect.id()), message);

@@ -280,7 +280,7 @@ impl GyroFit {
         let values = &design.expand * &taken.estimate;
         let of = |term| {
             let first = design::first_column(design.terms, term);
-            design.terms.contains(term).then(|| values.fixed_rows::<3>(first).into_owned()).unwrap_or_default()
+            if design.terms.contains(term) { values.fixed_rows::<3>(first).into_owned() } else { Vector3::zeros() }
         };
         let squares = hours.component_mul(factor.weights()).norm_squared();
         DriftResponse { e: of(Term::Scale), g: of(Term::GLinear), squares, left: taken.chi2 }

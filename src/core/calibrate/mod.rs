@@ -46,6 +46,7 @@ use growth::{Exposure, NoiseGrowth};
 use gyro_fit::{GyroFit, SharedDesigns, fit_gyro, retold};
 use law::{DwellConditions, Law};
 use noise::{Evidence, NoiseScale};
+use noise_found::NoiseFound;
 
 /// Fits `terms` to every gyro of a campaign that passed [`Campaign::check`].
 ///
@@ -195,8 +196,10 @@ fn calibrate_in(
     for gyro in &mut gyros {
         gyro.effects.retain(|one| !any_temperature.contains(&one.effect));
     }
-    let asks = kinds == Kinds::All;
-    let noise_found = asks.then(|| noise_report::report(&found, &gyros)).unwrap_or_default();
+    let noise_found = match kinds {
+        Kinds::White => NoiseFound::default(),
+        Kinds::All => noise_report::report(&found, &gyros),
+    };
     Calibration {
         terms,
         has_sem,

@@ -156,7 +156,8 @@ fn turning(repeats: usize, sd: impl Fn(f64) -> f64, left_out: impl Fn(f64) -> f6
     let rates = [0.0, 0.0, 600.0, -600.0, 1800.0, -1800.0];
     let rows: Vec<Row> = (0..36 * repeats)
         .map(|k| {
-            let (up, rate) = (FACES[k % 6], rates[k / 6 % 6]);
+            // No turn is repeated: each round is faster than the one before.
+            let (up, rate) = (FACES[k % 6], rates[k / 6 % 6] * (1.0 + 0.1 * (k / 36) as f64));
             let noise = sd(rate) * rng.sample::<f64, _>(StandardNormal);
             let y = up[0] * 3.0 + up[1] + up[0] * rate * 2.0 + left_out(up[0] * rate) + noise;
             (up, up.map(|a| a * rate), y, Some(0.1))
@@ -186,15 +187,18 @@ fn residuals_that_exceed_the_noise_are_said_with_the_law_that_would_explain_them
 
 #[test]
 fn a_drift_that_the_order_of_dwells_hides_is_told_by_what_it_moves() {
-    // Turns first; then each face five times, face by face, or the faces in turn.
+    // Turns first; then each face five times, up along all axes before down, or the faces in turn.
     let of = |in_order: bool, drift: f64| {
         let turns = [[600.0, 0.0, 0.0], [0.0, 600.0, 0.0], [0.0, 0.0, 600.0]];
         let turns = turns.iter().flat_map(|w| [*w, w.map(|w| -w)]).map(|w| (FACES[4], w));
-        let faces = (0..30).map(|k| (FACES[if in_order { k / 5 } else { k % 6 }], [0.0; 3]));
+        let faces = (0..30).map(|k| (FACES[if in_order { [0, 2, 4, 1, 3, 5][k / 5] } else { k % 6 }], [0.0; 3]));
         let rows: Vec<Row> = turns
             .chain(faces)
             .enumerate()
-            .map(|(k, (a, w))| (a, w, 3.0 * a[0] + a[1] + 2.0 * (w[0] + drift * k as f64 / 15.0), Some(1e-3)))
+            .map(|(k, (a, w))| {
+                let noise = if (k * k % 7).is_multiple_of(2) { 1e-3 } else { -1e-3 };
+                (a, w, 3.0 * a[0] + a[1] + noise + 2.0 * (w[0] + drift * k as f64 / 15.0), Some(1e-3))
+            })
             .collect();
         let found = outcome::evaluate(&campaign(&rows, None), &Plausibility::default());
         let Ok(outcome::Outcome::Imu { calibration, separations, .. }) = found else { panic!("{found:?}") };
@@ -208,7 +212,6 @@ fn a_drift_that_the_order_of_dwells_hides_is_told_by_what_it_moves() {
     for (moved, (still, said)) in moved.iter().zip(still.iter().zip([d_i, d_s])) {
         assert!(((moved - still).abs() - said).abs() < 1e-9, "{moved} {still} {said}");
     }
-    assert!(d_i.max(d_s) > 1e-3, "{d_i} {d_s}");
     // 36 dwells, one every four minutes.
     assert!(of_gyro.slot == Slot::G1 && (of_gyro.whole - drift * 35.0 / 15.0).abs() < 1e-12, "{of_gyro:?}");
     assert_eq!(of(false, 0.0).0, None);

@@ -145,7 +145,7 @@ pub fn known() -> String {
 
 /// The names of those that have a largest plausible size.
 pub fn known_with_size() -> String {
-    CATALOGUE.iter().filter(|entry| entry.plausible.is_finite()).map(|entry| entry.id).collect::<Vec<_>>().join(", ")
+    CATALOGUE.iter().filter(|entry| entry.has_size()).map(|entry| entry.id).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@ use serde_json::{Value, json};
 
 use super::*;
 use crate::core::effects::CATALOGUE;
+use crate::words::Language;
 
 fn document() -> Value {
     json!({
@@ -68,16 +69,17 @@ fn every_bad_member_is_named_by_its_place() {
 
 #[test]
 fn a_size_that_is_given_twice_is_refused_and_one_of_an_entry_without_says_which_have_one() {
+    let said = |text: &[u8]| {
+        let faults = parse(text).expect_err("it is refused");
+        (faults.0[0].pointer.clone(), Language::English.words(&faults.0[0].message))
+    };
     let twice = document().to_string().replace(r#"{"magnetic":0.5}"#, r#"{"magnetic":0.5,"magnetic":0.6}"#);
-    let faults = parse(twice.as_bytes()).expect_err("which of the two?");
-    let words = faults.to_string();
-    assert!(
-        faults.0[0].pointer.starts_with("/plausible_sizes") && words.contains("`magnetic` is given twice"),
-        "{faults}"
-    );
-    let faults = parse(&with("/plausible_sizes", json!({"outlier_dwell": 1.0}))).expect_err("it has none");
-    let words = faults.to_string();
-    assert!(words.contains("outlier_dwell has no plausible size; those that have one are") && words.contains("warmup"));
+    let (place, words) = said(twice.as_bytes());
+    assert_eq!((place.as_str(), words.as_str()), ("/plausible_sizes/magnetic", "`magnetic` is given twice"));
+    let (_, words) = said(&with("/plausible_sizes", json!({"outlier_dwell": 1.0})));
+    assert!(words.starts_with("outlier_dwell has no plausible size; those that have one are "), "{words}");
+    let known: Vec<&str> = words.rsplit(" are ").next().unwrap_or_default().split(", ").collect();
+    assert!(known.contains(&"warmup") && !known.contains(&"scale"), "{words}");
 }
 
 #[test]

@@ -31,7 +31,7 @@ pub use columns::notes;
 pub(crate) use columns::{missing_errors, temperature_outliers, time_unit};
 pub(crate) use contradicting::contradicting;
 pub use earth_rate::with_earth_rate;
-pub use note::{CampaignNote, DwellColumn, EffectNotFitted, StationUndetermined};
+pub use note::{CampaignNote, DriftOfGyro, DwellColumn, EffectNotFitted, StationUndetermined};
 use stated_errors::Stated;
 pub use station_uncertainty::{StationPart, StationUncertainty};
 pub use steps::{CoarseStep, GyroNoise, Stepped, coarse_steps};

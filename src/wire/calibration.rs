@@ -14,12 +14,14 @@ use crate::core::calibrate::noise::NoiseScale;
 use crate::core::calibrate::noise_found::NoiseFound;
 use crate::core::calibrate::outcome::Outcome;
 use crate::core::calibrate::repeats_between::Repeated;
+use crate::core::calibrate::reseated::Reseated;
 use crate::core::calibrate::{Calibration, GyroCalibration, Parameter, ScaleSource};
 use crate::core::campaign::{self, Campaign, CampaignNote, StationUncertainty};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::Geometry;
 use crate::core::note::Note;
 use crate::core::separate::{JudgedMethod, Separation};
+use crate::core::units::arcsec;
 use crate::wire::prelude::*;
 
 mod parameters;
@@ -86,6 +88,21 @@ pub struct CampaignsAnswer {
     /// Each as it is answered by itself, in the order of time.
     pub campaigns: Vec<CampaignAnswer>,
     pub between_campaigns: Vec<RepeatedBody>,
+    /// Campaigns in which all input axes are turned together against the first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub reseated: Vec<ReseatedBody>,
+}
+
+/// An IMU that was seated anew.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ReseatedBody {
+    /// Place among the campaigns.
+    pub campaign: usize,
+    /// About the body axes.
+    pub rotation_arcsec: Triple,
+    pub sd_arcsec: Triple,
+    /// Gyros whose D_O differs from that of the first campaign by no more than this rotation does.
+    pub explains_d_o_of: Vec<Slot>,
 }
 
 /// One coefficient over several campaigns.
@@ -115,6 +132,8 @@ pub struct RepeatedBody {
 }
 
 bodies! {
+    ReseatedBody of Reseated: campaign, rotation_arcsec: |one| one.rotation.map(arcsec).into(),
+        sd_arcsec: |one| one.sd.map(arcsec).into(), explains_d_o_of = explains;
     RepeatedBody of Repeated: slot, serial, coefficient, unit, campaigns, mean, sd, stated_sd, scatter_sd,
         chi2 = scatter.chi2, dof = scatter.dof, p_value: |repeated| repeated.scatter.p_value(), ratio: Repeated::ratio,
         ratio_interval: Repeated::ratio_interval, beyond_sd;

@@ -194,6 +194,9 @@ pub struct NoiseFoundBody {
     /// How many times the noise is as large at the end as at the beginning, where the standard errors do not say it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub grows_in_time: Option<f64>,
+    /// Whether that growth is the most that is tried: the true one is at least as large, of a fall at most.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub growth_is_bound: bool,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -432,13 +435,14 @@ bodies! {
             _ => None,
         }),
         grows_with_rate: |noise| by_law(noise, |law| match law {
-            LawFound::Rate { times } => Some(times),
+            LawFound::Rate { times, .. } => Some(times),
             _ => None,
         }),
         grows_in_time: |noise| by_law(noise, |law| match law {
-            LawFound::Time { times } => Some(times),
+            LawFound::Time { times, .. } => Some(times),
             _ => None,
-        });
+        }),
+        growth_is_bound: |noise| noise.laws.iter().any(|law| law.is_bound());
     CorrelationBody of (Slot, Slot, f64): gyros: |(a, b, _)| [*a, *b].to_body(), correlation = 2;
     MemoryBody of CorrelatedNoiseFound: kind, gyros = deg_per_h, probability;
     GyroMemoryBody of (Slot, f64): slot = 0, deg_per_h = 1;

@@ -38,7 +38,7 @@ pub struct ModelBody {
     pub identified: Option<IdentifiedBody>,
     /// Largest sizes that gyros of this kind may have, by id of the catalogue, in the unit of the effect's
     /// coefficients. A diagnosis names nothing larger. The catalogue's are those of any kind.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty", deserialize_with = "json::each_once")]
     pub plausible_sizes: BTreeMap<String, f64>,
 }
 
@@ -57,7 +57,7 @@ pub struct AdoptionBody {
     pub effects: Vec<KnownEffectBody>,
     pub provenance: Option<ProvenanceBody>,
     pub identified: Option<IdentifiedBody>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "json::each_once")]
     pub plausible_sizes: BTreeMap<String, f64>,
     #[schema(min_length = 1, max_length = 64)]
     pub author: String,
@@ -185,6 +185,11 @@ impl ModelBody {
     fn checked(&self) -> Result<AugmentedModel, Faults> {
         let model = self.to_core()?;
         let mut faults = Faults::default();
+        let without_size = |(effect, _): &&(Effect, f64)| !effect.entry().has_size();
+        for (effect, _) in model.plausible_sizes.0.iter().filter(without_size) {
+            let message = message!("effect_without_size", effect = effect.id(), effects = effects::known_with_size());
+            faults.push(format!("/plausible_sizes/{}", effect.id()), message);
+        }
         if let Some(identified) = &self.identified {
             identified.check_agreement(&mut faults);
             for (i, effect) in self.effects.iter().enumerate() {

@@ -7,10 +7,11 @@ use crate::cli::prelude::*;
 use crate::config::Config;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::calibrate::repeats_between::repeated;
+use crate::core::calibrate::reseated::reseated;
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::diagnose::{Verdict, diagnose};
 use crate::core::imu_model::of_one_imu;
-use crate::wire::calibration::{CampaignAnswer, CampaignsAnswer, GyroFitBody, RepeatedBody};
+use crate::wire::calibration::{CampaignAnswer, CampaignsAnswer, GyroFitBody, RepeatedBody, ReseatedBody};
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::document::{DocumentKind, open_table, parse};
 use crate::wire::note::NoteBody;
@@ -91,11 +92,13 @@ impl Calibrate {
         refuse_copies(&files)?;
         let pairs: Vec<_> = fitted.iter().map(|one| (&one.campaign, &one.outcome)).collect();
         let between: Vec<RepeatedBody> = repeated(&pairs).iter().map(RepeatedBody::from).collect();
+        let reseated: Vec<ReseatedBody> = reseated(&pairs).iter().map(ReseatedBody::from).collect();
         match self.format {
-            Format::Table => document::print(&tables_between(&fitted, &between)),
+            Format::Table => document::print(&tables_between(&fitted, &between, &reseated)),
             Format::Json => document::print_json(&CampaignsAnswer {
                 campaigns: fitted.into_iter().map(|one| one.answer).collect(),
                 between_campaigns: between,
+                reseated,
             }),
         }
     }
@@ -136,7 +139,7 @@ fn gap_in_words(diagnosis: &DiagnosisBody) -> String {
 }
 
 /// D_I and D_S of every campaign, and what repeats between them.
-fn tables_between(fitted: &[FittedFile], between: &[RepeatedBody]) -> String {
+fn tables_between(fitted: &[FittedFile], between: &[RepeatedBody], reseated: &[ReseatedBody]) -> String {
     let mut each = table_of("terminal_campaigns_head", 4..6);
     let (imu, count) = (fitted[0].answer.imu.clone(), fitted.len().to_string());
     let mut text = format!("{}\n\n", said(message!("terminal_campaigns", imu, count)));
@@ -178,6 +181,20 @@ fn tables_between(fitted: &[FittedFile], between: &[RepeatedBody]) -> String {
         [] => message!("terminal_repeats_none"),
         some => message!("terminal_repeats_beyond", coefficients = some.join(", ")),
     }));
+    for one in reseated {
+        let [about_x, about_y, about_z] = [0, 1, 2].map(|axis| {
+            let (turned, sd) = (one.rotation_arcsec.0[axis], one.sd_arcsec.0[axis]);
+            format!("{turned:+.2} ± {sd:.2}")
+        });
+        let (file, first) = (fitted[one.campaign].file.clone(), fitted[0].file.clone());
+        text.push('\n');
+        text.push_str(&said(message!("terminal_reseated", file, first, about_x, about_y, about_z)));
+        if !one.explains_d_o_of.is_empty() {
+            let gyros = one.explains_d_o_of.iter().map(|slot| slot.name()).collect::<Vec<_>>().join(", ");
+            text.push(' ');
+            text.push_str(&said(message!("terminal_reseated_explains", gyros)));
+        }
+    }
     for one in fitted {
         for remark in remarks(one) {
             text.push_str(&format!("\n{}: {remark}", one.file));

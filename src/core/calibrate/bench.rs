@@ -33,7 +33,6 @@ use crate::core::message::{Message, figure, list};
 use crate::core::model::Term;
 use crate::core::mounting::{Slot, Triad};
 use crate::core::numerics::least_squares::{Factor, Fit};
-use crate::core::numerics::median::median_of;
 use crate::message;
 
 /// Condition that makes D_F, D_II and D_SS unique in a tumble about the output axis.
@@ -52,6 +51,11 @@ pub struct BenchCoefficient {
     /// What that is made of.
     pub uncertainty: Option<UncertaintyBudget>,
 }
+
+/// Terms of the third degree that eq. (5) leaves out, by their powers of a_I and a_S; the size that is told of,
+/// deg/(h g0^3), and the part of the standard deviation of D_I or D_S from which on.
+const CUBICS: [(&str, i32, i32); 4] = [("D_III", 3, 0), ("D_IIS", 2, 1), ("D_ISS", 1, 2), ("D_SSS", 0, 3)];
+const CUBIC: f64 = 0.01;
 
 /// A product that moves a coefficient by less than this share of itself is told from it well enough.
 const LEAST_MOVED: f64 = 0.05;
@@ -84,6 +88,8 @@ pub struct BenchCalibration {
     pub gauge: Option<&'static str>,
     /// Products that eq. (5) leaves out here and that these positions do not tell from a coefficient.
     pub aliases: Vec<Alias>,
+    /// The same of terms of the third degree and D_I and D_S.
+    cubic_aliases: Vec<Alias>,
     /// Where the positions follow time: by how much a drift of one deg/h an hour moves D_I and D_S, deg/(h g0).
     by_drift: Option<[f64; 2]>,
     /// Mean of a_I^2 + a_S^2, g0^2.
@@ -359,6 +365,18 @@ impl BenchProblem<'_> {
         found
     }
 
+    /// What D_I and D_S take of terms of the third degree.
+    fn cubic_aliases(&self, factor: &Factor, axes: &Matrix3<f64>, first: usize) -> Vec<Alias> {
+        let forces: Vec<Vector3<f64>> = self.campaign.dwells.iter().map(|d| axes * d.specific_force_g0).collect();
+        let of_term = |(product, i, s): (&'static str, i32, i32)| {
+            let column = DVector::from_iterator(forces.len(), forces.iter().map(|a| a.x.powi(i) * a.y.powi(s)));
+            let taken = factor.fit(&column).estimate;
+            let alias = |(coefficient, place)| Alias { product, coefficient, moves: taken[first + place] };
+            [("D_I", 1), ("D_S", 2)].map(alias)
+        };
+        CUBICS.into_iter().flat_map(of_term).filter(|alias| alias.moves.abs() > LEAST_MOVED).collect()
+    }
+
     /// Time fitted by what is fitted, where little of it is left over: a drift would not show, but in the coefficients.
     fn by_drift(&self, factor: &Factor, first: usize) -> Option<[f64; 2]> {
         const HOUR_S: f64 = 3600.0;
@@ -397,24 +415,22 @@ impl BenchProblem<'_> {
         let rank = factor.rank();
         let white = noise.covariance_scale().map(|scale| DMatrix::from_diagonal_element(rank, rank, scale));
         let mut coordinates = white.clone();
-        let Weighed { kinds, white: of_white } = self.weigh(factor, fit, &station, &mut coordinates);
+        let weighed = self.weigh(factor, fit, &station, &mut coordinates);
         // Of one gyro, kinds may widen what white noise makes of a coefficient, and not narrow it.
         let of_kind = |(coordinates, of_white): (DMatrix<f64>, f64)| {
             let identity = DMatrix::identity(fit.estimate.len(), fit.estimate.len());
             Uncertainty {
                 fit: factor.covariance_of(&coordinates),
                 white: factor.covariance_of(&white.clone().unwrap_or(coordinates)) * of_white,
-                share: noise.share(&evidence, noise_report::is_other(&kinds)),
+                share: noise.share(&evidence, noise_report::is_other(&weighed.kinds)),
                 station: StationResponse::by_part(&station.responses, &identity),
                 contradicted: StationResponse::contradicted(&station.responses, &identity),
             }
         };
-        let mixed = coordinates.map(|mixed| (mixed, of_white[0]));
+        let mixed = coordinates.map(|mixed| (mixed, weighed.white[0]));
         let uncertainties: Vec<Uncertainty> =
             white.clone().map(|white| (white, 1.0)).into_iter().chain(mixed).map(of_kind).collect();
         let slot = self.campaign.gyros[0].slot;
-        let usual = sigma.as_ref().and_then(|sigma| median_of(sigma.iter().copied()));
-        let sds = |power: f64| usual.map(|usual| (slot, power.sqrt() * usual / k.abs())).into_iter().collect();
         if let Some(parts) = uncertainties.first().filter(|_| first > 0)
             && self.method == BenchMethod::TorqueFeedback
             && k.abs() < LEAST_SCALE_TO_NOISE * parts.fit.view((0, 0), (first, first)).trace().max(0.0).sqrt()
@@ -439,6 +455,7 @@ impl BenchProblem<'_> {
             return Err(NotFitted::NoScale);
         }
         let aliases = self.aliases(factor, &axes, (form, first));
+        let cubic_aliases = self.cubic_aliases(factor, &axes, first);
         let by_drift = self.by_drift(factor, first);
         let fit = solved.fit;
         Ok(BenchCalibration {
@@ -452,6 +469,7 @@ impl BenchProblem<'_> {
             coefficients,
             gauge: (form.squares == Squares::Difference).then_some(GAUGE),
             aliases,
+            cubic_aliases,
             by_drift,
             squared_force: self.mean_squared_force(&axes),
             chi2: fit.chi2,
@@ -462,7 +480,7 @@ impl BenchProblem<'_> {
             sigma,
             noise,
             errors_scatter: self.shrunken.as_ref().and_then(|shrunken| shrunken.scatter),
-            noise_found: noise_report::of_kinds(&kinds, sds),
+            noise_found: noise_report::of_kinds(&weighed, &[(slot, Some(k.abs()))]),
             notes: station.notes,
             residuals: fit.residuals,
             leverage: fit.leverage,
@@ -535,15 +553,21 @@ impl BenchCalibration {
     pub fn all_notes(&self) -> Vec<CampaignNote> {
         let mut notes: Vec<CampaignNote> =
             self.aliases.iter().map(|alias| CampaignNote::ProductAliased(*alias)).collect();
+        let sd = |name| self.coefficient(name).and_then(|c| c.sd);
+        let moved = |alias: &Alias| {
+            sd(alias.coefficient).is_some_and(|sd| CUBIC * alias.moves.abs() > TOLD_FROM * sd).then_some(*alias)
+        };
+        let cubic: Vec<Alias> = self.cubic_aliases.iter().filter_map(moved).collect();
+        notes.extend((!cubic.is_empty()).then_some(CampaignNote::CubicAliased { size: CUBIC, aliases: cubic }));
         let exceeds = exceeds_noise(self.p_value);
-        notes.extend(exceeds.then(|| CampaignNote::ResidualsExceedNoise { gyros: vec![self.slot] }));
+        notes.extend(exceeds.then(|| CampaignNote::ResidualsExceedNoise { gyros: vec![self.slot], law: None }));
         notes.extend(self.errors_scatter.map(|scatter| CampaignNote::ErrorsScatter { scatter }));
         notes.extend(remembers(&self.noise_found));
         notes.extend(self.overstated().map(|times| CampaignNote::ErrorsOverstated { gyros: vec![(self.slot, times)] }));
         let moved = self.by_drift.map(|by| by.map(|by| DRIFT * by.abs()));
-        let told = |by: f64, name| self.coefficient(name).and_then(|c| c.sd).is_some_and(|sd| by > TOLD_FROM * sd);
+        let told = |by: f64, name| sd(name).is_some_and(|sd| by > TOLD_FROM * sd);
         let told = moved.filter(|[d_i, d_s]| told(*d_i, "D_I") || told(*d_s, "D_S"));
-        notes.extend(told.map(|[d_i, d_s]| CampaignNote::DriftAliased { drift: DRIFT, d_i, d_s }));
+        notes.extend(told.map(|[d_i, d_s]| CampaignNote::DriftAliased { of: None, drift: DRIFT, d_i, d_s }));
         notes.extend(self.gauge.map(|_| CampaignNote::OffsetInGauge { moves: 0.5 * self.squared_force }));
         notes.extend(self.notes.iter().cloned());
         notes

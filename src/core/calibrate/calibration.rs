@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::design;
 use super::noise::{self, NoiseScale};
-use super::noise_found::NoiseFound;
+use super::noise_found::{LawFound, NoiseFound};
 use super::uncertainty::Uncertainty;
 use crate::core::campaign::repeats::PureError;
 use crate::core::campaign::{Campaign, CampaignNote, GyroNoise, coarse_steps};
@@ -12,7 +12,6 @@ use crate::core::effects::{Coefficient, Effect};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::Slot;
 use crate::core::named::named;
-use crate::core::numerics::median::median_of;
 use crate::core::numerics::tails::chi2_tail;
 use crate::core::record::Name;
 
@@ -103,6 +102,17 @@ pub struct GyroCalibration {
     pub(super) known_e: Option<Vector3<f64>>,
 }
 
+/// What a drift in time of one pulse/s an hour makes of one gyro's fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DriftResponse {
+    /// Of E (pulse/arcsec) and G (pulse/(s g0)), body axes.
+    pub e: Vector3<f64>,
+    pub g: Vector3<f64>,
+    /// Sums of squares over the standard errors that weigh: of the drift, and of what residuals show of it.
+    pub squares: f64,
+    pub left: f64,
+}
+
 /// The fit of a whole campaign.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Calibration {
@@ -123,6 +133,10 @@ pub struct Calibration {
     pub contradicted: Vec<(Slot, Effect)>,
     /// What the noise is beyond white, independent and as stated; its memory is in the covariances.
     pub noise_found: NoiseFound,
+    /// By gyro.
+    pub by_drift: Vec<DriftResponse>,
+    /// The law of the noise, where residuals that exceed the noise as stated do not exceed it where it goes by that.
+    pub law_that_explains: Option<LawFound>,
 }
 
 /// Whether residuals are so large that chance does not explain them: `p_value` is their chance.
@@ -170,7 +184,9 @@ impl Calibration {
         notes.extend(self.understated());
         let scattering = |g: &&GyroCalibration| exceeds_noise(g.p_value);
         let gyros: Vec<Slot> = self.gyros.iter().filter(scattering).map(|g| g.slot).collect();
-        notes.extend((!gyros.is_empty()).then_some(CampaignNote::ResidualsExceedNoise { gyros }));
+        notes.extend(
+            (!gyros.is_empty()).then_some(CampaignNote::ResidualsExceedNoise { gyros, law: self.law_that_explains }),
+        );
         notes
     }
 
@@ -246,12 +262,6 @@ impl GyroCalibration {
     /// E, pulse/arcsec, body axes: fitted or held.
     pub fn e(&self) -> Option<Vector3<f64>> {
         self.known_e.or_else(|| self.of(Term::Scale).map(vector))
-    }
-
-    /// Standard deviation of correlated noise of this power over the square of the median noise of a dwell, deg/h.
-    pub(super) fn correlated_noise_sd(&self, power: f64) -> Option<f64> {
-        let usual = median_of(self.sigma.as_ref()?.iter().copied())?;
-        Some(power.sqrt() * usual / self.scale_factor()?)
     }
 
     /// The parameters of one term, where it was fitted.

@@ -208,12 +208,20 @@ pub(super) struct Weighed {
     pub kinds: DepartureWeights,
     /// The part that white noise as stated has in the covariance of each gyro.
     pub white: Vec<f64>,
+    /// None where a memory is unlikely.
+    pub wander: Option<Wander>,
+}
+
+/// The likelier kernel where its power is free, and its standard deviation in each gyro, pulse/s.
+pub(super) struct Wander {
+    pub memory: CorrelatedNoise,
+    pub pulse_s: Vec<f64>,
 }
 
 impl Weighed {
     /// Of gyros whose noise is white as stated.
     pub fn white(gyros: usize) -> Self {
-        Self { kinds: Vec::new(), white: vec![1.0; gyros] }
+        Self { kinds: Vec::new(), white: vec![1.0; gyros], wander: None }
     }
 }
 
@@ -282,6 +290,30 @@ impl<'a> FittedGyro<'a> {
         columns += axes * along;
         let log_det = d.iter().chain(sizes.iter()).map(|size| size.ln()).sum();
         self.restricted((columns, log_det), stated)
+    }
+
+    /// ln of the mean restricted likelihood of correlated noise beside white noise over powers, evenly many in each
+    /// decade, and by those likelihoods the mean of its standard deviation, pulse/s. The size of all noise is free.
+    fn wander(&self, memory: CorrelatedNoise, times: &[f64], d: &DVector<f64>, stated: bool) -> Option<(f64, f64)> {
+        const EACH_DECADE: f64 = 4.0;
+        let usual = median_of(d.iter().copied())?;
+        let k = if stated { PRIOR_DOF } else { 0.0 };
+        let of_power = |step: i32| {
+            let power = 10_f64.powf(f64::from(step) / EACH_DECADE) * usual * usual;
+            let (log, rss) = self.restricted(memory.whitened(times, d, power, self.columns()), stated)?;
+            Some((log, (power * (k + rss) / (k + self.dof as f64)).sqrt()))
+        };
+        let found: Vec<(f64, f64)> = (-8..=24).filter_map(of_power).collect();
+        let all = LogSum::of(&found.iter().map(|(log, _)| *log).collect::<Vec<f64>>()).log();
+        let mean = found.iter().map(|(log, size)| (log - all).exp() * size).sum::<f64>();
+        (!found.is_empty()).then_some((all, mean))
+    }
+
+    /// Sum of squared residuals where the noise goes by a law, and its variances over those of the weights.
+    pub fn squares_under(&self, law: Law, course: &DwellConditions, stated: bool) -> Option<(f64, DVector<f64>)> {
+        let variances = self.under(law, course);
+        let (_, rss) = self.independent(&self.deviations(&variances), stated)?;
+        Some((rss, variances))
     }
 
     /// Restricted likelihood (ln L) of independent noise of these standard deviations, and RSS.
@@ -371,7 +403,17 @@ pub(super) fn weigh(
             white[j] = 0.0;
         }
     }
-    Weighed { kinds: likely.into_iter().map(|(kind, log, _)| (kind, weight(log))).collect(), white }
+    let kinds: DepartureWeights = likely.into_iter().map(|(kind, log, _)| (kind, weight(log))).collect();
+    let of_memory: f64 = kinds.iter().filter(|(kind, _)| kind.has_memory()).map(|(_, weight)| weight).sum();
+    let wander = |memory: CorrelatedNoise| {
+        let found = gyros.iter().zip(&d).map(|(gyro, d)| gyro.wander(memory, &course.times, d, is_told));
+        let (logs, pulse_s): (Vec<f64>, Vec<f64>) = found.collect::<Option<Vec<_>>>()?.into_iter().unzip();
+        Some((logs.iter().sum::<f64>(), Wander { memory, pulse_s }))
+    };
+    let is_likely = |_: &CorrelatedNoise| of_memory > 0.5;
+    let wanders = CorrelatedNoise::ALL.into_iter().filter(is_likely).filter_map(wander);
+    let wander = wanders.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, wander)| wander);
+    Weighed { kinds, white, wander }
 }
 
 /// Degrees of freedom from which on a memory is looked for.
@@ -389,6 +431,9 @@ pub(super) fn scaled(basis: &DMatrix<f64>, variances: &DVector<f64>) -> DMatrix<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::StandardNormal;
 
     /// Dwells of unequal spacing and noise.
     fn dwells() -> (Vec<f64>, DVector<f64>, DMatrix<f64>) {
@@ -416,6 +461,40 @@ mod tests {
             let (whitened, log_det) = memory.whitened(&times, &d, 2.5, x.clone());
             assert!((whitened - by_matrix).amax() < 1e-10, "{memory:?}");
             assert!((log_det - lower.diagonal().map(f64::ln).sum()).abs() < 1e-10, "{memory:?}");
+        }
+    }
+
+    #[test]
+    fn the_size_of_a_wander_is_its_own_beside_any_white_noise() {
+        let n = 60;
+        let times: Vec<f64> = (0..n).map(|k| 240.0 * k as f64).collect();
+        let d = DVector::from_element(n, 0.2);
+        let basis = DMatrix::from_fn(n, 3, |k, c| (7.3 * k as f64 + 2.1 * c as f64 * c as f64).sin()).qr().q();
+        let (weights, ones) = (d.map(|d| 1.0 / d), DVector::from_element(n, 1.0));
+        let mut rng = ChaCha8Rng::seed_from_u64(20);
+        for (memory, size, white) in [
+            (CorrelatedNoise::Flicker, 3.0, 1.0),
+            (CorrelatedNoise::Flicker, 6.0, 1.0),
+            (CorrelatedNoise::Flicker, 3.0, 2.0),
+            (CorrelatedNoise::Walk, 30.0, 1.0),
+        ] {
+            let root = memory.kernel(&times).cholesky().map_or_else(
+                || DMatrix::from_fn(n, n, |a, b| if b < a { (1.0 / (n as f64 - 1.0) * 2.0_f64).sqrt() } else { 0.0 }),
+                |factor| factor.unpack(),
+            );
+            let mut ratios = Vec::new();
+            for _ in 0..40 {
+                let mut normal = || DVector::from_fn(n, |_, _| rng.sample::<f64, _>(StandardNormal));
+                let noise = (normal() * white + &root * normal() * size) * 0.2;
+                let whitened = noise.component_mul(&weights);
+                let left = &whitened - &basis * basis.tr_mul(&whitened);
+                let residuals = left.component_div(&weights);
+                let (basis, weights, variances, even) = (&basis, &weights, &ones, &ones);
+                let fitted = FittedGyro { basis, weights, variances, even, residuals: &residuals, dof: n - 3 };
+                ratios.push(fitted.wander(memory, &times, &d, true).expect("it is regular").1 / (0.2 * size));
+            }
+            let usual = median_of(ratios.iter().copied()).expect("there are forty");
+            assert!((0.8..1.25).contains(&usual), "{memory:?} of {size} beside {white}: {usual}");
         }
     }
 

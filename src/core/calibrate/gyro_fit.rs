@@ -4,10 +4,13 @@ use std::rc::Rc;
 
 use nalgebra::{DMatrix, DVector, DVectorView, Vector3};
 
-use super::calibration::{EffectParameter, GAUGE, GyroCalibration, NullDirection, Parameter, ScaleSource};
+use super::calibration::{
+    DriftResponse, EffectParameter, GAUGE, GyroCalibration, NullDirection, Parameter, ScaleSource,
+};
 use super::correlated_noise::{self, FittedGyro};
 use super::design::{self, Design, WeightedDesign};
 use super::growth::{Exposure, Unweighted};
+use super::law::{DwellConditions, Law};
 use super::noise::{Evidence, NoiseScale};
 use super::uncertainty::{StationResponse, Uncertainty};
 use crate::core::augmented::KnownCoefficient;
@@ -270,6 +273,19 @@ impl GyroFit {
         Some((e, of(Term::GLinear).unwrap_or_default()))
     }
 
+    /// What a drift that goes with these `hours` by one pulse/s an hour makes of the fit.
+    pub fn by_drift(&self, hours: &DVector<f64>) -> DriftResponse {
+        let WeightedDesign { design, factor, .. } = &*self.weighted;
+        let taken = factor.fit(hours);
+        let values = &design.expand * &taken.estimate;
+        let of = |term| {
+            let first = design::first_column(design.terms, term);
+            if design.terms.contains(term) { values.fixed_rows::<3>(first).into_owned() } else { Vector3::zeros() }
+        };
+        let squares = hours.component_mul(factor.weights()).norm_squared();
+        DriftResponse { e: of(Term::Scale), g: of(Term::GLinear), squares, left: taken.chi2 }
+    }
+
     /// Residuals (pulse/s) with their leverages, for what the noise may depend on.
     pub fn unweighted<'a>(&'a self, dwells: &'a Exposure) -> Unweighted<'a> {
         Unweighted { residuals: self.left().0, leverage: &self.fit.leverage, dwells }
@@ -299,6 +315,18 @@ impl GyroFit {
         let (basis, weights) = (self.factor().basis(), self.factor().weights());
         let (residuals, dof) = self.left();
         FittedGyro { basis, weights, variances, even, residuals, dof }
+    }
+
+    /// What the fit and its repeats say where the noise goes by a law.
+    pub fn evidence_under(
+        &self,
+        law: Law,
+        course: &DwellConditions,
+        (has_sem, repeats): (bool, &[Vec<usize>]),
+    ) -> Option<Evidence> {
+        let (chi2, variances) = self.fitted().squares_under(law, course, has_sem)?;
+        let sd = |k: usize| self.weighted.sd[k] * variances[k].sqrt();
+        Some(Evidence::of(chi2, self.left().1, PureError::of(repeats, |k| self.of_position[k], sd)))
     }
 
     /// Covariance of the coordinates on the design's basis without a memory of the noise.

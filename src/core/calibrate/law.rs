@@ -55,6 +55,10 @@ impl DwellConditions {
     }
 }
 
+/// What is tried of growth with rate and in time.
+const RATES: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
+const GROWTHS: [f64; 4] = [-1.1, -0.55, 0.55, 1.1];
+
 impl Law {
     /// Those that these dwells let tell apart.
     pub fn all(course: &DwellConditions) -> Vec<Self> {
@@ -62,8 +66,8 @@ impl Law {
         let unequal = course.durations.iter().any(|d| (d / usual).ln().abs() > OTHER_DURATION);
         let durations = [0.25, 0.5].into_iter().filter(|_| unequal).map(Self::Duration);
         let turns = course.top() > SLOW_ARCSEC_S;
-        let rates = [0.5, 1.0, 2.0, 4.0].into_iter().filter(|_| turns).map(Self::Rate);
-        durations.chain(rates).chain([-1.1, -0.55, 0.55, 1.1].map(Self::Time)).collect()
+        let rates = RATES.into_iter().filter(|_| turns).map(Self::Rate);
+        durations.chain(rates).chain(GROWTHS.map(Self::Time)).collect()
     }
 
     /// On the standard deviation of each dwell.
@@ -90,15 +94,19 @@ impl Law {
     pub fn found(self) -> LawFound {
         match self {
             Self::Duration(power) => LawFound::Duration { power },
-            Self::Rate(growth) => LawFound::Rate { times: (1.0 + growth * growth).sqrt() },
-            Self::Time(growth) => LawFound::Time { times: growth.exp() },
+            Self::Rate(growth) => {
+                LawFound::Rate { times: (1.0 + growth * growth).sqrt(), is_bound: growth >= RATES[3] }
+            }
+            Self::Time(growth) => LawFound::Time { times: growth.exp(), is_bound: growth.abs() >= GROWTHS[3] },
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::noise_found::NoiseFound;
     use super::*;
+    use crate::words::Language;
 
     const TIMES: [f64; 5] = [100.0, 200.0, 300.0, 400.0, 500.0];
 
@@ -121,8 +129,26 @@ mod tests {
         close(Law::Rate(2.0).factors(&course), [1.0, 2.0, 5.0, 1.25, 1.0625].map(f64::sqrt));
         close(Law::Time(1.1).factors(&course), [-0.55, -0.275, 0.0, 0.275, 0.55].map(f64::exp));
         assert_eq!(Law::Duration(0.25).found(), LawFound::Duration { power: 0.25 });
-        assert_eq!(Law::Rate(2.0).found(), LawFound::Rate { times: 5.0_f64.sqrt() });
-        assert_eq!(Law::Time(-1.1).found(), LawFound::Time { times: (-1.1_f64).exp() });
+        assert_eq!(Law::Rate(2.0).found(), LawFound::Rate { times: 5.0_f64.sqrt(), is_bound: false });
+        assert_eq!(Law::Time(-1.1).found(), LawFound::Time { times: (-1.1_f64).exp(), is_bound: true });
+    }
+
+    #[test]
+    fn growth_at_the_end_of_what_is_tried_is_said_as_a_bound() {
+        let said = |law: Law| {
+            let found = NoiseFound { laws: vec![law.found()], ..NoiseFound::default() };
+            [Language::English, Language::Chinese].map(|language| language.words(&found.notes()[0]))
+        };
+        for (law, [english, chinese]) in [
+            (Law::Rate(4.0), ["the noise is at least 4.1 times as large at the fastest", "至少为静止时的4.1倍"]),
+            (Law::Rate(2.0), ["the noise is 2.2 times as large at the fastest", "时噪声为静止时的2.2倍"]),
+            (Law::Time(1.1), ["the noise is at least 3.0 times as large at the end", "至少为开始时的3.0倍"]),
+            (Law::Time(-1.1), ["the noise is at most 0.3 times as large at the end", "至多为开始时的0.3倍"]),
+            (Law::Time(0.55), ["the noise is 1.7 times as large at the end", "时噪声为开始时的1.7倍"]),
+        ] {
+            let [in_english, in_chinese] = said(law);
+            assert!(in_english.starts_with(english) && in_chinese.contains(chinese), "{in_english} {in_chinese}");
+        }
     }
 
     #[test]

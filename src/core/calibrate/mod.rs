@@ -21,6 +21,7 @@ mod noise_report;
 pub mod outcome;
 mod regressor;
 pub mod repeats_between;
+pub mod reseated;
 mod shared_coefficients;
 mod shrunken_errors;
 pub mod station;
@@ -30,7 +31,7 @@ pub use calibration::{
     Calibration, EffectParameter, GyroCalibration, NullDirection, Parameter, ScaleSource, exceeds_noise, weights_sd,
 };
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::augmented::{Adopted, KnownCoefficient, Options};
 use super::campaign::{Campaign, CampaignNote, Dwell, EffectNotFitted, Phase, StationUncertainty};
@@ -40,11 +41,12 @@ use crate::core::calibrate::effect_columns::{Regressors, Retold};
 use crate::core::calibrate::regressor::Regressor;
 use crate::core::calibrate::shared_coefficients::{CommonFit, OwnFit, SharedRegressors};
 use crate::core::campaign::repeats::PureError;
-use correlated_noise::FittedGyro;
+use correlated_noise::{FittedGyro, Weighed};
 use growth::{Exposure, NoiseGrowth};
 use gyro_fit::{GyroFit, SharedDesigns, fit_gyro, retold};
-use law::DwellConditions;
+use law::{DwellConditions, Law};
 use noise::{Evidence, NoiseScale};
+use noise_found::NoiseFound;
 
 /// Fits `terms` to every gyro of a campaign that passed [`Campaign::check`].
 ///
@@ -174,29 +176,59 @@ fn calibrate_in(
     let mut coordinates: Vec<_> = fits.iter().zip(&noises).map(|(fit, noise)| fit.coordinates(noise)).collect();
     let found = (kinds == Kinds::All).then(|| weigh(dwells, has_sem, &fits, &mut coordinates));
     notes.extend(shrunken.and_then(|shrunken| shrunken.scatter).map(|scatter| CampaignNote::ErrorsScatter { scatter }));
-    let (found, white) = found.map_or((None, vec![1.0; fits.len()]), |found| (Some(found.kinds), found.white));
-    let is_other_noise = found.as_ref().is_some_and(noise_report::is_other);
+    let found = found.unwrap_or_else(|| Weighed::white(fits.len()));
+    let is_other_noise = noise_report::is_other(&found.kinds);
+    let hours = DVector::from_iterator(dwells.len(), dwells.iter().map(|dwell| dwell.mid_s() / 3600.0));
+    let hours = hours.add_scalar(-hours.mean());
+    let by_drift = fits.iter().map(|fit| fit.by_drift(&hours)).collect();
+    let course = DwellConditions::of(dwells);
+    let law = noise_report::law(&found.kinds);
+    let chances = law.and_then(|law| chances_under(law, &course, (has_sem, &repeats), &fits));
+    let explains = |chances: &Vec<Option<f64>>| !chances.iter().any(|chance| exceeds_noise(*chance));
+    let law_that_explains = law.filter(|_| chances.as_ref().is_some_and(explains)).map(Law::found);
     let mut gyros: Vec<GyroCalibration> = fits
         .into_iter()
         .zip(noises)
-        .zip(coordinates.into_iter().zip(white))
+        .zip(coordinates.into_iter().zip(found.white.iter().copied()))
         .zip(&campaign.gyros)
         .map(|(((fit, noise), coordinates), gyro)| fit.finish(gyro, noise, coordinates, is_other_noise))
         .collect();
     for gyro in &mut gyros {
         gyro.effects.retain(|one| !any_temperature.contains(&one.effect));
     }
-    let noise_found = found.map(|found| noise_report::report(&found, &gyros)).unwrap_or_default();
-    Calibration { terms, has_sem, repeats, growth, growth_chance, gyros, notes, contradicted, noise_found }
+    let noise_found = match kinds {
+        Kinds::White => NoiseFound::default(),
+        Kinds::All => noise_report::report(&found, &gyros),
+    };
+    Calibration {
+        terms,
+        has_sem,
+        repeats,
+        growth,
+        growth_chance,
+        gyros,
+        notes,
+        contradicted,
+        noise_found,
+        by_drift,
+        law_that_explains,
+    }
+}
+
+/// Chances of residuals as large as each gyro's where the noise goes by a law.
+fn chances_under(
+    law: Law,
+    course: &DwellConditions,
+    (has_sem, repeats): (bool, &[Vec<usize>]),
+    fits: &[GyroFit],
+) -> Option<Vec<Option<f64>>> {
+    let evidence = fits.iter().map(|fit| fit.evidence_under(law, course, (has_sem, repeats)));
+    let evidence = evidence.collect::<Option<Vec<Evidence>>>()?;
+    Some(noise::noise(&evidence, has_sem).iter().zip(&evidence).map(|(noise, own)| noise.p_value(own)).collect())
 }
 
 /// Averages the covariance of each gyro's coordinates over the kinds of noise.
-fn weigh(
-    dwells: &[Dwell],
-    has_sem: bool,
-    fits: &[GyroFit],
-    coordinates: &mut [Option<DMatrix<f64>>],
-) -> correlated_noise::Weighed {
+fn weigh(dwells: &[Dwell], has_sem: bool, fits: &[GyroFit], coordinates: &mut [Option<DMatrix<f64>>]) -> Weighed {
     let fitted: Vec<FittedGyro> = fits.iter().map(GyroFit::fitted).collect();
     correlated_noise::weigh(&DwellConditions::of(dwells), &fitted, coordinates, has_sem)
 }

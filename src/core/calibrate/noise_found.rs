@@ -30,13 +30,31 @@ pub enum LawFound {
     /// It falls with duration to this power.
     Duration { power: f64 },
     /// So many times as large at the fastest rate as at rest.
-    Rate { times: f64 },
+    Rate { times: f64, is_bound: bool },
     /// So many times as large at the end as at the beginning.
-    Time { times: f64 },
+    Time { times: f64, is_bound: bool },
 }
 
 impl LawFound {
-    /// Laws that hold at once, each kind as one: powers add, factors multiply.
+    /// Whether that is the most that is tried: the noise may grow, or fall, by more.
+    pub fn is_bound(self) -> bool {
+        matches!(self, Self::Rate { is_bound: true, .. } | Self::Time { is_bound: true, .. })
+    }
+
+    /// In words.
+    pub fn message(self) -> Message {
+        match self {
+            Self::Duration { power } => message!("noise_of_duration", power = figure(power, 2)),
+            Self::Rate { times, is_bound } => {
+                message!("noise_of_rate", times = figure(times, 1), bound = bound(times, is_bound))
+            }
+            Self::Time { times, is_bound } => {
+                message!("noise_of_time", times = figure(times, 1), bound = bound(times, is_bound))
+            }
+        }
+    }
+
+    /// Laws found one beside the other, each kind as one: powers add, factors multiply.
     pub(crate) fn together(laws: impl Iterator<Item = Self>) -> Vec<Self> {
         let mut all: Vec<Self> = Vec::new();
         for law in laws {
@@ -45,9 +63,9 @@ impl LawFound {
                     *power += more;
                     true
                 }
-                (Self::Rate { times }, Self::Rate { times: more })
-                | (Self::Time { times }, Self::Time { times: more }) => {
-                    *times *= more;
+                (Self::Rate { times, is_bound }, Self::Rate { times: more, is_bound: last })
+                | (Self::Time { times, is_bound }, Self::Time { times: more, is_bound: last }) => {
+                    (*times, *is_bound) = (*times * more, last);
                     true
                 }
                 _ => false,
@@ -87,12 +105,17 @@ impl NoiseFound {
             let probability = figure(memory.probability.min(0.999), 3);
             message!("noise_memory", probability, size = significant(memory.largest(), 2))
         }));
-        notes.extend(self.laws.iter().map(|law| match *law {
-            LawFound::Duration { power } => message!("noise_of_duration", power = figure(power, 2)),
-            LawFound::Rate { times } => message!("noise_of_rate", times = figure(times, 1)),
-            LawFound::Time { times } => message!("noise_of_time", times = figure(times, 1)),
-        }));
+        notes.extend(self.laws.iter().map(|law| law.message()));
         notes
+    }
+}
+
+/// Whether the true growth is at least or at most what is said.
+fn bound(times: f64, is_bound: bool) -> &'static str {
+    match is_bound {
+        true if times > 1.0 => "least",
+        true => "most",
+        false => "none",
     }
 }
 
@@ -103,9 +126,10 @@ mod tests {
 
     #[test]
     fn laws_of_one_kind_are_said_as_one() {
-        let (rate, time) = (|times| LawFound::Rate { times }, |times| LawFound::Time { times });
-        let found = LawFound::together([rate(2.0), time(3.0), rate(1.5), time(0.5)].into_iter());
-        assert_eq!(found, [rate(3.0), time(1.5)]);
+        let rate = |times, is_bound| LawFound::Rate { times, is_bound };
+        let time = |times, is_bound| LawFound::Time { times, is_bound };
+        let laws = [rate(2.0, true), time(3.0, true), rate(1.5, false), time(3.0, true)];
+        assert_eq!(LawFound::together(laws.into_iter()), [rate(3.0, false), time(9.0, true)]);
         let durations = [0.25, 0.5].map(|power| LawFound::Duration { power });
         assert_eq!(LawFound::together(durations.into_iter()), [LawFound::Duration { power: 0.75 }]);
     }

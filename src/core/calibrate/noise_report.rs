@@ -3,7 +3,8 @@
 use nalgebra::DMatrix;
 
 use super::GyroCalibration;
-use super::correlated_noise::{DepartureWeights, NoiseDeparture};
+use super::correlated_noise::{DepartureWeights, NoiseDeparture, Weighed};
+use super::law::Law;
 use super::noise_found::{CorrelatedNoiseFound, NoiseFound};
 use crate::core::mounting::Slot;
 use crate::core::numerics::tails::chi2_tail;
@@ -19,6 +20,14 @@ pub(super) fn is_other(found: &DepartureWeights) -> bool {
     [true, false].into_iter().any(|memory| certain(found, memory).is_some())
 }
 
+/// The law by which the noise is said to go.
+pub(super) fn law(found: &DepartureWeights) -> Option<Law> {
+    match certain(found, false) {
+        Some((NoiseDeparture::Law(law), _)) => Some(law),
+        _ => None,
+    }
+}
+
 /// The likeliest kind with a memory or without, and the probability of all those, where it is certain.
 fn certain(found: &DepartureWeights, memory: bool) -> Option<(NoiseDeparture, f64)> {
     let those = found.iter().filter(|(kind, _)| kind.has_memory() == memory);
@@ -28,26 +37,22 @@ fn certain(found: &DepartureWeights, memory: bool) -> Option<(NoiseDeparture, f6
 }
 
 /// What the residuals of a fit say.
-pub(super) fn report(found: &DepartureWeights, gyros: &[GyroCalibration]) -> NoiseFound {
-    let sds = |power| gyros.iter().filter_map(|gyro| Some((gyro.slot, gyro.correlated_noise_sd(power)?))).collect();
-    let of_kinds = of_kinds(found, sds);
+pub(super) fn report(found: &Weighed, gyros: &[GyroCalibration]) -> NoiseFound {
+    let scales: Vec<_> = gyros.iter().map(|gyro| (gyro.slot, gyro.scale_factor())).collect();
+    let of_kinds = of_kinds(found, &scales);
     // Gyros that wander each for itself seem to go together, too.
     let between_gyros = if of_kinds.memory.is_some() { Vec::new() } else { between(gyros) };
     NoiseFound { between_gyros, ..of_kinds }
 }
 
-/// What is certain of each gyro by itself; `sds` are those of correlated noise of a power, deg/h.
-pub(super) fn of_kinds(found: &DepartureWeights, sds: impl Fn(f64) -> Vec<(Slot, f64)>) -> NoiseFound {
-    let memory = match certain(found, true) {
-        Some((NoiseDeparture::CorrelatedNoise(memory, power), probability)) => {
-            Some(CorrelatedNoiseFound { kind: memory.name(), deg_per_h: sds(power), probability })
-        }
-        _ => None,
-    };
-    let laws = match certain(found, false) {
-        Some((NoiseDeparture::Law(law), _)) => vec![law.found()],
-        _ => Vec::new(),
-    };
+/// What is certain of each gyro by itself; `scales` are their |E|, pulse/arcsec, where they are known.
+pub(super) fn of_kinds(found: &Weighed, scales: &[(Slot, Option<f64>)]) -> NoiseFound {
+    let memory = certain(&found.kinds, true).zip(found.wander.as_ref()).map(|((_, probability), wander)| {
+        let in_gyros = scales.iter().zip(&wander.pulse_s);
+        let deg_per_h = in_gyros.filter_map(|((slot, scale), pulse_s)| Some((*slot, pulse_s / (*scale)?))).collect();
+        CorrelatedNoiseFound { kind: wander.memory.name(), deg_per_h, probability }
+    });
+    let laws = law(&found.kinds).map(Law::found).into_iter().collect();
     NoiseFound { between_gyros: Vec::new(), memory, laws }
 }
 

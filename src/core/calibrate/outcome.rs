@@ -6,12 +6,13 @@ use super::{Calibration, GyroCalibration, Kinds, calibrate_at_station, calibrate
 use crate::core::augmented::{AugmentedModel, Options};
 use crate::core::campaign::commanded::{force_off_gravity, latitude_of_rates};
 use crate::core::campaign::{
-    Campaign, CampaignGyro, CampaignNote, CoarseStep, StationPart, StationUncertainty, Stepped, Temperatures, TestKind,
+    Campaign, CampaignGyro, CampaignNote, CoarseStep, DriftOfGyro, StationPart, StationUncertainty, Stepped,
+    Temperatures, TestKind,
 };
 use crate::core::fault::Faults;
 use crate::core::model::Terms;
 use crate::core::record::Plausibility;
-use crate::core::separate::Separation;
+use crate::core::separate::{Separation, separate};
 use crate::core::units::radians_from_arcsec;
 
 /// What a campaign came to: the calibration of an IMU, or the bench test of one gyro.
@@ -65,6 +66,7 @@ pub fn evaluate_with(campaign: &Campaign, model: &Options, limits: &Plausibility
     calibration.notes.extend(latitude_sign(campaign, &separations));
     calibration.notes.extend(gravity_off(campaign, &calibration, &separations));
     calibration.notes.extend(latitude_off(campaign, &separations));
+    calibration.notes.extend(drift_aliased(campaign, &calibration, &separations));
     calibration.notes.extend(held_scale(campaign, (terms, model), &calibration, limits));
     let as_measured = as_measured(campaign, terms, model, limits);
     for (i, separation) in separations.iter().enumerate() {
@@ -141,6 +143,47 @@ fn latitude_off(campaign: &Campaign, separations: &[Result<Separation, NotSepara
     let sds = separations.iter().filter_map(|separation| Some(separation.as_ref().ok()?.rigid.sd()?[0]));
     let least = sds.reduce(f64::min)?;
     (moves > TOLD_FROM * least).then_some(CampaignNote::LatitudeOff { degrees, moves })
+}
+
+/// Root of the sum of squares that a drift leaves in the residuals of one gyro, over their noise, below which it is not
+/// seen; and the least share of its squares that is reckoned to be left.
+const HIDDEN: f64 = 5.0;
+const LEAST_LEFT: f64 = 0.01;
+
+/// Standard deviations of D_I or D_S from which on what a hidden drift moves is told: by chance orders have up to two.
+const TOLD_OF_DRIFT: f64 = 3.0;
+
+/// The gyro whose D_I or D_S moves most, over its standard deviation, by a drift in time that residuals do not show.
+fn drift_aliased(
+    campaign: &Campaign,
+    calibration: &Calibration,
+    separations: &[Result<Separation, NotSeparated>],
+) -> Option<CampaignNote> {
+    let times = campaign.dwells.iter().map(|dwell| dwell.mid_s() / 3600.0);
+    let hours = times.clone().fold(f64::NEG_INFINITY, f64::max) - times.fold(f64::INFINITY, f64::min);
+    let of_gyro = |(j, separation): (usize, &Result<Separation, NotSeparated>)| {
+        let (gyro, by) = (&calibration.gyros[j], calibration.by_drift[j]);
+        let rigid = &separation.as_ref().ok()?.rigid;
+        let (sd, e, g) = (rigid.sd()?, gyro.e()?, gyro.g()?);
+        // One deg/h is |E| pulse/s.
+        let seen = e.norm() * by.left.max(LEAST_LEFT * by.squares).sqrt() / gyro.noise.factor?;
+        let drift = rounded(HIDDEN / seen)?;
+        let pulses = drift * e.norm();
+        let moved = separate(&campaign.geometry, gyro.slot, &(e + by.e * pulses), &(g + by.g * pulses), None).ok()?;
+        let [d_i, d_s] = [moved.rigid.d_i - rigid.d_i, moved.rigid.d_s - rigid.d_s].map(f64::abs);
+        let times = (d_i / sd[0]).max(d_s / sd[1]);
+        let of = DriftOfGyro { slot: gyro.slot, whole: drift * hours };
+        let note = CampaignNote::DriftAliased { of: Some(of), drift, d_i, d_s };
+        (times > TOLD_OF_DRIFT).then_some((times, note))
+    };
+    let told = separations.iter().enumerate().filter_map(of_gyro);
+    told.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, note)| note)
+}
+
+/// To two digits; none of what is no number.
+fn rounded(value: f64) -> Option<f64> {
+    let unit = 10_f64.powf(value.log10().floor() - 1.0);
+    Some((value / unit).round() * unit).filter(|rounded| rounded.is_normal())
 }
 
 /// What an error of the direction of E that is held does, with its size where nothing is stated, arcsec; and from which

@@ -1,5 +1,7 @@
 //! What repeats from campaign to campaign of one IMU: whether stated standard deviations hold between campaigns.
 
+use nalgebra::{Rotation3, Vector3};
+
 use super::outcome::Outcome;
 use crate::core::campaign::Campaign;
 use crate::core::model::Term;
@@ -7,6 +9,7 @@ use crate::core::mounting::Slot;
 use crate::core::name::Name;
 use crate::core::numerics::between::{Mean, Observation, Quantity, Scatter, means};
 use crate::core::numerics::tails::chi2_quantile;
+use crate::core::separate::separate;
 
 /// One coefficient over several campaigns.
 #[derive(Debug, Clone, PartialEq)]
@@ -122,13 +125,7 @@ fn values(
     let Outcome::Imu { calibration, separations, .. } = outcome else { return none };
     let fitted = calibration.gyros.iter().zip(separations).find(|(gyro, _)| gyro.slot == slot);
     let Some((gyro, Ok(separation))) = fitted else { return none };
-    // Of the standard deviation the campaigns of a station share what the station does.
-    let value = |value: f64, sd: Option<f64>, shared_sd: f64| {
-        let sd = sd.filter(|sd| *sd > 0.0)?;
-        // Of what a station shares nearly all the rest is rounding.
-        let own = (sd * sd - shared_sd * shared_sd).max(OF_ROUNDING * sd * sd);
-        Some(Observation { value, sd: own.sqrt(), shared_sd, group })
-    };
+    let value = |value: f64, sd: Option<f64>, shared_sd: f64| observed(value, sd?, shared_sd, group);
     let rigid = &separation.rigid;
     let sds = rigid.sd().map_or([None; 3], |sds| sds.map(Some));
     let stations = gyro.budgets(&campaign.geometry, false).map(|all| all.map(|b| b.station.unwrap_or(0.0)));
@@ -144,6 +141,36 @@ fn values(
         value(k, separation.scale_factor_sd, stations[3]),
         bias.and_then(|bias| value(bias.value / k, bias.sd.map(|sd| sd / k), of_bias / k)),
     ]
+}
+
+/// Of the standard deviation the campaigns of a station share what the station does.
+fn observed(value: f64, sd: f64, shared_sd: f64, group: usize) -> Option<Observation> {
+    // Of what a station shares nearly all the rest is rounding.
+    let own = (sd * sd - shared_sd * shared_sd).max(OF_ROUNDING * sd * sd);
+    (sd > 0.0).then(|| Observation { value, sd: own.sqrt(), shared_sd, group })
+}
+
+/// D_S, deg/(h g0), and D_O of one gyro.
+pub(super) struct OutputAxisDrift {
+    pub d_s: f64,
+    pub d_o: Observation,
+}
+
+/// The same with E and G turned by `rotation` (rad, body axes) first.
+pub(super) fn output_axis_drift(
+    campaign: &Campaign,
+    outcome: &Outcome,
+    slot: Slot,
+    rotation: &Vector3<f64>,
+) -> Option<OutputAxisDrift> {
+    let Outcome::Imu { calibration, .. } = outcome else { return None };
+    let gyro = calibration.gyros.iter().find(|gyro| gyro.slot == slot)?;
+    let turn = Rotation3::new(*rotation);
+    let (e, g) = (turn * gyro.e()?, turn * gyro.g()?);
+    let rigid = separate(&campaign.geometry, slot, &e, &g, gyro.covariance_eg().as_ref()).ok()?.rigid;
+    let station = gyro.budgets(&campaign.geometry, false).and_then(|all| all[2].station);
+    let d_o = observed(rigid.d_o, rigid.sd()?[2], station.unwrap_or(0.0), 0)?;
+    Some(OutputAxisDrift { d_s: rigid.d_s, d_o })
 }
 
 #[cfg(test)]

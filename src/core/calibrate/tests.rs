@@ -1,6 +1,10 @@
 use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
 
 use super::calibration::GAUGE;
+use super::noise_found::LawFound;
 use super::*;
 use crate::core::campaign::made_for_tests::{self, name};
 use crate::core::campaign::{CampaignGyro, Site, StationPart};
@@ -146,6 +150,73 @@ fn standard_errors_are_rescaled_by_repeats() {
     assert_close(value(fit, "D0").1, (0.01 / 20.0 * 84.0 / 21.0f64).sqrt());
 }
 
+/// Six faces with turns about each, `repeats` times over; the noise is `sd` of each rate, errors are stated as 0.1.
+fn turning(repeats: usize, sd: impl Fn(f64) -> f64, left_out: impl Fn(f64) -> f64, seed: u64) -> Campaign {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let rates = [0.0, 0.0, 600.0, -600.0, 1800.0, -1800.0];
+    let rows: Vec<Row> = (0..36 * repeats)
+        .map(|k| {
+            // No turn is repeated: each round is faster than the one before.
+            let (up, rate) = (FACES[k % 6], rates[k / 6 % 6] * (1.0 + 0.1 * (k / 36) as f64));
+            let noise = sd(rate) * rng.sample::<f64, _>(StandardNormal);
+            let y = up[0] * 3.0 + up[1] + up[0] * rate * 2.0 + left_out(up[0] * rate) + noise;
+            (up, up.map(|a| a * rate), y, Some(0.1))
+        })
+        .collect();
+    campaign(&rows, None)
+}
+
+#[test]
+fn residuals_that_exceed_the_noise_are_said_with_the_law_that_would_explain_them() {
+    let law = |sd: &dyn Fn(f64) -> f64, left_out: &dyn Fn(f64) -> f64, seed| {
+        let notes = calibrate(&turning(2, sd, left_out, seed), Terms::MODEL_6).all_notes();
+        notes.into_iter().find_map(|note| match note {
+            CampaignNote::ResidualsExceedNoise { law, .. } => Some(law),
+            _ => None,
+        })
+    };
+    let grows = |rate: f64| 0.1 * (1.0 + 24.0 * (rate / 1800.0).powi(2)).sqrt();
+    for seed in 500..510 {
+        let found = law(&grows, &|_| 0.0, seed);
+        assert!(matches!(found, Some(Some(LawFound::Rate { .. }))), "{seed}: {found:?}");
+    }
+    // What a face leaves out is of no law.
+    let of_up = |rate: f64| if rate > 500.0 && rate < 700.0 { 1.5 } else { 0.0 };
+    assert_eq!(law(&|_| 0.1, &of_up, 520), Some(None));
+}
+
+#[test]
+fn a_drift_that_the_order_of_dwells_hides_is_told_by_what_it_moves() {
+    // Turns first; then each face five times, up along all axes before down, or the faces in turn.
+    let of = |in_order: bool, drift: f64| {
+        let turns = [[600.0, 0.0, 0.0], [0.0, 600.0, 0.0], [0.0, 0.0, 600.0]];
+        let turns = turns.iter().flat_map(|w| [*w, w.map(|w| -w)]).map(|w| (FACES[4], w));
+        let faces = (0..30).map(|k| (FACES[if in_order { [0, 2, 4, 1, 3, 5][k / 5] } else { k % 6 }], [0.0; 3]));
+        let rows: Vec<Row> = turns
+            .chain(faces)
+            .enumerate()
+            .map(|(k, (a, w))| {
+                let noise = if (k * k % 7).is_multiple_of(2) { 1e-3 } else { -1e-3 };
+                (a, w, 3.0 * a[0] + a[1] + noise + 2.0 * (w[0] + drift * k as f64 / 15.0), Some(1e-3))
+            })
+            .collect();
+        let found = outcome::evaluate(&campaign(&rows, None), &Plausibility::default());
+        let Ok(outcome::Outcome::Imu { calibration, separations, .. }) = found else { panic!("{found:?}") };
+        let rigid = &separations[0].as_ref().expect("it is separated").rigid;
+        let note = calibration.all_notes().into_iter().find(|note| note.code() == "drift_aliased");
+        (note, [rigid.d_i, rigid.d_s])
+    };
+    let (told, still) = of(true, 0.0);
+    let Some(CampaignNote::DriftAliased { of: Some(of_gyro), drift, d_i, d_s }) = told else { panic!("{told:?}") };
+    let (_, moved) = of(true, drift);
+    for (moved, (still, said)) in moved.iter().zip(still.iter().zip([d_i, d_s])) {
+        assert!(((moved - still).abs() - said).abs() < 1e-9, "{moved} {still} {said}");
+    }
+    // 36 dwells, one every four minutes.
+    assert!(of_gyro.slot == Slot::G1 && (of_gyro.whole - drift * 35.0 / 15.0).abs() < 1e-12, "{of_gyro:?}");
+    assert_eq!(of(false, 0.0).0, None);
+}
+
 #[test]
 fn gyros_that_share_their_noise_are_said_with_its_correlation() {
     let rows: Vec<Row> = (0..40).map(|_| (FACES[0], [0.0; 3], 5.0, Some(0.1))).collect();
@@ -264,7 +335,7 @@ fn how_the_figures_came_about_is_noted() {
     with.gyros[0].p_value = Some(0.5);
     assert_eq!(with.all_notes(), []);
     with.gyros[0].p_value = Some(0.9e-3);
-    assert_eq!(with.all_notes(), [CampaignNote::ResidualsExceedNoise { gyros: gyros.clone() }]);
+    assert_eq!(with.all_notes(), [CampaignNote::ResidualsExceedNoise { gyros: gyros.clone(), law: None }]);
     with.gyros[0].p_value = Some(1e-3);
     (with.gyros[0].chi2, with.gyros[0].dof) = (25.0, 100);
     assert_eq!(with.all_notes(), [CampaignNote::ErrorsOverstated { gyros: vec![(Slot::G1, 2.0)] }]);

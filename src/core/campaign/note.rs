@@ -5,6 +5,7 @@ use super::station_uncertainty::StationPart;
 use super::steps::CoarseStep;
 use super::stuck::StuckOutput;
 use crate::core::bench::Alias;
+use crate::core::calibrate::noise_found::LawFound;
 use crate::core::effects::{Effect, MissingInput, Refusal};
 use crate::core::mounting::Slot;
 use crate::core::named::named;
@@ -46,8 +47,8 @@ pub enum CampaignNote {
     ErrorsScatter { scatter: f64 },
     /// Gyros whose repeats scatter many times as much as the stated standard errors, and how many times together.
     ErrorsUnderstated { gyros: Vec<Slot>, times: f64 },
-    /// Gyros whose residuals are more than the noise of their outputs.
-    ResidualsExceedNoise { gyros: Vec<Slot> },
+    /// Gyros whose residuals are more than the noise of their outputs as stated, and the law by which it may go instead.
+    ResidualsExceedNoise { gyros: Vec<Slot>, law: Option<LawFound> },
     /// An effect of the model was not fitted.
     EffectLeftOut { slot: Option<Slot>, effect: Effect, why: EffectNotFitted },
     /// The dwells contradict what the model says of an effect, but tell it less well: D_I and D_S hold that uncertainty.
@@ -62,8 +63,12 @@ pub enum CampaignNote {
     StationContradicted { part: StationPart, times: f64, arcsec: f64 },
     /// A product of specific forces that a bench test does not fit moves a coefficient by so much of itself.
     ProductAliased(Alias),
-    /// The positions of a bench test follow time: a drift of so many deg/h an hour moves D_I and D_S, deg/(h g0).
-    DriftAliased { drift: f64, d_i: f64, d_s: f64 },
+    /// Terms of the third degree that a bench test does not fit, and what one deg/(h g0^3) of each would move, deg/(h g0);
+    /// told of this size.
+    CubicAliased { size: f64, aliases: Vec<Alias> },
+    /// The positions follow time: a drift of so many deg/h an hour moves D_I and D_S, deg/(h g0), in a bench test or in
+    /// this gyro of an IMU.
+    DriftAliased { of: Option<DriftOfGyro>, drift: f64, d_i: f64, d_s: f64 },
     /// In the gauge of a tumble D_F holds this many deg/h for every deg/(h g0^2) of D_II + D_SS.
     OffsetInGauge { moves: f64 },
     /// D_I of all gyros is near the shift that a wrong sign of the latitude makes, deg/(h g0).
@@ -80,6 +85,13 @@ pub enum CampaignNote {
     HeldSize { slot: Slot, share: f64, moves: f64 },
     /// The campaign does not determine E, whose size along the nominal axis is taken, pulse/arcsec.
     NominalAxis { slot: Slot, scale: f64 },
+}
+
+/// The gyro of an IMU that a drift moves most, and the drift over the whole campaign, deg/h.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DriftOfGyro {
+    pub slot: Slot,
+    pub whole: f64,
 }
 
 /// Why the campaign cannot tell what an error of its station does.
@@ -143,6 +155,7 @@ impl CampaignNote {
             Self::StationLeftOut { .. } => "station_left_out",
             Self::StationContradicted { .. } => "station_contradicted",
             Self::ProductAliased(_) => "product_aliased",
+            Self::CubicAliased { .. } => "cubic_aliased",
             Self::DriftAliased { .. } => "drift_aliased",
             Self::OffsetInGauge { .. } => "d_f_in_gauge",
             Self::LatitudeSign { .. } => "latitude_sign",

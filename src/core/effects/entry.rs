@@ -264,6 +264,11 @@ impl Debug for Entry {
 }
 
 impl Entry {
+    /// Whether a diagnosis may name it, and nothing that is larger than its plausible size.
+    pub fn has_size(&self) -> bool {
+        self.nameable && self.plausible.is_finite()
+    }
+
     /// Whether two entries whose coefficients all gyros share can pass for this one, each gyro with its own.
     pub fn may_be_two_shared(&self) -> bool {
         let shared = self.confused_with.iter().filter(|other| other.entry().scope == Scope::Common);

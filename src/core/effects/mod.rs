@@ -143,6 +143,11 @@ pub fn known() -> String {
     CATALOGUE.map(|entry| entry.id).join(", ")
 }
 
+/// The names of those that have a largest plausible size.
+pub fn known_with_size() -> String {
+    CATALOGUE.iter().filter(|entry| entry.has_size()).map(|entry| entry.id).collect::<Vec<_>>().join(", ")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,6 +2,7 @@ use serde_json::{Value, json};
 
 use super::*;
 use crate::core::effects::CATALOGUE;
+use crate::words::Language;
 
 fn document() -> Value {
     json!({
@@ -57,11 +58,28 @@ fn every_bad_member_is_named_by_its_place() {
         ("/plausible_sizes", json!({"poltergeist": 1.0}), "/plausible_sizes/poltergeist"),
         ("/plausible_sizes", json!({"magnetic": 0.0}), "/plausible_sizes/magnetic"),
         ("/plausible_sizes", json!({"magnetic": 1e300}), "/plausible_sizes/magnetic"),
+        ("/plausible_sizes", json!({"scale": 1.0, "magnetic": 1.0}), "/plausible_sizes/scale"),
+        ("/plausible_sizes", json!({"outlier_dwell": 1.0}), "/plausible_sizes/outlier_dwell"),
     ];
     for (pointer, value, place) in cases {
         let faults = parse(&with(pointer, value.clone())).expect_err(place);
         assert!(faults.0.iter().any(|f| f.pointer == place), "{pointer} = {value}: {faults}");
     }
+}
+
+#[test]
+fn a_size_that_is_given_twice_is_refused_and_one_of_an_entry_without_says_which_have_one() {
+    let said = |text: &[u8]| {
+        let faults = parse(text).expect_err("it is refused");
+        (faults.0[0].pointer.clone(), Language::English.words(&faults.0[0].message))
+    };
+    let twice = document().to_string().replace(r#"{"magnetic":0.5}"#, r#"{"magnetic":0.5,"magnetic":0.6}"#);
+    let (place, words) = said(twice.as_bytes());
+    assert_eq!((place.as_str(), words.as_str()), ("/plausible_sizes/magnetic", "`magnetic` is given twice"));
+    let (_, words) = said(&with("/plausible_sizes", json!({"outlier_dwell": 1.0})));
+    assert!(words.starts_with("outlier_dwell has no plausible size; those that have one are "), "{words}");
+    let known: Vec<&str> = words.rsplit(" are ").next().unwrap_or_default().split(", ").collect();
+    assert!(known.contains(&"warmup") && !known.contains(&"scale"), "{words}");
 }
 
 #[test]

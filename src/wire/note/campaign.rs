@@ -4,7 +4,7 @@ use serde_json::Map;
 
 use crate::core::bench::Alias;
 use crate::core::campaign::{
-    CampaignNote, CoarseStep, DwellColumn, EffectNotFitted, StationUndetermined, Stepped, StuckOutput,
+    CampaignNote, CoarseStep, DriftOfGyro, DwellColumn, EffectNotFitted, StationUndetermined, Stepped, StuckOutput,
 };
 use crate::core::message::{Parameter, figure, list, signed, significant, text};
 use crate::wire::campaign::commanded;
@@ -101,8 +101,13 @@ fn said(note: &CampaignNote) -> (Message, Value) {
             message!("standard_errors_understated", slots = list(names(gyros)), times = figure(*times, 1)),
             json!({"slots": names(gyros), "times": times}),
         ),
-        CampaignNote::ResidualsExceedNoise { gyros } => {
-            (message!("residuals_exceed_noise", slots = list(names(gyros))), json!({"slots": names(gyros)}))
+        CampaignNote::ResidualsExceedNoise { gyros, law } => {
+            let slots = list(names(gyros));
+            let message = match law {
+                None => message!("residuals_exceed_noise", slots),
+                Some(law) => message!("residuals_exceed_noise_or_law", slots, law = law.message()),
+            };
+            (message, json!({"slots": names(gyros)}))
         }
         CampaignNote::EffectLeftOut { slot: None, effect, why } => {
             (message!("effect_left_out", effect = effect.id(), why = left_out(why)), json!({"effect": effect.id()}))
@@ -135,16 +140,38 @@ fn said(note: &CampaignNote) -> (Message, Value) {
             )
         }
         CampaignNote::ProductAliased(Alias { product, coefficient, moves }) => {
-            let (product, coefficient, percent) = (*product, *coefficient, figure(0.01 * moves.abs(), 4));
+            let (product, coefficient) = (*product, *coefficient);
             (
-                message!("product_aliased", product, coefficient, moves = percent),
+                message!("product_aliased", product, coefficient, moves = figure(0.01 * moves.abs(), 4)),
                 json!({"product": product, "coefficient": coefficient, "moves": moves}),
             )
         }
-        CampaignNote::DriftAliased { drift, d_i, d_s } => (
+        CampaignNote::CubicAliased { size, aliases } => {
+            let one = |alias: &Alias| {
+                let moves = significant(size * alias.moves.abs(), 2);
+                message!("cubic_moves", cubic = alias.product, coefficient = alias.coefficient, moves)
+            };
+            let body = |Alias { product, coefficient, moves }: &Alias| json!({"product": product, "coefficient": coefficient, "moves": moves});
+            (
+                message!("cubic_aliased", size = text(size), moved = list(aliases.iter().map(one))),
+                json!({"size_deg_per_h_g03": size, "aliases": aliases.iter().map(body).collect::<Vec<Value>>()}),
+            )
+        }
+        CampaignNote::DriftAliased { of: None, drift, d_i, d_s } => (
             message!("drift_aliased", drift = text(drift), d_i = significant(*d_i, 2), d_s = significant(*d_s, 2)),
             json!({"drift_deg_per_h_h": drift, "d_i_deg_per_h_g0": d_i, "d_s_deg_per_h_g0": d_s}),
         ),
+        CampaignNote::DriftAliased { of: Some(DriftOfGyro { slot, whole }), drift, d_i, d_s } => {
+            let said = significant(*whole, 2);
+            let moved = (significant(*d_i, 2), significant(*d_s, 2));
+            (
+                message!("drift_aliased_of_gyro", slot = slot.name(), drift = said, d_i = moved.0, d_s = moved.1),
+                json!({
+                    "drift_deg_per_h_h": drift, "d_i_deg_per_h_g0": d_i, "d_s_deg_per_h_g0": d_s,
+                    "slot": slot.name(), "drift_deg_per_h": whole,
+                }),
+            )
+        }
         CampaignNote::OffsetInGauge { moves } => {
             (message!("d_f_in_gauge", moves = figure(0.01 * moves, 4)), json!({"moves": moves}))
         }

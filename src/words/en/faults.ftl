@@ -91,6 +91,7 @@ is_bench_test = is a bench test and cannot replace a campaign
 
 ## Models
 
+effect_without_size = { $effect } has no plausible size; those that have one are { $effects }
 unknown_effect = unknown effect "{ $effect }"; the catalogue has { $effects }
 no_gyros_named = must name at least one gyro
 must_be = must be { $wanted }, is "{ $value }"

@@ -29,7 +29,10 @@ product_aliased = { $product } is not fitted, and these positions do not tell it
         [D_SS] deg/(h g0²)
        *[other] deg/(h g0)
     }
+cubic_moves = { $cubic } moves { $coefficient } by { $moves }
+cubic_aliased = terms of the third degree are not fitted, and these positions hardly tell them from D_I and D_S. { $size } deg/(h g0³) of each, in deg/(h g0): { $moved }
 drift_aliased = the positions follow time: a drift of { $drift } deg/h an hour would hide in the coefficients and move D_I by { $d_i }, D_S by { $d_s } deg/(h g0). Take the positions in random order
+drift_aliased_of_gyro = { $slot }: the order of the dwells follows time: a drift of { $drift } deg/h over the campaign is too small to be seen and would move D_I by { $d_i }, D_S by { $d_s } deg/(h g0). Take the dwells in random order
 d_f_in_gauge = D_F is that of D_II + D_SS = 0, which a tumble about the output axis cannot tell: 0.01 deg/(h g0²) of their sum would move D_F by { $moves } deg/h, which is in no sigma
 noise_grows_with_rate = the residuals at the fastest rate are { $times } times those at rest; sigmas follow them
 residuals_shared = the residuals of the gyros go together: their correlation is up to { $correlation }. They share noise, or an effect that the model leaves out
@@ -39,6 +42,7 @@ overstated_times = { $slot } { $times } times
 overstated_by_far = { $slot } by far
 standard_errors_scatter = the stated standard errors scatter by { $percent } % about a law of duration and rate that the residuals follow better: they are estimates of few values each, and the weights are shrunk to that law
 residuals_exceed_noise = { $slots }: residuals exceed the noise; the model leaves something out (see diagnose)
+residuals_exceed_noise_or_law = { $slots }: residuals exceed the noise as stated. Either { $law }, or the model leaves something out (see diagnose)
 effect_left_out = { $effect } is left out of the fit: { $why }
 effect_left_out_of_gyro = { $slot }: { $effect } is left out of the fit: { $why }
 effect_contradicted = { $slot }: these dwells contradict the model's { $effect } and tell it less well than the model did: D_I and D_S at the reference temperature are as uncertain as that. Adopt a model that holds these dwells

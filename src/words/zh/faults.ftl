@@ -91,6 +91,7 @@ is_bench_test = 是单表测试，不能代替系统级标定试验
 
 ## Models
 
+effect_without_size = { $effect }没有合理大小的上限；有上限的效应：{ $effects }
 unknown_effect = 目录中没有效应“{ $effect }”；可选：{ $effects }
 no_gyros_named = 至少应列出一个陀螺
 must_be = 应为{ $wanted }，实为“{ $value }”

@@ -27,7 +27,10 @@ product_aliased = 未拟合{ $product }，且这些位置无法将其与{ $coeff
         [D_SS] (°)/(h·g0²)
        *[other] (°)/(h·g0)
     }
+cubic_moves = { $cubic }使{ $coefficient }变化{ $moves }
+cubic_aliased = 未拟合三次项，且这些位置几乎无法将其与D_I、D_S区分。每项取{ $size } (°)/(h·g0³)时，以(°)/(h·g0)计：{ $moved }
 drift_aliased = 位置顺序随时间变化：每小时{ $drift } (°)/h的漂移会隐藏在各系数中，使D_I变化{ $d_i }、D_S变化{ $d_s } (°)/(h·g0)。请按随机顺序测量
+drift_aliased_of_gyro = { $slot }：测点顺序随时间变化：整个试验中{ $drift } (°)/h的漂移小到无法察觉，却会使D_I变化{ $d_i }、D_S变化{ $d_s } (°)/(h·g0)。请按随机顺序测量
 d_f_in_gauge = D_F以D_II + D_SS = 0为前提，绕输出轴的翻滚无法检验：两者之和每有0.01 (°)/(h·g0²)，D_F即变化{ $moves } (°)/h，标准差未计入
 noise_grows_with_rate = 最高角速度下的残差为静止时的{ $times }倍；标准差随之变化
 residuals_shared = 各陀螺残差相关：相关系数最高{ $correlation }。它们共有噪声，或有模型遗漏的效应
@@ -37,6 +40,7 @@ overstated_times = { $slot }为{ $times }倍
 overstated_by_far = { $slot }远大于
 standard_errors_scatter = 给定的标准误差相对时长与角速度的规律散布{ $percent } %，而残差更符合该规律：每个标准误差只由少数值估计，权值已向该规律靠拢
 residuals_exceed_noise = { $slots }：残差大于噪声，模型有所遗漏（见诊断）
+residuals_exceed_noise_or_law = { $slots }：残差大于给定的噪声。或者{ $law }，或者模型有所遗漏（见诊断）
 effect_left_out = { $effect }未参与拟合：{ $why }
 effect_left_out_of_gyro = { $slot }：{ $effect }未参与拟合：{ $why }
 effect_contradicted = { $slot }：这些测点与模型中的{ $effect }矛盾，自身又不如模型确定得准：参考温度下D_I、D_S的不确定度随之增大。请采用包含这些测点的模型

@@ -310,6 +310,25 @@ fn a_product_that_hides_in_a_coefficient_is_said_with_what_it_does() {
 }
 
 #[test]
+fn terms_of_the_third_degree_are_said_with_what_they_do_to_d_i_and_d_s() {
+    let of = |cubic: f64, sd: f64| {
+        let outputs: Vec<f64> =
+            tumble().iter().map(|place| output(1.4, &DRIFT, place) + 1.4 * cubic * place.0[0].powi(3)).collect();
+        fitted(&bench(TestKind::TorqueFeedback, &tumble(), &outputs, Some(sd), Some([1.4, 0.0, 0.0])))
+    };
+    let note = |found: &BenchCalibration| found.all_notes().into_iter().find(|note| note.code() == "cubic_aliased");
+    let plain = of(0.0, 1e-3);
+    let Some(CampaignNote::CubicAliased { size, aliases }) = note(&plain) else { panic!("{:?}", plain.all_notes()) };
+    let moved = aliases.iter().find(|alias| (alias.product, alias.coefficient) == ("D_III", "D_I")).expect("a_I^3");
+    let bent = of(size, 1e-3);
+    let by = ["D_I", "D_S"].map(|name| bent.coefficient(name).unwrap().value - plain.coefficient(name).unwrap().value);
+    assert!((by[0] - size * moved.moves).abs() < 1e-9 && by[1].abs() < 1e-9, "{by:?} {moved:?}");
+    // cos^3 x is 3/4 cos x + 1/4 cos 3x.
+    assert!((moved.moves - 0.75).abs() < 1e-9 && size == 0.01, "{moved:?}");
+    assert_eq!(note(&of(0.0, 0.5)), None, "it hardly moves them beside the noise");
+}
+
+#[test]
 fn what_eq_5_does_not_fit_shows_in_its_p_value() {
     let positions = all_over();
     let p_value = |curve: f64| {
@@ -622,7 +641,9 @@ fn a_drift_that_positions_follow_is_told_by_what_it_moves() {
     };
     let (still, drifts) = (of(&in_order, 0.0), of(&in_order, 1e-3));
     let told = |found: &BenchCalibration| found.all_notes().into_iter().find(|note| note.code() == "drift_aliased");
-    let Some(CampaignNote::DriftAliased { drift, d_i, d_s }) = told(&still) else { panic!("{:?}", still.all_notes()) };
+    let Some(CampaignNote::DriftAliased { drift, d_i, d_s, .. }) = told(&still) else {
+        panic!("{:?}", still.all_notes())
+    };
     assert_eq!(drift, 1e-3);
     for (name, said) in [("D_I", d_i), ("D_S", d_s)] {
         let moved = drifts.coefficient(name).unwrap().value - still.coefficient(name).unwrap().value;

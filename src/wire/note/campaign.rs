@@ -226,7 +226,10 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
             json!({"product": product, "coefficient": coefficient, "moves": moves})
         }
         CampaignNote::CubicAliased { size, aliases } => {
-            let one = |Alias { product, coefficient, moves }: &Alias| json!({"product": product, "coefficient": coefficient, "moves": moves});
+            let one = |alias: &Alias| {
+                let Alias { product, coefficient, moves } = alias;
+                json!({"product": product, "coefficient": coefficient, "moves": moves})
+            };
             json!({"size_deg_per_h_g03": size, "aliases": aliases.iter().map(one).collect::<Vec<Value>>()})
         }
         CampaignNote::DriftAliased { of, drift, d_i, d_s } => {

@@ -62,6 +62,7 @@ pub struct Alias {
     /// D_SI, D_IO or D_OS: of a_S a_I, a_I a_O or a_O a_S; D_III, D_IIS, D_ISS or D_SSS: of a_I^3, a_I^2 a_S and so on.
     pub product: &'static str,
     pub coefficient: &'static str,
-    /// By how much one deg/(h g0^2), of the third degree one deg/(h g0^3), of it moves the coefficient, in the coefficient's unit: deg/(h g0) for D_I and D_S.
+    /// By how much one deg/(h g0^2), of the third degree one deg/(h g0^3), of it moves the coefficient, in the
+    /// coefficient's unit: deg/(h g0) for D_I and D_S.
     pub moves: f64,
 }

@@ -264,9 +264,9 @@ impl Debug for Entry {
 }
 
 impl Entry {
-    /// Whether a diagnosis may name it, and nothing that is larger than its plausible size.
+    /// Whether it has a largest plausible size: a diagnosis names nothing larger.
     pub fn has_size(&self) -> bool {
-        self.nameable && self.plausible.is_finite()
+        self.plausible.is_finite()
     }
 
     /// Whether two entries whose coefficients all gyros share can pass for this one, each gyro with its own.

@@ -194,7 +194,7 @@ pub struct NoiseFoundBody {
     /// How many times the noise is as large at the end as at the beginning, where the standard errors do not say it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub grows_in_time: Option<f64>,
-    /// Whether that growth is the most that is tried: the true one is at least as large, of a fall at most.
+    /// Whether a growth that is said is the most that is tried: the true one may be larger, or smaller of a fall.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub growth_is_bound: bool,
 }

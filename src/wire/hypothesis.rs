@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::core::effects::{COMPETITORS, Effect, HypothesisDefinition, OwnHypothesis, Range, own};
 use crate::core::message::{sent, text};
+use crate::wire::json;
 use crate::wire::prelude::*;
 use crate::wire::text::toml_fault;
 
@@ -32,7 +33,7 @@ pub struct HypothesisBody {
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub common: bool,
     /// The one parameter that is no factor, and where it may lie.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty", deserialize_with = "json::each_once")]
     pub range: BTreeMap<String, HypothesisRangeBody>,
 }
 

@@ -176,11 +176,13 @@ fn tables_between(fitted: &[FittedFile], between: &[RepeatedBody], reseated: &[R
     text.push_str(&format!("\n{}\n{repeats}\n", word("terminal_repeats")));
     let beyond: Vec<String> =
         between.iter().filter(|r| r.beyond_sd > 0.0).map(|r| format!("{} {}", r.slot.name(), r.coefficient)).collect();
-    text.push_str(&said(match beyond.as_slice() {
-        [] if between.is_empty() => message!("terminal_repeats_nothing"),
-        [] => message!("terminal_repeats_none"),
-        some => message!("terminal_repeats_beyond", coefficients = some.join(", ")),
-    }));
+    let differ = match beyond.as_slice() {
+        [] if between.is_empty() => Some(message!("terminal_repeats_nothing")),
+        // An IMU that was seated anew differs.
+        [] => reseated.is_empty().then(|| message!("terminal_repeats_none")),
+        some => Some(message!("terminal_repeats_beyond", coefficients = some.join(", "))),
+    };
+    text.extend(differ.map(said));
     for one in reseated {
         let [about_x, about_y, about_z] = [0, 1, 2].map(|axis| {
             let (turned, sd) = (one.rotation_arcsec.0[axis], one.sd_arcsec.0[axis]);

@@ -52,10 +52,11 @@ pub struct BenchCoefficient {
     pub uncertainty: Option<UncertaintyBudget>,
 }
 
-/// Terms of the third degree that eq. (5) leaves out, by their powers of a_I and a_S; the size that is told of,
-/// deg/(h g0^3), and the part of the standard deviation of D_I or D_S from which on.
-const CUBICS: [(&str, i32, i32); 4] = [("D_III", 3, 0), ("D_IIS", 2, 1), ("D_ISS", 1, 2), ("D_SSS", 0, 3)];
-const CUBIC: f64 = 0.01;
+/// Terms of the third degree that eq. (5) leaves out, by their powers of a_I and a_S.
+const CUBIC_TERMS: [(&str, i32, i32); 4] = [("D_III", 3, 0), ("D_IIS", 2, 1), ("D_ISS", 1, 2), ("D_SSS", 0, 3)];
+
+/// The size of such a term that is told of, deg/(h g0^3).
+const CUBIC_SIZE: f64 = 0.01;
 
 /// A product that moves a coefficient by less than this share of itself is told from it well enough.
 const LEAST_MOVED: f64 = 0.05;
@@ -374,7 +375,7 @@ impl BenchProblem<'_> {
             let alias = |(coefficient, place)| Alias { product, coefficient, moves: taken[first + place] };
             [("D_I", 1), ("D_S", 2)].map(alias)
         };
-        CUBICS.into_iter().flat_map(of_term).filter(|alias| alias.moves.abs() > LEAST_MOVED).collect()
+        CUBIC_TERMS.into_iter().flat_map(of_term).filter(|alias| alias.moves.abs() > LEAST_MOVED).collect()
     }
 
     /// Time fitted by what is fitted, where little of it is left over: a drift would not show, but in the coefficients.
@@ -555,10 +556,10 @@ impl BenchCalibration {
             self.aliases.iter().map(|alias| CampaignNote::ProductAliased(*alias)).collect();
         let sd = |name| self.coefficient(name).and_then(|c| c.sd);
         let moved = |alias: &Alias| {
-            sd(alias.coefficient).is_some_and(|sd| CUBIC * alias.moves.abs() > TOLD_FROM * sd).then_some(*alias)
+            sd(alias.coefficient).is_some_and(|sd| CUBIC_SIZE * alias.moves.abs() > TOLD_FROM * sd).then_some(*alias)
         };
         let cubic: Vec<Alias> = self.cubic_aliases.iter().filter_map(moved).collect();
-        notes.extend((!cubic.is_empty()).then_some(CampaignNote::CubicAliased { size: CUBIC, aliases: cubic }));
+        notes.extend((!cubic.is_empty()).then_some(CampaignNote::CubicAliased { size: CUBIC_SIZE, aliases: cubic }));
         let exceeds = exceeds_noise(self.p_value);
         notes.extend(exceeds.then(|| CampaignNote::ResidualsExceedNoise { gyros: vec![self.slot], law: None }));
         notes.extend(self.errors_scatter.map(|scatter| CampaignNote::ErrorsScatter { scatter }));

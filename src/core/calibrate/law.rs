@@ -140,10 +140,10 @@ mod tests {
             [Language::English, Language::Chinese].map(|language| language.words(&found.notes()[0]))
         };
         for (law, [english, chinese]) in [
-            (Law::Rate(4.0), ["the noise is at least 4.1 times as large at the fastest", "至少为静止时的4.1倍"]),
+            (Law::Rate(4.0), ["the noise is about 4.1 or more times as large at the fastest", "静止时的4.1倍或更大"]),
             (Law::Rate(2.0), ["the noise is 2.2 times as large at the fastest", "时噪声为静止时的2.2倍"]),
-            (Law::Time(1.1), ["the noise is at least 3.0 times as large at the end", "至少为开始时的3.0倍"]),
-            (Law::Time(-1.1), ["the noise is at most 0.3 times as large at the end", "至多为开始时的0.3倍"]),
+            (Law::Time(1.1), ["the noise is about 3.0 or more times as large at the end", "开始时的3.0倍或更大"]),
+            (Law::Time(-1.1), ["the noise is about 0.3 or less times as large at the end", "开始时的0.3倍或更小"]),
             (Law::Time(0.55), ["the noise is 1.7 times as large at the end", "时噪声为开始时的1.7倍"]),
         ] {
             let [in_english, in_chinese] = said(law);

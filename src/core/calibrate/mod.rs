@@ -182,7 +182,8 @@ fn calibrate_in(
     let hours = hours.add_scalar(-hours.mean());
     let by_drift = fits.iter().map(|fit| fit.by_drift(&hours)).collect();
     let course = DwellConditions::of(dwells);
-    let law = noise_report::law(&found.kinds);
+    // What is not stated cannot state too little.
+    let law = noise_report::law(&found.kinds).filter(|_| has_sem);
     let chances = law.and_then(|law| chances_under(law, &course, (has_sem, &repeats), &fits));
     let explains = |chances: &Vec<Option<f64>>| !chances.iter().any(|chance| exceeds_noise(*chance));
     let law_that_explains = law.filter(|_| chances.as_ref().is_some_and(explains)).map(Law::found);

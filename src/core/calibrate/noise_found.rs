@@ -36,7 +36,7 @@ pub enum LawFound {
 }
 
 impl LawFound {
-    /// Whether that is the most that is tried: the noise may grow, or fall, by more.
+    /// Whether that is the most that is tried: the noise may grow, or fall, by more. Nearly as much may pass for it.
     pub fn is_bound(self) -> bool {
         matches!(self, Self::Rate { is_bound: true, .. } | Self::Time { is_bound: true, .. })
     }
@@ -110,7 +110,7 @@ impl NoiseFound {
     }
 }
 
-/// Whether the true growth is at least or at most what is said.
+/// On which side the true growth may lie where what is said is the most that is tried.
 fn bound(times: f64, is_bound: bool) -> &'static str {
     match is_bound {
         true if times > 1.0 => "least",

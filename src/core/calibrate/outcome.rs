@@ -145,9 +145,11 @@ fn latitude_off(campaign: &Campaign, separations: &[Result<Separation, NotSepara
     (moves > TOLD_FROM * least).then_some(CampaignNote::LatitudeOff { degrees, moves })
 }
 
-/// Root of the sum of squares that a drift leaves in the residuals of one gyro, over their noise, below which it is not
-/// seen; and the least share of its squares that is reckoned to be left.
-const HIDDEN: f64 = 5.0;
+/// Detectability (root of the sum of squares that something leaves in the residuals, over their noise) below which it is
+/// more often missed than seen.
+pub(crate) const JUST_MISSED: f64 = 4.5;
+
+/// The least share of a drift's squares that is reckoned to be left.
 const LEAST_LEFT: f64 = 0.01;
 
 /// Standard deviations of D_I or D_S from which on what a hidden drift moves is told: by chance orders have up to two.
@@ -167,7 +169,7 @@ fn drift_aliased(
         let (sd, e, g) = (rigid.sd()?, gyro.e()?, gyro.g()?);
         // One deg/h is |E| pulse/s.
         let seen = e.norm() * by.left.max(LEAST_LEFT * by.squares).sqrt() / gyro.noise.factor?;
-        let drift = rounded(HIDDEN / seen)?;
+        let drift = rounded(JUST_MISSED / seen)?;
         let pulses = drift * e.norm();
         let moved = separate(&campaign.geometry, gyro.slot, &(e + by.e * pulses), &(g + by.g * pulses), None).ok()?;
         let [d_i, d_s] = [moved.rigid.d_i - rigid.d_i, moved.rigid.d_s - rigid.d_s].map(f64::abs);

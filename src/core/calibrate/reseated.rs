@@ -1,7 +1,7 @@
 //! Whether the input axes of all gyros turned as one between campaigns: an IMU that was taken off and seated anew.
 //!
 //! The input axes of a campaign against those of the first are i' = R i, R the rotation by theta. Gauss and Newton:
-//! what is left, t.(i' - R i) along two axes t across R i, changes by (R i x t).dtheta; its covariance is that of both
+//! what is left, t.(i' - R i) along two axes t across R i, changes by -(R i x t).dtheta; its covariance is that of both
 //! directions. Seated anew it is where theta = 0 leaves too much (chi-square of three degrees of freedom), and the
 //! rotation does not.
 
@@ -41,7 +41,8 @@ struct InputAxis {
     covariance: Matrix3<f64>,
 }
 
-/// The campaigns in which the input axes of two gyros or more are turned together against the first.
+/// The campaigns in which the input axes of two gyros or more are turned together against the first: i' = R i, with R
+/// (rad, body axes) and its standard deviations. Campaigns of which nothing can be told are left out.
 pub fn reseated(fitted: &[(&Campaign, &Outcome)]) -> Vec<Reseated> {
     let Some((first, rest)) = fitted.split_first() else { return Vec::new() };
     rest.iter().enumerate().filter_map(|(i, other)| one(i + 1, *first, *other)).collect()

@@ -187,9 +187,13 @@ fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
     let classes: Vec<Vec<Effect>> = named.iter().map(Named::anywhere).collect();
     let g_confounders = identifiability::g_confounders(frame, bank, &parts);
     let mut noise = settled.noise_found.report(frame, &settled.laws);
+    let of_fit = &calibrated.augmented().noise_found;
+    if let (Some(memory), Some(of_fit)) = (&mut noise.memory, &of_fit.memory) {
+        memory.deg_per_h.clone_from(&of_fit.deg_per_h);
+        memory.kind = of_fit.kind;
+    }
     let said = noise.notes();
     // Where nothing would be named the search does not ask whether gyros share noise; the fit always does.
-    let of_fit = &calibrated.augmented().noise_found;
     let is_silent = noise.between_gyros.is_empty() && noise.memory.is_none();
     let shared = of_fit.largest_correlation().filter(|_| is_silent);
     if shared.is_some() {

@@ -88,8 +88,12 @@ pub fn suggest(of: &SuggestionInput) -> Option<Suggestion> {
     let certain = |status: Status| matches!(status, Status::OutOfTolerance | Status::Confirmed);
     let mut out = of.verdicts.iter().filter(|(_, status)| certain(*status)).map(|(coefficient, _)| *coefficient);
     let soon = of.reaches_in_days.is_some_and(|days| days <= of.interval_days.unwrap_or(0.0));
-    // One that has stepped to its budget moves no further by itself.
-    let at_its_budget = of.verdicts.iter().any(|(_, status)| *status == Status::Borderline) && !of.ages;
+    // A coefficient that has moved to its budget and goes no further by itself.
+    let is = |coefficient: Coefficient, status: Status| of.verdicts.contains(&(coefficient, status));
+    let at_its_budget = |(coefficient, status): &(Coefficient, Status)| {
+        *status == Status::Drifting && is(*coefficient, Status::Borderline)
+    };
+    let stands_at_budget = !of.ages && !of.scatters && of.verdicts.iter().any(at_its_budget);
     Some(match of.status? {
         _ if of.record_in_doubt => Suggestion::CheckRecord,
         _ if of.is_stations => Suggestion::CheckStation,
@@ -106,8 +110,8 @@ pub fn suggest(of: &SuggestionInput) -> Option<Suggestion> {
         Status::Unconfirmed => Suggestion::Retest,
         _ if of.overdue => Suggestion::Calibrate,
         Status::Drifting if of.may_have_reached => Suggestion::CalibrateNow,
-        Status::Drifting if at_its_budget => Suggestion::Retest,
         Status::Drifting if soon => Suggestion::ShortenInterval,
+        Status::Drifting if stands_at_budget => Suggestion::Retest,
         Status::Drifting => Suggestion::Watch,
         Status::Borderline if of.scatters => Suggestion::FindCause,
         Status::Borderline if of.ages && of.may_have_reached => Suggestion::CalibrateNow,
@@ -194,12 +198,26 @@ mod tests {
         assert_eq!(drifting(Some(120.0), Some(90.0)), Some(Suggestion::Watch));
         assert_eq!(drifting(Some(60.0), None), Some(Suggestion::Watch));
         assert_eq!(drifting(None, Some(90.0)), Some(Suggestion::Watch));
-        let at_budget = |ages: bool| {
-            let seen = [(Coefficient::DI, Status::Drifting), (Coefficient::DI, Status::Borderline)];
-            suggest(&SuggestionInput { ages, ..of(Status::Drifting, &seen) })
+        let at_budget = |of_borderline: Coefficient, input: SuggestionInput| {
+            let verdicts = vec![(Coefficient::DI, Status::Drifting), (of_borderline, Status::Borderline)];
+            suggest(&SuggestionInput { status: Some(Status::Drifting), verdicts, ..input })
         };
-        assert_eq!(at_budget(false), Some(Suggestion::Retest), "a step to the budget is within it by chance");
-        assert_eq!(at_budget(true), Some(Suggestion::Watch));
+        let plain = SuggestionInput { interval_days: Some(90.0), ..SuggestionInput::default() };
+        let expected = [
+            (Coefficient::DI, plain.clone(), Suggestion::Retest),
+            (Coefficient::DO, plain.clone(), Suggestion::Watch),
+            (Coefficient::DI, SuggestionInput { ages: true, ..plain.clone() }, Suggestion::Watch),
+            (Coefficient::DI, SuggestionInput { scatters: true, ..plain.clone() }, Suggestion::Watch),
+            (
+                Coefficient::DI,
+                SuggestionInput { reaches_in_days: Some(60.0), ..plain.clone() },
+                Suggestion::ShortenInterval,
+            ),
+            (Coefficient::DI, SuggestionInput { may_have_reached: true, ..plain }, Suggestion::CalibrateNow),
+        ];
+        for (of_borderline, input, expected) in expected {
+            assert_eq!(at_budget(of_borderline, input.clone()), Some(expected), "{of_borderline:?} {input:?}");
+        }
         // A trend that no rule speaks of yet.
         let quiet =
             SuggestionInput { reaches_in_days: Some(30.0), interval_days: Some(90.0), ..of(Status::InTolerance, &[]) };

@@ -151,10 +151,11 @@ fn said(note: &CampaignNote) -> (Message, Value) {
                 let moves = significant(size * alias.moves.abs(), 2);
                 message!("cubic_moves", cubic = alias.product, coefficient = alias.coefficient, moves)
             };
-            let body = |Alias { product, coefficient, moves }: &Alias| json!({"product": product, "coefficient": coefficient, "moves": moves});
+            let body = |alias: &Alias| json!({"product": alias.product, "coefficient": alias.coefficient, "moves": alias.moves});
+            let bodies: Vec<Value> = aliases.iter().map(body).collect();
             (
                 message!("cubic_aliased", size = text(size), moved = list(aliases.iter().map(one))),
-                json!({"size_deg_per_h_g03": size, "aliases": aliases.iter().map(body).collect::<Vec<Value>>()}),
+                json!({"size_deg_per_h_g03": size, "aliases": bodies}),
             )
         }
         CampaignNote::DriftAliased { of: None, drift, d_i, d_s } => (

@@ -187,13 +187,13 @@ noise_shared = gyros share noise: their correlation is up to { $correlation }
 noise_memory = the noise has a memory (probability { $probability }): a wander of about { $size } deg/h
 noise_of_duration = the noise falls with duration to the power { $power }, which the standard errors do not say
 noise_of_rate = the noise is { $bound ->
-        [least] at least { $times }
-        [most] at most { $times }
+        [least] about { $times } or more
+        [most] about { $times } or less
        *[other] { $times }
     } times as large at the fastest rate as at rest, which the standard errors do not say
 noise_of_time = the noise is { $bound ->
-        [least] at least { $times }
-        [most] at most { $times }
+        [least] about { $times } or more
+        [most] about { $times } or less
        *[other] { $times }
     } times as large at the end as at the beginning, which the standard errors do not say
 standard_errors_understated = { $slots }: outputs scatter { $times } times as much as the stated standard errors say, in repeated dwells too. Those are too small, or what changes from one time to the next is no noise

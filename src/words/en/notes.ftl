@@ -30,9 +30,9 @@ product_aliased = { $product } is not fitted, and these positions do not tell it
        *[other] deg/(h g0)
     }
 cubic_moves = { $cubic } moves { $coefficient } by { $moves }
-cubic_aliased = terms of the third degree are not fitted, and these positions hardly tell them from D_I and D_S. { $size } deg/(h g0³) of each, in deg/(h g0): { $moved }
+cubic_aliased = terms of the third degree are not fitted. { $size } deg/(h g0³) of each would be taken for D_I and D_S, in deg/(h g0): { $moved }
 drift_aliased = the positions follow time: a drift of { $drift } deg/h an hour would hide in the coefficients and move D_I by { $d_i }, D_S by { $d_s } deg/(h g0). Take the positions in random order
-drift_aliased_of_gyro = { $slot }: the order of the dwells follows time: a drift of { $drift } deg/h over the campaign is too small to be seen and would move D_I by { $d_i }, D_S by { $d_s } deg/(h g0). Take the dwells in random order
+drift_aliased_of_gyro = { $slot }: the positions follow time: a drift of { $drift } deg/h over the campaign is too small to be seen and would move D_I by { $d_i }, D_S by { $d_s } deg/(h g0). Take the dwells in random order
 d_f_in_gauge = D_F is that of D_II + D_SS = 0, which a tumble about the output axis cannot tell: 0.01 deg/(h g0²) of their sum would move D_F by { $moves } deg/h, which is in no sigma
 noise_grows_with_rate = the residuals at the fastest rate are { $times } times those at rest; sigmas follow them
 residuals_shared = the residuals of the gyros go together: their correlation is up to { $correlation }. They share noise, or an effect that the model leaves out

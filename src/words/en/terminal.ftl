@@ -112,7 +112,7 @@ terminal_repeats_head = gyro | coefficient | n | mean | unit | stated sd | scatt
 terminal_repeats_nothing = Nothing is determined by two campaigns.
 terminal_repeats_none = No coefficient differs between campaigns by more than is stated (p >= 0.05).
 terminal_reseated = { $file }: all input axes are turned together against { $first }, as of an IMU that was seated anew: by { $about_x }, { $about_y }, { $about_z } arcsec about its x, y and z.
-terminal_reseated_explains = This explains how D_O differs between the two: { $gyros }.
+terminal_reseated_explains = It explains the change of D_O of { $gyros }.
 terminal_repeats_beyond = Campaigns differ by more than is stated (p < 0.05), and the sd of the mean holds it: { $coefficients }.
 
 ## `model fit`, `predict`, `gap`

@@ -186,16 +186,16 @@ acts_in_part = { $effect }仅在部分试验中起作用：从{ $from }到{ $to 
 noise_shared = 各陀螺噪声相关：相关系数最高{ $correlation }
 noise_memory = 噪声有记忆（概率{ $probability }）：游走约{ $size }度每小时
 noise_of_duration = 噪声随时长的{ $power }次幂下降，而标准误差未反映
-noise_of_rate = 最快角速度时噪声{ $bound ->
-        [least] 至少为
-        [most] 至多为
-       *[other] 为
-    }静止时的{ $times }倍，而标准误差未反映
-noise_of_time = 结束时噪声{ $bound ->
-        [least] 至少为
-        [most] 至多为
-       *[other] 为
-    }开始时的{ $times }倍，而标准误差未反映
+noise_of_rate = 最快角速度时噪声为静止时的{ $bound ->
+        [least] { $times }倍或更大
+        [most] { $times }倍或更小
+       *[other] { $times }倍
+    }，而标准误差未反映
+noise_of_time = 结束时噪声为开始时的{ $bound ->
+        [least] { $times }倍或更大
+        [most] { $times }倍或更小
+       *[other] { $times }倍
+    }，而标准误差未反映
 standard_errors_understated = { $slots }：输出（包括重复测点）的散布是给定标准误差的{ $times }倍。标准误差偏小，或随时间变化的并非噪声
 
 ## Against a reference

@@ -28,9 +28,9 @@ product_aliased = 未拟合{ $product }，且这些位置无法将其与{ $coeff
        *[other] (°)/(h·g0)
     }
 cubic_moves = { $cubic }使{ $coefficient }变化{ $moves }
-cubic_aliased = 未拟合三次项，且这些位置几乎无法将其与D_I、D_S区分。每项取{ $size } (°)/(h·g0³)时，以(°)/(h·g0)计：{ $moved }
-drift_aliased = 位置顺序随时间变化：每小时{ $drift } (°)/h的漂移会隐藏在各系数中，使D_I变化{ $d_i }、D_S变化{ $d_s } (°)/(h·g0)。请按随机顺序测量
-drift_aliased_of_gyro = { $slot }：测点顺序随时间变化：整个试验中{ $drift } (°)/h的漂移小到无法察觉，却会使D_I变化{ $d_i }、D_S变化{ $d_s } (°)/(h·g0)。请按随机顺序测量
+cubic_aliased = 未拟合三次项。每项取{ $size } (°)/(h·g0³)时会被计入D_I、D_S，以(°)/(h·g0)计：{ $moved }
+drift_aliased = 位置随时间有规律地变化：每小时{ $drift } (°)/h的漂移会隐藏在各系数中，使D_I变化{ $d_i }、D_S变化{ $d_s } (°)/(h·g0)。请按随机顺序测量
+drift_aliased_of_gyro = { $slot }：姿态随时间有规律地变化：整个试验中{ $drift } (°)/h的漂移小到无法察觉，却会使D_I变化{ $d_i }、D_S变化{ $d_s } (°)/(h·g0)。请按随机顺序测量
 d_f_in_gauge = D_F以D_II + D_SS = 0为前提，绕输出轴的翻滚无法检验：两者之和每有0.01 (°)/(h·g0²)，D_F即变化{ $moves } (°)/h，标准差未计入
 noise_grows_with_rate = 最高角速度下的残差为静止时的{ $times }倍；标准差随之变化
 residuals_shared = 各陀螺残差相关：相关系数最高{ $correlation }。它们共有噪声，或有模型遗漏的效应

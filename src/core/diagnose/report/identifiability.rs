@@ -1,5 +1,6 @@
 //! What this campaign could not show, whatever its data: from the design alone.
 
+use crate::core::calibrate::outcome::JUST_MISSED;
 use crate::core::diagnose::diagnosis::NotIdentifiable;
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
@@ -15,9 +16,6 @@ const LITTLE: f64 = 1e-3;
 
 /// Share of an entry's power in the span of g_linear from which on the two are called confounded: 45 deg.
 const SHARED: f64 = 0.5;
-
-/// Detectability below which an effect is more often missed than named.
-pub(crate) const JUST_MISSED: f64 = 4.5;
 
 /// Span below which temperatures may be too steady for effects that are as large as usual, K.
 const STEADY_K: f64 = 1.0;

@@ -3,9 +3,10 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
+use crate::core::calibrate::outcome::JUST_MISSED;
 use crate::core::campaign::Phase;
 use crate::core::diagnose::diagnosis::NextDwell;
-use crate::core::diagnose::report::identifiability::{GConfounder, JUST_MISSED, visible};
+use crate::core::diagnose::report::identifiability::{GConfounder, visible};
 use crate::core::diagnose::residuals::augmented_fit::{Fit, Part};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::hypotheses::Bank;

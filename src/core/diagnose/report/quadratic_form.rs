@@ -137,7 +137,8 @@ impl Score {
     pub fn p_value(self) -> f64 {
         let Self { z, skewness } = self;
         if skewness < STRAIGHT {
-            return normal_cdf(skewness / 6.0 * (z * z - 1.0).max(0.0) - z);
+            let beyond = z.max(1.0);
+            return normal_cdf(skewness / 6.0 * (beyond * beyond - 1.0) - z);
         }
         let shape = 4.0 / (skewness * skewness);
         let at = shape + z * shape.sqrt();
@@ -232,6 +233,9 @@ mod tests {
                 }
             }
         }
+        // Residuals that are less alike than noise say nothing, however far.
+        let p_values = [-8.0, -3.0, -1.0, 0.0, 1.0, 2.0].map(|z| Score { z, skewness: -1.767 }.p_value());
+        assert!(p_values[0] > 0.99 && p_values.is_sorted_by(|a, b| a >= b), "{p_values:?}");
         // Two thirds of the way to its end is nothing.
         assert!(Score { z: 1.391, skewness: -1.767 }.p_value() > 0.04);
         assert!(Score { z: 9.0, skewness: -0.2 }.p_value() < 1e-20);

@@ -38,6 +38,14 @@ async fn story_of(lab: &Lab, rule: &str) -> Vec<String> {
         .collect()
 }
 
+/// A record of gyro `A` with the standard deviation of its coefficients.
+fn of_a(at: i64, d_i: f64, sd: f64) -> Value {
+    let mut sent = record("IMU-1", &day(at), &[("G1", "A", d_i, 2.0)]);
+    sent["gyros"][0]["e_sd"] = json!([1e-7, 1e-7, 1e-7]);
+    sent["gyros"][0]["g_sd"] = vec![1.4676 * sd; 3].into();
+    sent
+}
+
 const LEVEL: [(i64, f64); 3] = [(0, 1.0), (40, 1.0), (80, 1.0)];
 
 #[tokio::test]
@@ -190,6 +198,61 @@ async fn what_late_records_tell_of_an_alert_that_goes_on_though_its_figure_is_wi
         ["fire", "escalate", "resolve"],
         "it had ended before its newest record"
     );
+}
+
+/// Nine records at the level, two that exceed the budget, and a last one too uncertain to end or to begin anything.
+#[tokio::test]
+async fn what_fires_when_all_records_have_come_is_the_same_in_whatever_order_they_came() {
+    let mut history: Vec<Value> = (0..9).map(|k| of_a(40 * k, 1.0, 5e-4)).collect();
+    history.extend([(360, 1.0125, 5e-4), (400, 1.0125, 5e-4), (440, 1.0095, 4e-3)].map(|(at, d, sd)| of_a(at, d, sd)));
+    let members = ["coefficient", "rule", "state", "status", "severity", "since", "value", "calibrated_at", "reason"];
+    let end = async |lab: &Lab| {
+        let alerts = lab.alerts("state=firing").await;
+        let mut alerts: Vec<Vec<Value>> =
+            alerts.iter().map(|alert| members.map(|member| alert[member].clone()).into()).collect();
+        alerts.sort_by_key(|alert| format!("{alert:?}"));
+        (alerts, lab.get("/v1/gyros/A").await.ok()["since"].clone())
+    };
+    let in_time = Lab::open().await;
+    for record in &history {
+        in_time.posts(record).await;
+    }
+    let expected = end(&in_time).await;
+    assert_eq!(expected.1, day(360), "{expected:?}");
+    let baseline = alert_of(&in_time, "baseline").await;
+    assert_eq!([&baseline["state"], &baseline["severity"]], ["firing", "critical"]);
+    let orders: [Vec<usize>; 4] = [
+        (0..10).chain([11, 10]).collect(),
+        (0..9).chain([11, 9, 10]).collect(),
+        (0..12).rev().collect(),
+        vec![4, 9, 1, 11, 0, 7, 3, 10, 2, 8, 6, 5],
+    ];
+    for order in orders {
+        let lab = Lab::open().await;
+        for k in &order {
+            lab.posts(&history[*k]).await;
+        }
+        assert_eq!(end(&lab).await, expected, "{order:?}");
+        assert_eq!(lab.verified().await.faults, []);
+    }
+}
+
+/// The newest record is recent, and ends nothing; what exceeded is old, and came late.
+#[tokio::test]
+async fn an_old_violation_that_comes_late_fires_and_is_told_when_a_recent_record_exceeds() {
+    let lab = Lab::with(|config| config.alerts.backfill_days = 30.0).await;
+    let target = Receiver::start().await;
+    let hook = lab.tells(&target, json!({"filter": {"rules": ["baseline"]}})).await;
+    for (at, d_i, sd) in [(0, 1.0, 5e-4), (40, 1.0, 5e-4), (80, 1.0, 5e-4), (680, 1.0095, 4e-3), (120, 1.0125, 5e-4)] {
+        lab.posts(&of_a(at, d_i, sd)).await;
+    }
+    let alert = alert_of(&lab, "baseline").await;
+    assert_eq!([&alert["state"], &alert["since"]], [&json!("firing"), &json!(day(120))]);
+    lab.all_told(&hook).await;
+    assert!(target.told().is_empty());
+    lab.posts(&of_a(685, 1.0125, 5e-4)).await;
+    lab.all_told(&hook).await;
+    assert_eq!(target.told()[0].json()["data"]["since"], day(120));
 }
 
 #[tokio::test]
@@ -395,6 +458,24 @@ async fn a_requirement_that_a_second_campaign_misses_is_critical() {
     out["calibrated_at"] = json!(day(40));
     lab.posts(&out).await;
     assert_eq!(engineer_sees(&lab, "rule=requirement&coefficient=G").await, ["G requirement firing critical"]);
+}
+
+#[tokio::test]
+async fn a_requirement_missed_by_a_record_that_comes_late_fires_until_two_campaigns_have_met_it() {
+    for (met, firing) in [(&[80][..], 1), (&[40, 80], 0)] {
+        for in_time in [true, false] {
+            let lab = Lab::with(|config| config.judging.requirements = true).await;
+            let mut history: Vec<(i64, f64)> = met.iter().map(|at| (*at, 0.8)).collect();
+            history.insert(if in_time { 0 } else { met.len() }, (0, 20.0));
+            for (at, g) in history {
+                let mut sent = lab::record("IMU-1", &day(at), &[("G1", "A", 1.0, 2.0)]);
+                sent["gyros"][0]["g_pulse_per_s_g0"] = json!([g, 1.0, 1.0]);
+                lab.posts(&sent).await;
+            }
+            let found = engineer_sees(&lab, "rule=requirement&coefficient=G&state=firing").await;
+            assert_eq!(found.len(), firing, "{met:?}, in time: {in_time}");
+        }
+    }
 }
 
 #[tokio::test]

@@ -1,8 +1,8 @@
 //! When to tell somebody: earlier alert + verdict + now in, next alert + action out.
 //!
-//! There is one alert per gyro, coefficient and rule. It follows the verdict on the gyro's *newest* record (a late
-//! record that leaves the newest verdict as it was is history, not news). The caller keeps the state and does the
-//! telling; nothing here knows a clock, a person or a hook.
+//! There is one alert per gyro, coefficient and rule. It follows the verdict on the gyro's *newest* record. A late
+//! record is history, not news: it leaves the alert as all records do in the order of time. The caller keeps the state
+//! and does the telling; nothing here knows a clock, a person or a hook.
 
 use super::judge::{Finding, Rule, Severity, State, Verdict};
 use super::time::UtcMicros;
@@ -195,7 +195,8 @@ pub fn follow_arrival(earlier: Option<&Alert>, verdict: &Verdict, arrival: &Arri
 }
 
 /// As [`follow_arrival`], where records have come late, or count no more: an alert that fires is as it comes out of all that
-/// there are, followed in the order of time; `left`: as it then fires, none where it does not.
+/// there are, followed in the order of time, and so is one that is not known; `left`: as it then fires, `fired_at` the last
+/// record that exceeds, none where it does not.
 pub fn hear_again(
     earlier: Option<&Alert>,
     left: Option<&Alert>,
@@ -204,15 +205,17 @@ pub fn hear_again(
     policy: &Policy,
 ) -> Decision {
     let firing = earlier.filter(|alert| alert.status == Status::Firing);
-    let alert = match (firing, verdict.severity()) {
-        (Some(alert), None) => settled(alert, left, arrival.now),
-        (Some(alert), _) if left.is_some() => settled(alert, left, arrival.now),
-        (None, Some(severity)) if left.is_some() => {
-            settled(&begin(earlier, verdict, severity, arrival), left, arrival.now)
+    match (firing, left) {
+        (None, Some(fires)) => {
+            let alert = settled(&begin(earlier, verdict, fires.severity, arrival), left, arrival.now);
+            // Who hears of it depends on the last record that exceeds.
+            come_to(alert, verdict, &Arrival { record_at: fires.fired_at, ..*arrival }, policy)
         }
-        _ => return follow_arrival(earlier, verdict, arrival, policy),
-    };
-    come_to(alert, verdict, arrival, policy)
+        (Some(alert), _) if left.is_some() || verdict.severity().is_none() => {
+            come_to(settled(alert, left, arrival.now), verdict, arrival, policy)
+        }
+        _ => follow_arrival(earlier, verdict, arrival, policy),
+    }
 }
 
 /// As [`hear_again`], of an alert that fires, where the verdict on the newest record stands as it was.

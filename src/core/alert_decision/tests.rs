@@ -368,6 +368,11 @@ fn an_alert_is_as_all_records_make_it_where_some_come_late() {
     assert_eq!(again(None, None, &within(0.0095)), Decision { alert: None, action: Action::Silent });
     let begun = again(None, Some(&left), &exceeded());
     assert_eq!((begun.action, begun.alert.unwrap().since), (Action::Fire, day(5.0)));
+    let goes_on = |arrival: Arrival| hear_again(None, Some(&left), &straddling(), &arrival, &POLICY);
+    let begun = goes_on(on(20.0));
+    assert_eq!((begun.action, begun.alert.unwrap().since), (Action::Fire, day(5.0)), "the newest has not ended it");
+    let quiet = goes_on(Arrival { now: day(45.0), late: Late::Quiet, ..on(20.0) });
+    assert_eq!((quiet.action, quiet.alert.unwrap().status), (Action::Silent, Status::Firing), "the last one is old");
     let settled = settle(&alert, Rule::Baseline, Some(&Alert { since: day(7.0), ..left }), &on(20.0), &POLICY);
     assert_eq!((settled.action, settled.alert.unwrap().since), (Action::Silent, day(7.0)));
 }

@@ -3,7 +3,7 @@
 use super::body::Origin;
 use super::cache::{AlertCache, AlertContext};
 use crate::core::judge::overdue;
-use crate::pipeline::ingest::judge::{Judge, Judged};
+use crate::pipeline::ingest::judge::{Firing, Judge, Judged};
 use crate::pipeline::ingest::submission::Calibration;
 use crate::pipeline::prelude::*;
 use crate::pipeline::queries::agreement::Agreement;
@@ -123,17 +123,32 @@ fn follow_newest<'a>(
             .flatten()
             .chain(calibrated.into_iter().flat_map(|gyro| gyro.requirements.iter().flatten()))
     };
-    if !alerts.knows(*gyro) && verdicts().all(|verdict| verdict.severity().is_none()) {
+    let in_order = judged.in_order(*gyro);
+    let is_quiet = || in_order.is_none_or(Firing::is_empty) && verdicts().all(|verdict| verdict.severity().is_none());
+    if !alerts.knows(*gyro) && is_quiet() {
         return;
     }
     let origin = Origin::from(figures);
     // An event since the newest record has cut it off from what comes: its verdict is of the past.
     let is_past = |rule: Rule| rule != Rule::Overdue && judge.is_reset_since(*gyro, figures.at, rule);
-    context.in_order = judged.in_order(*gyro);
+    context.in_order = in_order;
     for verdict in verdicts().filter(|verdict| !is_past(verdict.rule)) {
         alerts.follow(*gyro, verdict, &origin, context);
     }
-    let in_order = context.in_order.take();
+    // Requirements need no history: those on what has come late are with it alone.
+    let new = context.naming.new.into_iter().flat_map(|changes| &changes.history);
+    for HistoryRow { figures, .. } in new.filter(|row| row.gyro == *gyro && in_order.is_some()) {
+        let calibrated = sent.get(&figures.record).and_then(|sent| sent.gyros.iter().find(|g| g.slot == figures.slot));
+        for verdict in calibrated.into_iter().flat_map(|gyro| gyro.requirements.iter().flatten()) {
+            let (coefficient, rule) = (verdict.coefficient, verdict.rule);
+            let left = in_order.and_then(|fires| fires.get(&(coefficient, rule)));
+            let is_known = alerts.firing(*gyro).any(|row| (row.coefficient, row.rule) == (coefficient, rule));
+            if !is_known && !is_past(rule) && left.is_some_and(|left| left.fired_at == figures.at) {
+                alerts.follow(*gyro, verdict, &Origin::from(figures), context);
+            }
+        }
+    }
+    context.in_order = None;
     let is_switched_off = |row: &AlertRow| {
         let was_asked = match row.rule {
             Rule::Agreement | Rule::Overdue => false,

@@ -30,6 +30,7 @@ impl Judged {
     }
 }
 
+/// What fires of a gyro in the order of time; `fired_at` is the last record that exceeds.
 pub(crate) type Firing = HashMap<(Coefficient, Rule), Alert>;
 
 /// What has become of a gyro's alerts now that something counts no more, and who said so, and why.

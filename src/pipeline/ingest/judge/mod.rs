@@ -10,7 +10,7 @@ use crate::config::Judging;
 use crate::core::alert_decision::Policy;
 use crate::core::figures::States;
 use crate::core::judge::history::Need;
-use crate::core::judge::{BudgetProjection, Coefficient, Limit, Limits, Mark, Older};
+use crate::core::judge::{BudgetProjection, Coefficient, Limit, Limits, Mark, Older, State};
 use crate::pipeline::alerts::NameLookup;
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, Source, read_ahead, sample_of};
 use crate::pipeline::ingest::judge::withdrawal::Replay;
@@ -89,10 +89,17 @@ impl Judge {
         fires: impl Fn(u32) -> bool,
     ) -> Result<(), StoreError> {
         let Judged { late, newest, verdicts, .. } = judged;
+        let exceeds = |verdict: &StoredVerdict| (verdict.rule, verdict.state) == (Rule::Requirement, State::Exceeded);
+        let sheets = changes.records.iter().flat_map(|record| &record.verdicts.0);
+        let by_requirement = sheets.filter(|(_, sheet)| sheet.iter().any(exceeds)).map(|(gyro, _)| *gyro);
+        let by_requirement: HashSet<u32> = if late.is_empty() { HashSet::new() } else { by_requirement.collect() };
         for (gyro, firing) in late {
-            let of_newest = newest.iter().filter(|row| row.gyro == *gyro);
-            let mut verdicts = of_newest.filter_map(|row| verdicts.get(&(row.figures.record, *gyro))).flatten();
-            if fires(*gyro) || verdicts.any(|verdict| verdict.severity().is_some()) {
+            let mut of_newest = newest.iter().filter(|row| row.gyro == *gyro).map(|row| row.figures);
+            let may_fire = of_newest.any(|Figures { at, record, .. }| {
+                let verdicts = verdicts.get(&(record, *gyro)).into_iter().flatten();
+                verdicts.into_iter().any(|verdict| withdrawal::leaves_firing(verdict, at, &self.policy))
+            });
+            if fires(*gyro) || may_fire || by_requirement.contains(gyro) {
                 *firing = self.replay().replay(*gyro, changes, READ_OF_LATE).await?;
             }
         }

@@ -143,7 +143,7 @@ impl Judge {
         let count = line.len();
         let mut again = affected(line.samples(), line.marks(), &altered, need);
         // What is the newest now is what alerts follow.
-        again.extend(count.checked_sub(1).filter(|last| shrunk && again.last() != Some(last)));
+        again.extend(count.checked_sub(1).filter(|last| (shrunk || !indices.is_empty()) && again.last() != Some(last)));
         for k in again {
             let at = line.samples()[k].at;
             let mut judged = Vec::with_capacity(16);
@@ -178,7 +178,7 @@ impl Judge {
         let counted = |figures: &Figures| line.samples().binary_search_by_key(&figures.at, |sample| sample.at).is_ok();
         let newest = stored.iter().copied().chain(new_rows).filter(counted).max_by_key(|figures| figures.at);
         found.newest.extend(newest.map(|figures| HistoryRow { gyro, figures }));
-        if !shrunk && !indices.is_empty() {
+        if !shrunk {
             found.late.insert(gyro, None);
         }
         line.trim(need);

@@ -6,7 +6,7 @@ use super::judged::{Firing, Judged, Undone};
 use crate::core::alert_decision::{self, Alert, Policy, Status};
 use crate::core::judge::{Coefficient, Mark, Severity};
 use crate::pipeline::prelude::*;
-use crate::store::HistoryRow;
+use crate::store::{HistoryRow, StoredVerdict};
 
 /// Follows the alerts of a gyro again over what is left of its history.
 pub(super) struct Replay<'a> {
@@ -91,17 +91,24 @@ impl Replay<'_> {
             let marks: Vec<&Mark> =
                 marks.iter().filter(|mark| before.is_some_and(|before| mark.at > before) && mark.at <= *at).collect();
             before = Some(*at);
-            for verdict in sheets.get(id).map_or(&[][..], |sheet| sheet.of(gyro)) {
+            let verdicts = sheets.get(id).map_or(&[][..], |sheet| sheet.of(gyro)).iter();
+            for verdict in verdicts.map(StoredVerdict::without_words) {
                 let alert = alerts.entry((verdict.coefficient, verdict.rule)).or_insert(earlier);
                 let goes_on = alert.filter(|_| !marks.iter().any(|mark| mark.event.resets(verdict.rule)));
-                let followed =
-                    alert_decision::follow(goes_on.as_ref(), &verdict.without_words(), *at, *at, self.policy);
-                *alert = followed.alert;
+                let followed = alert_decision::follow(goes_on.as_ref(), &verdict, *at, *at, self.policy);
+                let exceeds = verdict.severity().is_some();
+                *alert = followed.alert.map(|now| Alert { fired_at: if exceeds { *at } else { now.fired_at }, ..now });
             }
         }
         let firing = alerts.into_iter().filter_map(|(key, alert)| Some((key, alert?)));
         Ok(firing.filter(|(_, alert)| alert.status == Status::Firing).collect())
     }
+}
+
+/// Whether a verdict on the newest record, made at `at`, may leave an alert firing that fired before it.
+pub(super) fn leaves_firing(verdict: &Verdict, at: UtcMicros, policy: &Policy) -> bool {
+    let followed = alert_decision::follow(Some(&at_worst(at)), verdict, at, at, policy);
+    followed.alert.is_some_and(|alert| alert.status == Status::Firing)
 }
 
 /// Records that are read at first; nearly always all that tell.

@@ -47,10 +47,12 @@ pub struct Disturbance {
 /// What something of size one does to a gyro at one moment.
 pub type Action = fn(&Sensed, &Situation) -> Disturbance;
 
+/// A drift alone, deg/h.
 pub const fn drift(drift: f64) -> Disturbance {
     Disturbance { drift, scale: 0.0 }
 }
 
+/// A relative change of the scale factor alone.
 pub const fn scale(scale: f64) -> Disturbance {
     Disturbance { drift: 0.0, scale }
 }

@@ -130,8 +130,15 @@ fn diagnose(
     let names: Vec<&str> = series.stations.iter().map(|name| &**name).collect();
     let reference = series.reference();
     let mut course = StationCourse::of(peers, &names, series.origin, column);
-    course.take(reference, |part, common, taken| station::is_borne_out(common, own_estimate(&series, part, taken)));
-    place_steps(&series, &mut course);
+    course.take(reference, |part, common, taken, course| {
+        let part = placed(&series, course, (*part, *common), taken);
+        station::is_borne_out(common, own_estimate(&series, &part, taken))
+    });
+    for k in 0..course.taken.len() {
+        let mut others = course.taken.clone();
+        let one = others.remove(k);
+        course.taken[k].0 = placed(&series, &course, one, &others);
+    }
     let mates = StationCourse::of(mates, &names, series.origin, column);
     for (part, common) in &course.taken {
         for row in &mut series.rows {
@@ -237,39 +244,45 @@ fn drawn(entries: &[HistoryEntry], answer: &HistoryDiagnosis, column: usize, ori
     entries.iter().map(one).collect()
 }
 
-/// Where a station's step or window begins and ends is somewhere between two records of peers. Of the gyro's own records
-/// between them, those after it are told by how well they fit.
-fn place_steps(series: &RecordSeries, course: &mut StationCourse) {
-    for k in 0..course.taken.len() {
-        let station = course.taken[k].0.station;
-        for edge in 0..2 {
-            let (form, at): (&dyn Fn(UtcMicros) -> StationForm, UtcMicros) = match course.taken[k].0.form {
-                StationForm::Step(at) if edge == 0 => (&StationForm::Step, at),
-                StationForm::Between(from, until) if edge == 0 => (&move |at| StationForm::Between(at, until), from),
-                StationForm::Between(from, until) => (&move |at| StationForm::Between(from, at), until),
-                _ => continue,
-            };
-            let Some(before) = course.before(station, at) else { continue };
-            let own = series.rows.iter().filter(|row| row.station == station && row.at > before && row.at < at);
-            let instants = std::iter::once(at).chain(own.map(|row| row.at));
-            let misfit = |at: UtcMicros| misfit(series, course, k, form(at));
-            let best = instants.map(|at| (misfit(at), at)).min_by(|a, b| a.0.total_cmp(&b.0));
-            if let Some((_, at)) = best {
-                course.taken[k].0.form = form(at);
-            }
+/// Where a station's step or window begins and ends is somewhere between two records of peers, and a step may have
+/// ended since their newest. Of the gyro's own records there those within it are told by how well they fit.
+fn placed(
+    series: &RecordSeries,
+    course: &StationCourse,
+    (mut part, common): (CoursePart, Shared),
+    taken: &[(CoursePart, Shared)],
+) -> CoursePart {
+    use StationForm::{Between, Step};
+    let station = part.station;
+    // Since the record of a peer before it.
+    let up_to = |at: UtcMicros| {
+        let before = course.before(station, at);
+        let is_there = move |row: &&series::Observation| row.station == station && before < Some(row.at) && row.at < at;
+        series.rows.iter().filter(is_there).map(|row| row.at)
+    };
+    for is_end in [false, true] {
+        let others: Vec<StationForm> = match part.form {
+            Step(at) if !is_end => up_to(at).map(Step).collect(),
+            Step(from) => up_to(UtcMicros(i64::MAX)).map(|at| Between(from, at)).collect(),
+            Between(from, until) if !is_end => up_to(from).map(|at| Between(at, until)).collect(),
+            Between(from, until) => up_to(until).map(|at| Between(from, at)).collect(),
+            _ => continue,
+        };
+        let misfit = |form: StationForm| misfit(series, (CoursePart { station, form }, common), taken);
+        let all = std::iter::once(part.form).chain(others).map(|form| (misfit(form), form));
+        if let Some((_, form)) = all.min_by(|a, b| a.0.total_cmp(&b.0)) {
+            part.form = form;
         }
     }
+    part
 }
 
-/// Weighted squares of how what is left of a gyro's records differs from one to the next, beside what the stations do,
-/// the `k`th part in another form. A gyro that ages or steps by itself hardly alters them.
-fn misfit(series: &RecordSeries, course: &StationCourse, k: usize, form: StationForm) -> f64 {
+/// Weighted squares of how what is left of a gyro's records differs from one to the next, beside one part of what the
+/// stations do and those that are taken. A gyro that ages or steps by itself hardly alters them.
+fn misfit(series: &RecordSeries, one: (CoursePart, Shared), taken: &[(CoursePart, Shared)]) -> f64 {
     let left = |row: &series::Observation| {
-        let of_part = |(i, (part, common)): (usize, &(CoursePart, Shared))| {
-            let part = if i == k { CoursePart { form, ..*part } } else { *part };
-            common.value * part.at(row.station, row.at, row.years)
-        };
-        row.y - course.taken.iter().enumerate().map(of_part).sum::<f64>()
+        let parts = taken.iter().chain([&one]);
+        row.y - parts.map(|(part, common)| common.value * part.at(row.station, row.at, row.years)).sum::<f64>()
     };
     let pairs = series.rows.windows(2);
     pairs.map(|pair| (left(&pair[1]) - left(&pair[0])).powi(2) / (pair[0].variance + pair[1].variance)).sum()

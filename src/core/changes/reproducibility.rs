@@ -143,7 +143,7 @@ pub fn stations(fleet: &[GyroHistory]) -> Option<FleetStations> {
                 course.subtract(&CoursePart { station, form: StationForm::Offset }, offset.value);
             }
         }
-        course.take(reference, |_, common, _| common.imus >= 2);
+        course.take(reference, |_, common, _, _| common.imus >= 2);
         let mut levels = raw.clone();
         for (part, common) in course.taken.iter().filter(|(part, _)| part.form != StationForm::Offset) {
             levels.subtract(part, common.value);

@@ -14,7 +14,7 @@ use super::series::{RecordScatter, RecordSeries, scatter_of};
 use crate::core::numerics::basis::{Basis, dot};
 use crate::core::numerics::median::{median_of, upper_median_of};
 use crate::core::numerics::normal::SD_OF_MEDIAN;
-use crate::core::numerics::normal_equations::{NormalEquations, gram};
+use crate::core::numerics::normal_equations::{NormalEquations, Solution, gram};
 use crate::core::time::UtcMicros;
 
 /// |b|/sd from which a part is taken: of an offset or a drift, and of a step or a window, which are searched for.
@@ -38,6 +38,8 @@ pub(super) const HUBER: f64 = 1.5;
 /// from as many on; of more IMUs they are only denied so far apart from them.
 const AGREES: f64 = 3.5;
 const DENIES: f64 = 6.0;
+/// What is within so many standard deviations of nothing, and farther from what the gyros show, is not the station's.
+const NOTHING: f64 = 3.0;
 /// Gyros that share a change differ in it by less than its size over this; those that age each by itself do not.
 const ALIKE: f64 = 8.0;
 const MOST_PARTS: usize = 6;
@@ -202,9 +204,9 @@ impl StationCourse {
         self.peers.iter().filter(|peer| peer.rows.len() >= SCATTERS)
     }
 
-    /// What the peers and the gyro itself do in a year at other stations than one that drifts while it does, beside what
-    /// is taken of those from an instant on.
-    pub fn slope_elsewhere(&self, drift: &CoursePart, own: &RecordSeries) -> Option<Shared> {
+    /// What the peers that show a station's drift and the gyro itself do in a year at other stations while it drifts,
+    /// beside what is taken of those from an instant on.
+    pub fn slope_elsewhere(&self, drift: &CoursePart, series: &RecordSeries) -> Option<Shared> {
         let mut each: Vec<(usize, f64, f64)> = Vec::new();
         let is_since = |row: &&PeerRecord| !matches!(drift.form, StationForm::DriftSince(from) if row.at < from);
         let mut add = |imu: usize, rows: &[PeerRecord]| {
@@ -212,30 +214,30 @@ impl StationCourse {
             let slope = slope_beside_steps(&rows).filter(|_| rows[0].station != drift.station);
             each.extend(slope.map(|(value, information)| (imu, value, information)));
         };
-        for peer in &self.peers {
+        for peer in self.peers.iter().filter(|peer| own(drift, &peer.rows).is_some()) {
             for rows in &peer.measured {
                 let beside =
-                    |row: &PeerRecord| PeerRecord { y: row.y - self.made(row, StationForm::is_searched), ..*row };
+                    |row: &PeerRecord| PeerRecord { y: row.y - self.made(row, |part| part.form.is_searched()), ..*row };
                 add(peer.imu, &rows.iter().map(beside).collect::<Vec<_>>());
             }
         }
         // All that is taken is out of the gyro's own rows: what is no step is put back.
-        let sd = own.unit * own.scatter.of_stated;
+        let sd = series.unit * series.scatter.of_stated;
         let row = |row: &super::series::Observation| {
             let weight = 1.0 / (row.variance * sd * sd);
             let row = PeerRecord { at: row.at, years: row.years, station: row.station, y: row.y, weight };
-            PeerRecord { y: row.y + self.made(&row, |form| !form.is_searched()), ..row }
+            PeerRecord { y: row.y + self.made(&row, |part| !part.form.is_searched()), ..row }
         };
         for other in 0..self.stations {
-            let here = own.rows.iter().filter(|row| row.station == other);
+            let here = series.rows.iter().filter(|row| row.station == other);
             add(usize::MAX, &here.map(row).collect::<Vec<_>>());
         }
         combined(&each)
     }
 
-    /// What the parts of some forms that are taken have made of a row.
-    fn made(&self, row: &PeerRecord, of: impl Fn(StationForm) -> bool) -> f64 {
-        let taken = self.taken.iter().filter(|(part, _)| of(part.form));
+    /// What some of the parts that are taken have made of a row.
+    fn made(&self, row: &PeerRecord, of: impl Fn(&CoursePart) -> bool) -> f64 {
+        let taken = self.taken.iter().filter(|(part, _)| of(part));
         taken.map(|(part, common)| common.value * part.at(row.station, row.at, row.years)).sum()
     }
 
@@ -313,13 +315,14 @@ impl StationCourse {
         combined(&each)
     }
 
-    /// Takes the parts that the peers show and `is_borne_out` does not object to, which is also told what is taken.
+    /// Takes the parts that the peers show and `is_borne_out` does not object to, which is also told what is taken, and
+    /// of whom.
     /// `reference` is the station that offsets count from. Where several stations drift, a step of one may come first,
     /// which follows the drift of another: the drifts together are another beginning, and what explains more is kept.
     pub fn take(
         &mut self,
         reference: usize,
-        is_borne_out: impl Fn(&CoursePart, &Shared, &[(CoursePart, Shared)]) -> bool,
+        is_borne_out: impl Fn(&CoursePart, &Shared, &[(CoursePart, Shared)], &Self) -> bool,
     ) {
         self.take_what_explains_most(reference, is_borne_out);
         self.widen();
@@ -328,7 +331,7 @@ impl StationCourse {
     fn take_what_explains_most(
         &mut self,
         reference: usize,
-        is_borne_out: impl Fn(&CoursePart, &Shared, &[(CoursePart, Shared)]) -> bool,
+        is_borne_out: impl Fn(&CoursePart, &Shared, &[(CoursePart, Shared)], &Self) -> bool,
     ) {
         let mut drifting = self.clone();
         self.take_one_by_one(reference, &is_borne_out);
@@ -339,7 +342,7 @@ impl StationCourse {
         let is_told = |(k, (part, common)): (usize, &(CoursePart, Shared))| {
             let others: Vec<(CoursePart, Shared)> =
                 drifting.taken.iter().enumerate().filter(|(other, _)| *other != k).map(|(_, one)| *one).collect();
-            drifting.is_shared(part, common) && is_borne_out(part, common, &others)
+            drifting.is_shared(part, common) && is_borne_out(part, common, &others, &drifting)
         };
         if drifting.taken.len() < 2 || !drifting.taken.iter().enumerate().all(is_told) {
             return;
@@ -385,7 +388,7 @@ impl StationCourse {
     fn take_one_by_one(
         &mut self,
         reference: usize,
-        is_borne_out: &impl Fn(&CoursePart, &Shared, &[(CoursePart, Shared)]) -> bool,
+        is_borne_out: &impl Fn(&CoursePart, &Shared, &[(CoursePart, Shared)], &Self) -> bool,
     ) {
         let mut refused: Vec<CoursePart> = Vec::new();
         // Where a drift or a step is refused, instants are found that follow it for a while.
@@ -404,7 +407,7 @@ impl StationCourse {
                 .max_by(|a, b| rated(a).total_cmp(&rated(b)));
             let Some((part, common)) = best.filter(|_| self.taken.len() < MOST_PARTS) else { break };
             let (part, common) = self.refined(part, common);
-            if !self.is_shared(&part, &common) || !is_borne_out(&part, &common, &self.taken) {
+            if !self.is_shared(&part, &common) || !is_borne_out(&part, &common, &self.taken, self) {
                 refused.push(part);
                 if !matches!(part.form, StationForm::Offset | StationForm::Between(..)) {
                     not_searched.push(part.station);
@@ -417,15 +420,50 @@ impl StationCourse {
         }
     }
 
-    /// Whether it is what the gyros share: a window that one IMU tells is its own where few others stand by, and the gyros
-    /// do not differ in it as those that age each by itself do. They may differ in an offset: gyro x station.
+    /// Whether it is what the gyros share: they do not differ in it as those that age each by itself do, and it is not
+    /// what they do at other stations as well. They may differ in an offset: gyro x station.
     fn is_shared(&self, part: &CoursePart, common: &Shared) -> bool {
-        let is_told = match part.form {
-            StationForm::Between(..) => common.imus > 1 || self.imus_at(part.station) > 2,
-            StationForm::Drift | StationForm::DriftSince(_) | StationForm::Step(_) => true,
-            StationForm::Offset => return true,
-        };
-        is_told && common.value.abs() > ALIKE * common.between
+        part.form == StationForm::Offset
+            || common.value.abs() > ALIKE * common.between && !self.is_everywhere(part, common)
+    }
+
+    /// Whether the gyros that a station's part was seen in do the same wherever they are: then it is theirs. What the
+    /// station does beside that shows in those that were elsewhere too, beside each one's own level, slope and part and
+    /// an offset of the station, and is nothing.
+    fn is_everywhere(&self, part: &CoursePart, common: &Shared) -> bool {
+        let parts = [StationForm::Offset, part.form].map(|form| CoursePart { form, ..*part });
+        let mut whole = NormalEquations::new(2);
+        let mut of_imus: BTreeMap<usize, NormalEquations> = BTreeMap::new();
+        let (mut squares, mut freedom) = (0.0, -2.0);
+        for peer in &self.peers {
+            let rows: Vec<&PeerRecord> = peer.measured.iter().flatten().collect();
+            let white = |of: &dyn Fn(&PeerRecord) -> f64| -> Vec<f64> {
+                rows.iter().map(|row| of(row) * row.weight.sqrt()).collect()
+            };
+            let slopes = [white(&|row| row.years), white(&|row| part.form.at(row.at, row.years))];
+            let own = Basis::of([white(&|_| 1.0)].into_iter().chain(slopes));
+            let beside = |of: &dyn Fn(&PeerRecord) -> f64| {
+                let mut column = white(of);
+                own.project_out(&mut column);
+                column
+            };
+            let columns = parts.map(|one| beside(&|row| one.at(row.station, row.at, row.years)));
+            let left = beside(&|row| row.y - self.made(row, |other| other != part));
+            let told = NormalEquations::of_columns(&columns, &left);
+            squares += dot(&left, &left);
+            freedom += (rows.len() - own.rank()) as f64;
+            whole.matrix += &told.matrix;
+            whole.right += &told.right;
+            let of_imu = of_imus.entry(peer.imu).or_insert_with(|| NormalEquations::new(2));
+            of_imu.matrix += told.matrix;
+            of_imu.right += told.right;
+        }
+        let Some(Solution { estimate, covariance }) = whole.solve() else { return false };
+        let excess = ((squares - estimate.dot(&whole.right)) / freedom.max(1.0)).max(1.0);
+        let pull = |of_imu: &NormalEquations| (&covariance * (&of_imu.right - &of_imu.matrix * &estimate))[1].powi(2);
+        let sandwich: f64 = of_imus.values().map(pull).sum();
+        let (value, sd) = (estimate[1], (excess * covariance[(1, 1)]).max(sandwich).sqrt());
+        value.abs() < NOTHING * sd && (value - common.value).abs() > NOTHING * sd.hypot(common.sd)
     }
 
     /// The last record of a peer at a station before an instant.

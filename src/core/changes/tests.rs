@@ -540,6 +540,24 @@ fn a_station_that_was_off_for_a_fortnight_is_dated_by_the_records_within_it() {
     assert!(dated >= 15 && beyond <= 1 && blamed <= 1, "dated {dated} of 20, beyond 3 sd {beyond}, blamed {blamed}");
 }
 
+/// Of a station that two IMUs use, one is the other's only witness.
+#[test]
+fn a_station_of_two_imus_that_was_off_for_months_is_not_blamed_on_either() {
+    let mut right = 0;
+    for seed in 0..10 {
+        let gyros = of_one_station(3200 + seed, [300, 400]);
+        for (own, others) in [(0, 3..6), (3, 0..3)] {
+            let answer = of(&gyros[own], &gyros[others.clone()], Coefficient::DI);
+            right += usize::from(matches!(&answer.causes[..], [cause] if cause.cause == ChangeCause::Station));
+            // Where the other IMU's stand still it is not the station.
+            let still = of_one_station(3200 + seed, [0, 0]);
+            let answer = of(&gyros[own], &still[others], Coefficient::DI);
+            assert!(answer.causes.iter().all(|cause| cause.cause != ChangeCause::Station), "{seed}: {answer:?}");
+        }
+    }
+    assert!(right >= 18, "{right} of 20");
+}
+
 #[test]
 fn one_peer_that_ages_does_not_make_the_station_drift() {
     let (gyro, mut others) = gyro_and_peers(30, 1, 24);
@@ -774,6 +792,47 @@ fn gyros_that_age_each_by_itself_do_not_make_the_station_drift() {
         let [cause] = &answer.causes[..] else { panic!("{seed}: {answer:?}") };
         assert_eq!(cause.cause, ChangeCause::Ageing, "{seed}: {answer:?}");
         assert!((cause.estimate.value / (3e-4 * 365.25 / 30.0) - 1.0).abs() < 0.5, "{seed}: {answer:?}");
+    }
+}
+
+/// IMUs of two stations, each once at the other; `by` IMU, record and whether that is at the first station.
+fn with_one_visit_each(seed: u64, by: impl Fn(usize, usize, bool) -> f64) -> Vec<GyroHistory> {
+    let mut gyros = peers(&mut Fleet::seeded(seed), 8, 24);
+    for (number, gyro) in gyros.iter_mut().enumerate() {
+        let imu = number / 3;
+        for (k, entry) in gyro.entries.iter_mut().enumerate() {
+            let is_first = (imu < 4) != (k == 3 + (5 * imu) % 19);
+            entry.station = if is_first { "ST-1".into() } else { "ST-2".into() };
+            entry.d[0].value += by(imu, k, is_first);
+        }
+    }
+    gyros
+}
+
+#[test]
+fn one_visit_to_another_station_tells_gyros_that_age_alike_from_a_station_that_drifts() {
+    let own = |gyros: &[GyroHistory]| -> Vec<HistoryDiagnosis> {
+        let of_imu = |imu: usize| {
+            let others: Vec<GyroHistory> = gyros[..3 * imu].iter().chain(&gyros[3 * imu + 3..]).cloned().collect();
+            of(&gyros[3 * imu], &others, Coefficient::DI)
+        };
+        (0..4).map(of_imu).collect()
+    };
+    for seed in 3100..3106 {
+        let rate = |imu: usize| 5e-4 * [0.8, 1.2, 1.0, 1.1][imu % 4];
+        let gyros = with_one_visit_each(seed, |imu, k, _| if imu < 4 { rate(imu) * k as f64 } else { 0.0 });
+        for answer in own(&gyros) {
+            let [cause] = &answer.causes[..] else { panic!("{seed}: {answer:?}") };
+            assert!(cause.cause == ChangeCause::Ageing && answer.outliers.is_empty(), "{seed}: {answer:?}");
+        }
+        let found = stations(&gyros).expect("there are records");
+        assert!(found.stations.iter().all(|station| !station.columns[0].drifts), "{seed}: {found:?}");
+        let gyros = with_one_visit_each(seed, |_, k, is_first| if is_first { 5e-4 * k as f64 } else { 0.0 });
+        for answer in own(&gyros) {
+            let is_its = |cause: &NamedCause| cause.cause == ChangeCause::Station;
+            assert!(!answer.causes.is_empty() && answer.causes.iter().all(is_its), "{seed}: {answer:?}");
+        }
+        assert!(stations(&gyros).is_some_and(|found| found.stations[0].columns[0].drifts), "{seed}");
     }
 }
 

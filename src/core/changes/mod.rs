@@ -244,8 +244,8 @@ fn drawn(entries: &[HistoryEntry], answer: &HistoryDiagnosis, column: usize, ori
     entries.iter().map(one).collect()
 }
 
-/// Where a station's step or window begins and ends is somewhere between two records of peers, and a step may have ended
-/// since their newest. Of the gyro's own records there those within it are told by how well they fit.
+/// Where a station's step or window begins and ends is somewhere between two records of peers, and a step may have
+/// ended since their newest. Of the gyro's own records there those within it are told by how well they fit.
 fn placed(
     series: &RecordSeries,
     course: &StationCourse,

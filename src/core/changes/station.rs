@@ -204,8 +204,8 @@ impl StationCourse {
         self.peers.iter().filter(|peer| peer.rows.len() >= SCATTERS)
     }
 
-    /// What the peers that show a station's drift and the gyro itself do in a year at other stations while it drifts, beside
-    /// what is taken of those from an instant on.
+    /// What the peers that show a station's drift and the gyro itself do in a year at other stations while it drifts,
+    /// beside what is taken of those from an instant on.
     pub fn slope_elsewhere(&self, drift: &CoursePart, series: &RecordSeries) -> Option<Shared> {
         let mut each: Vec<(usize, f64, f64)> = Vec::new();
         let is_since = |row: &&PeerRecord| !matches!(drift.form, StationForm::DriftSince(from) if row.at < from);
@@ -315,8 +315,8 @@ impl StationCourse {
         combined(&each)
     }
 
-    /// Takes the parts that the peers show and `is_borne_out` does not object to, which is also told what is taken, and of
-    /// whom.
+    /// Takes the parts that the peers show and `is_borne_out` does not object to, which is also told what is taken, and
+    /// of whom.
     /// `reference` is the station that offsets count from. Where several stations drift, a step of one may come first,
     /// which follows the drift of another: the drifts together are another beginning, and what explains more is kept.
     pub fn take(

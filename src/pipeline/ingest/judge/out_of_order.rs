@@ -178,7 +178,7 @@ impl Judge {
         let counted = |figures: &Figures| line.samples().binary_search_by_key(&figures.at, |sample| sample.at).is_ok();
         let newest = stored.iter().copied().chain(new_rows).filter(counted).max_by_key(|figures| figures.at);
         found.newest.extend(newest.map(|figures| HistoryRow { gyro, figures }));
-        if !shrunk {
+        if !shrunk && !indices.is_empty() {
             found.late.insert(gyro, None);
         }
         line.trim(need);

@@ -135,9 +135,7 @@ fn diagnose(
         station::is_borne_out(common, own_estimate(&series, &part, taken))
     });
     for k in 0..course.taken.len() {
-        let mut others = course.taken.clone();
-        let one = others.remove(k);
-        course.taken[k].0 = placed(&series, &course, one, &others);
+        course.taken[k].0 = placed(&series, &course, course.taken[k], &course.taken_beside(k));
     }
     let mates = StationCourse::of(mates, &names, series.origin, column);
     for (part, common) in &course.taken {

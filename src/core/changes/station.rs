@@ -235,6 +235,13 @@ impl StationCourse {
         combined(&each)
     }
 
+    /// All parts that are taken but the `k`th.
+    pub fn taken_beside(&self, k: usize) -> Vec<(CoursePart, Shared)> {
+        let mut others = self.taken.clone();
+        others.remove(k);
+        others
+    }
+
     /// What some of the parts that are taken have made of a row.
     fn made(&self, row: &PeerRecord, of: impl Fn(&CoursePart) -> bool) -> f64 {
         let taken = self.taken.iter().filter(|(part, _)| of(part));
@@ -340,9 +347,7 @@ impl StationCourse {
         }
         drifting.take_drifts();
         let is_told = |(k, (part, common)): (usize, &(CoursePart, Shared))| {
-            let others: Vec<(CoursePart, Shared)> =
-                drifting.taken.iter().enumerate().filter(|(other, _)| *other != k).map(|(_, one)| *one).collect();
-            drifting.is_shared(part, common) && is_borne_out(part, common, &others, &drifting)
+            drifting.is_shared(part, common) && is_borne_out(part, common, &drifting.taken_beside(k), &drifting)
         };
         if drifting.taken.len() < 2 || !drifting.taken.iter().enumerate().all(is_told) {
             return;

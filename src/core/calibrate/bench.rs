@@ -554,11 +554,9 @@ impl BenchCalibration {
     pub fn all_notes(&self) -> Vec<CampaignNote> {
         let mut notes: Vec<CampaignNote> =
             self.aliases.iter().map(|alias| CampaignNote::ProductAliased(*alias)).collect();
-        let sd = |name| self.coefficient(name).and_then(|c| c.sd);
-        let moved = |alias: &Alias| {
-            sd(alias.coefficient).is_some_and(|sd| CUBIC_SIZE * alias.moves.abs() > TOLD_FROM * sd).then_some(*alias)
-        };
-        let cubic: Vec<Alias> = self.cubic_aliases.iter().filter_map(moved).collect();
+        let told = |by: f64, name| self.coefficient(name).and_then(|c| c.sd).is_some_and(|sd| by > TOLD_FROM * sd);
+        let moved = |alias: &&Alias| told(CUBIC_SIZE * alias.moves.abs(), alias.coefficient);
+        let cubic: Vec<Alias> = self.cubic_aliases.iter().filter(moved).copied().collect();
         notes.extend((!cubic.is_empty()).then_some(CampaignNote::CubicAliased { size: CUBIC_SIZE, aliases: cubic }));
         let exceeds = exceeds_noise(self.p_value);
         notes.extend(exceeds.then(|| CampaignNote::ResidualsExceedNoise { gyros: vec![self.slot], law: None }));
@@ -566,7 +564,6 @@ impl BenchCalibration {
         notes.extend(remembers(&self.noise_found));
         notes.extend(self.overstated().map(|times| CampaignNote::ErrorsOverstated { gyros: vec![(self.slot, times)] }));
         let moved = self.by_drift.map(|by| by.map(|by| DRIFT * by.abs()));
-        let told = |by: f64, name| sd(name).is_some_and(|sd| by > TOLD_FROM * sd);
         let told = moved.filter(|[d_i, d_s]| told(*d_i, "D_I") || told(*d_s, "D_S"));
         notes.extend(told.map(|[d_i, d_s]| CampaignNote::DriftAliased { of: None, drift: DRIFT, d_i, d_s }));
         notes.extend(self.gauge.map(|_| CampaignNote::OffsetInGauge { moves: 0.5 * self.squared_force }));

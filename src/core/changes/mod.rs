@@ -25,8 +25,10 @@ mod answer;
 mod candidates;
 mod closure;
 mod due;
+mod fitted_rows;
 mod noise;
 mod offsets;
+mod pairs;
 mod reproducibility;
 mod search;
 mod series;
@@ -201,7 +203,7 @@ fn prior(
     [peers, mates]: [&StationCourse; 2],
     entries: &[HistoryEntry],
     column: usize,
-) -> search::NoisePrior {
+) -> fitted_rows::NoisePrior {
     let stated = entries.iter().any(|entry| entry.d[column].sd.is_some_and(|sd| sd > 0.0));
     let of_stated = series.scatter.of_stated;
     let fleet = peers.scatter.filter(|_| peers.gyros() >= 3);
@@ -219,7 +221,7 @@ fn prior(
     };
     // Figures without any noise have that of their rounding.
     let rounding = 1e-9 * (series.mean.abs() + series.spread());
-    search::NoisePrior { freedom: freedom.max(0.1), variance: sd.max(rounding).powi(2) }
+    fitted_rows::NoisePrior { freedom: freedom.max(0.1), variance: sd.max(rounding).powi(2) }
 }
 
 /// The records with what is named of them. What stations did stands about its mean, what is explained about the level of

@@ -5,11 +5,10 @@ use std::sync::Arc;
 use nalgebra::DVector;
 
 use crate::core::judge::{Coefficient, Mark};
-use crate::core::numerics::basis::{Basis, dot};
-use crate::core::numerics::log_sum::LogSum;
+use crate::core::numerics::basis::dot;
 use crate::core::numerics::normal::normal_cdf;
 use crate::core::numerics::normal_equations::{NormalEquations, Solution};
-use crate::core::numerics::tails::{chi2_tail, f_tail, squares_tail};
+use crate::core::numerics::tails::chi2_tail;
 
 use super::answer::{
     Attribution, CauseEstimate, ChangeCause, ExcessScatter, NamedCause, RandomVariation, Rejected, StationForm,
@@ -17,7 +16,9 @@ use super::answer::{
 };
 use super::candidates::{self, CandidateCause};
 use super::closure;
-use super::noise::{self, NoiseCovariance, Process};
+use super::fitted_rows::{FittedRows, NoisePrior, along, whitened};
+use super::noise::{self, Process};
+use super::pairs;
 use super::series::RecordSeries;
 use super::station::{CoursePart, Shared, StationCourse};
 use super::unlike_window::Unlike;
@@ -32,10 +33,6 @@ const BEYOND_WANDERING: f64 = 3e-3;
 const NOT_WANDERING: f64 = 1.5e-4;
 /// Significance below which something is said to remain.
 const REMAINS: f64 = 0.01;
-/// What is left is more than scatter where it is so many times as large as expected,
-const EXCESSIVE: f64 = 3.0;
-/// at this significance.
-const EXCESS_REMAINS: f64 = 1e-4;
 /// Two candidates explain a change equally well where 2 ln L differs by less than this (the 1 % point of chi-square
 /// with one degree of freedom).
 const EQUALLY_GOOD: f64 = 6.635;
@@ -44,88 +41,6 @@ const CONSISTENT: f64 = 3.5;
 /// A part of the station's course is named where it moves this gyro by so many standard deviations.
 const SEEN: f64 = 3.0;
 const MOST_CAUSES: usize = 4;
-
-/// The rows under every noise model, with what is named projected out.
-struct FittedRows {
-    models: Vec<NoiseCovariance>,
-    bases: Vec<Basis>,
-    left: Vec<Vec<f64>>,
-    squares: Vec<f64>,
-    n: usize,
-    prior: NoisePrior,
-}
-
-/// What is known of the scale of the noise beforehand: as though so many degrees of freedom had given this variance.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct NoisePrior {
-    pub freedom: f64,
-    pub variance: f64,
-}
-
-impl FittedRows {
-    fn of(models: Vec<NoiseCovariance>, y: &[f64], columns: &[&[f64]], prior: NoisePrior) -> Self {
-        let n = y.len();
-        let (mut bases, mut left, mut squares) = (Vec::new(), Vec::new(), Vec::new());
-        for model in &models {
-            let mut basis = Basis::of([model.whiten(&vec![1.0; n])]);
-            for column in columns {
-                basis.push(model.whiten(column));
-            }
-            let mut r = model.whiten(y);
-            basis.project_out(&mut r);
-            squares.push(dot(&r, &r));
-            bases.push(basis);
-            left.push(r);
-        }
-        Self { models, bases, left, squares, n, prior }
-    }
-
-    fn ln_likelihood(&self, model: usize, squares: f64) -> f64 {
-        let n = self.n as f64 + self.prior.freedom;
-        -0.5 * n * ((squares + self.prior.freedom * self.prior.variance) / n).ln() - self.models[model].half_log_det
-    }
-
-    /// The model of the largest ln L.
-    fn best(&self) -> (f64, usize) {
-        let all = (0..self.models.len()).map(|m| (self.ln_likelihood(m, self.squares[m]), m));
-        all.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::NEG_INFINITY, 0))
-    }
-
-    /// ln of the likelihoods' mean over the models, white noise being as likely beforehand as all others together.
-    fn mean(&self, of: impl Fn(usize) -> f64) -> f64 {
-        let others = (self.models.len() - 1) as f64;
-        let each = (0..self.models.len()).map(|m| of(m) - if m == 0 { 0.0 } else { others.ln() });
-        LogSum::of(&each.collect::<Vec<f64>>()).log() - std::f64::consts::LN_2
-    }
-
-    fn evidence(&self) -> f64 {
-        self.mean(|m| self.ln_likelihood(m, self.squares[m]))
-    }
-
-    fn variance(&self, squares: f64) -> f64 {
-        (squares + self.prior.freedom * self.prior.variance) / self.freedom()
-    }
-
-    /// White noise against what is known of its scale beforehand: F of the two variances.
-    fn excess(&self) -> Option<ExcessScatter> {
-        let freedom = self.n.checked_sub(self.parameters()).filter(|freedom| *freedom > 0)?;
-        let (sd, expected) = ((self.squares[0] / freedom as f64).sqrt(), self.prior.variance.sqrt());
-        let p_value = squares_tail(self.squares[0] / self.prior.variance, freedom, self.prior.freedom);
-        (sd > EXCESSIVE * expected && p_value < EXCESS_REMAINS).then_some(ExcessScatter { sd, expected, p_value })
-    }
-
-    fn white(&self) -> f64 {
-        self.ln_likelihood(0, self.squares[0])
-    }
-
-    fn parameters(&self) -> usize {
-        self.bases[0].rank()
-    }
-
-    fn freedom(&self) -> f64 {
-        (self.n - self.parameters()).max(1) as f64 + self.prior.freedom
-    }
-}
 
 /// A candidate beside what is named.
 #[derive(Clone, Copy)]
@@ -136,6 +51,15 @@ struct CandidateTrial {
     sd: f64,
     p_white: f64,
     p_wandering: f64,
+}
+
+/// What is named next.
+struct Leading {
+    candidate: CandidateCause,
+    class: Vec<ChangeCause>,
+    trial: CandidateTrial,
+    /// As [`CauseSearch::open`] says.
+    open: f64,
 }
 
 /// What was found, and the fit that it ended with.
@@ -228,15 +152,17 @@ impl CauseSearch<'_> {
         let mut white = whitened(&fitted, &pool);
         let mut rejected;
         loop {
-            let trials: Vec<Option<CandidateTrial>> = (pool.iter().zip(&white))
-                .map(|(candidate, white)| self.trial(&fitted, &rows, &taken, candidate, white, kinds))
-                .collect();
-            let lead = (named.len() < MOST_CAUSES).then(|| self.lead(&pool, &trials)).flatten();
+            let trials = self.trials(&fitted, &rows, &taken, &pool, &white, kinds);
             rejected = self.rejected(&pool, &trials);
-            let Some((k, class)) = lead else { break };
-            let candidate = pool[k].clone();
-            let trial = trials[k]?;
-            open.push(self.open(&fitted, &pool, &trials, k));
+            if named.len() == MOST_CAUSES {
+                break;
+            }
+            let alone = self.leading(&fitted, &pool, &trials);
+            let two = || self.first_of_two(&fitted, &rows, &taken, &pool, &white, kinds);
+            let more_than_one = named.len() + 1 < MOST_CAUSES && something_remains(&fitted);
+            let Some(leading) = alone.or_else(|| more_than_one.then(two).flatten()) else { break };
+            let Leading { candidate, class, trial, open: share } = leading;
+            open.push(share);
             named.push(NamedCause {
                 cause: candidate.cause,
                 class,
@@ -266,9 +192,7 @@ impl CauseSearch<'_> {
         for (k, cause) in named.iter_mut().enumerate() {
             cause.held_out = closure::held_out(y, &stated, &columns, k, open[k]);
         }
-        let (best, model) = fitted.best();
-        let gain = 2.0 * (best - fitted.white());
-        let remaining_p_value = if gain > 0.0 { (1.5 * chi2_tail(gain, 1).unwrap_or(1.0)).min(1.0) } else { 1.0 };
+        let (remaining_p_value, model) = remaining(&fitted);
         let wander = (remaining_p_value < REMAINS).then(|| self.random_variation(&fitted, model, remaining_p_value));
         let mut stations = self.stations_named(y, &stated, &columns);
         stations.append(&mut named);
@@ -300,8 +224,6 @@ impl CauseSearch<'_> {
             own = (fit, white);
             (&own.0, &*own.1)
         };
-        let n = fitted.n as f64 + self.prior.freedom;
-        let freedom = fitted.freedom() - 1.0;
         if fitted.n < fitted.parameters() + 3 {
             return None;
         }
@@ -321,10 +243,56 @@ impl CauseSearch<'_> {
         }
         let mut trial = trial?;
         trial.best = fit.mean(|m| each[m]);
-        let p = |gain: f64| if gain > 0.0 { f_tail((2.0 * gain / n).exp_m1() * freedom, 1.0, freedom) } else { 1.0 };
-        trial.p_white = (p(trial.white - fitted.white()) * (kinds * candidate.tried) as f64).min(1.0);
-        trial.p_wandering = (p(trial.best - fitted.evidence()) * candidate.tried as f64).min(1.0);
+        let p = |gain: f64, tried: usize| (fitted.significance(gain, 1.0) * tried as f64).min(1.0);
+        trial.p_white = p(trial.white - fitted.white(), kinds * candidate.tried);
+        trial.p_wandering = p(trial.best - fitted.evidence(), candidate.tried);
         Some(trial)
+    }
+
+    fn trials(
+        &self,
+        fitted: &FittedRows,
+        rows: &SearchedRows,
+        taken: &[CandidateCause],
+        pool: &[CandidateCause],
+        white: &[Vec<Vec<f64>>],
+        kinds: usize,
+    ) -> Vec<Option<CandidateTrial>> {
+        let of = |(candidate, white): (&CandidateCause, &Vec<Vec<f64>>)| {
+            self.trial(fitted, rows, taken, candidate, white, kinds)
+        };
+        pool.iter().zip(white).map(of).collect()
+    }
+
+    fn leading(
+        &self,
+        fitted: &FittedRows,
+        pool: &[CandidateCause],
+        trials: &[Option<CandidateTrial>],
+    ) -> Option<Leading> {
+        let (k, class) = self.lead(pool, trials)?;
+        let open = self.open(fitted, pool, trials, k);
+        Some(Leading { candidate: pool[k].clone(), class, trial: trials[k]?, open })
+    }
+
+    /// The first of two causes that only together explain what is left: it leads beside the other, and another beside it.
+    fn first_of_two(
+        &self,
+        fitted: &FittedRows,
+        rows: &SearchedRows,
+        taken: &[CandidateCause],
+        pool: &[CandidateCause],
+        white: &[Vec<Vec<f64>>],
+        kinds: usize,
+    ) -> Option<Leading> {
+        let beside = |one: &CandidateCause| {
+            let taken: Vec<CandidateCause> = taken.iter().chain([one]).cloned().collect();
+            let fitted = rows.fitted(&taken, self.prior);
+            self.leading(&fitted, pool, &self.trials(&fitted, rows, &taken, pool, white, kinds))
+        };
+        let [_, second] = pairs::best(fitted, pool, white, [SIGNIFICANCE, NOT_WANDERING], kinds)?;
+        let first = beside(&pool[second])?;
+        beside(&first.candidate).is_some().then_some(first)
     }
 
     /// The candidate that leads, and the class of those that explain as much.
@@ -556,17 +524,16 @@ impl CauseSearch<'_> {
     }
 }
 
-/// The estimate of a whitened column beside what is named, and its information; none where nothing of it is left.
-fn along(fitted: &FittedRows, m: usize, white: &[f64]) -> Option<(f64, f64)> {
-    let before = dot(white, white);
-    let mut column = white.to_vec();
-    fitted.bases[m].project_out(&mut column);
-    let information = dot(&column, &column);
-    (information > 1e-9 * before).then(|| (dot(&column, &fitted.left[m]) / information, information))
+/// Significance of noise that remembers beside white noise, and the likeliest model of it.
+fn remaining(fitted: &FittedRows) -> (f64, usize) {
+    let (best, model) = fitted.best();
+    let gain = 2.0 * (best - fitted.white());
+    let p_value = if gain > 0.0 { (1.5 * chi2_tail(gain, 1).unwrap_or(1.0)).min(1.0) } else { 1.0 };
+    (p_value, model)
 }
 
-fn whitened(fitted: &FittedRows, pool: &[CandidateCause]) -> Vec<Vec<Vec<f64>>> {
-    pool.iter().map(|c| fitted.models.iter().map(|model| model.whiten(&c.column)).collect()).collect()
+fn something_remains(fitted: &FittedRows) -> bool {
+    remaining(fitted).0 < REMAINS || fitted.excess().is_some()
 }
 
 fn estimate(candidate: &CandidateCause, value: f64, sd: f64) -> CauseEstimate {

@@ -655,6 +655,29 @@ fn a_coefficient_that_wanders_is_not_explained() {
 }
 
 #[test]
+fn ageing_and_the_step_that_takes_it_back_are_both_named() {
+    let (mut at_event, mut by_itself) = (0, 0);
+    for seed in 0..40 {
+        let mut gyro = Fleet::seeded(2000 + seed).gyro(26);
+        change(&mut gyro, 0, |k, _| SCATTER * (0.6 * k as f64 - if k >= 13 { 9.0 } else { 0.0 }));
+        let named = |gyro: &GyroHistory| {
+            let mut named: Vec<_> = of(gyro, &[], Coefficient::DI).causes.iter().map(|one| one.cause).collect();
+            named.sort_unstable();
+            named
+        };
+        let mut both = [ChangeCause::Ageing, ChangeCause::Step];
+        both.sort_unstable();
+        by_itself += usize::from(named(&gyro) == both);
+        gyro.marks.push(Mark::of(UtcMicros(13 * 30 * UtcMicros::DAY - 5), Event::Transport));
+        let mut both = [ChangeCause::Ageing, ChangeCause::StepAtEvent];
+        both.sort_unstable();
+        at_event += usize::from(named(&gyro) == both);
+    }
+    assert!(at_event >= 36, "with an event {at_event} of 40");
+    assert!(by_itself >= 30, "without one {by_itself} of 40");
+}
+
+#[test]
 fn an_outlier_is_named_and_left_out() {
     let mut gyro = Fleet::seeded(34).gyro(24);
     gyro.entries[9].d[0].value += 0.05;

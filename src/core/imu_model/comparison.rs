@@ -18,7 +18,7 @@ use super::identified::Identified;
 use super::programme::{CoefficientEstimate, ForecastGyro, NoForecast, StackedDesign};
 use crate::core::campaign::Campaign;
 use crate::core::effects::Effect;
-use crate::core::judge::{ForecastErrors, GyroForecastErrors, Unseen};
+use crate::core::judge::{FALSE_ALARMS, ForecastErrors, GyroForecastErrors, Unseen};
 use crate::core::mounting::Slot;
 use crate::core::numerics::bisection::bisect;
 use crate::core::numerics::normal::normal_quantile;
@@ -73,11 +73,13 @@ pub struct GyroComparison {
 impl ForecastComparison {
     /// As a rule judges it.
     pub fn foretold(&self, model: &Identified) -> ForecastErrors {
-        let mut unseen = self.unseen();
+        let is_left_out = |unseen: &Unseen| self.is_mostly_seen && unseen.is_of_dwells();
+        let contradicts = self.p_value < FALSE_ALARMS;
         ForecastErrors {
             gyros: self.gyros.iter().map(|gyro| gyro.errors).collect(),
             campaigns: model.campaigns.len(),
-            unseen: unseen.find(|unseen| !(self.is_mostly_seen && unseen.is_of_dwells())),
+            unseen: self.unseen().find(|unseen| !is_left_out(unseen)),
+            contradicted: self.unseen().find(is_left_out).filter(|_| contradicts),
         }
     }
 

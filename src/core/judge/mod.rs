@@ -35,9 +35,9 @@ pub use range_summary::Older;
 pub use reason::{digits, sd_digits};
 pub use rule::{FigureSource, Finding, LimitKind, Rule, Unit, Unseen};
 pub use rules::{
-    ExplicableVerdict, ForecastErrors, Group, GroupShiftCriteria, GyroForecastErrors, ImuShiftCriteria, LATELY,
-    NewestCalibration, SourcedResult, agreement, forecast, group_shift, has_grown, imu_shift, in_common, is_explained,
-    overdue, requirement, shift_began,
+    ExplicableVerdict, FALSE_ALARMS, ForecastErrors, Group, GroupShiftCriteria, GyroForecastErrors, ImuShiftCriteria,
+    LATELY, NewestCalibration, SourcedResult, agreement, forecast, group_shift, has_grown, imu_shift, in_common,
+    is_explained, overdue, requirement, shift_began,
 };
 pub use sample::{BASELINE_RECORDS, Measured, Sample, Seat};
 pub use series::Series;

@@ -8,7 +8,7 @@
 //!
 //! A step `d` of D_I or D_S adds `d^2 noncentrality` to the sum. A forecast that would not show a step of the
 //! limit says nothing of a gyro that lies within, nor one of conditions that the model has not seen of any gyro: but for
-//! errors that nothing plausible makes there.
+//! errors that nothing plausible makes there. Nor does one that came true only where the model has seen the like.
 
 use crate::core::judge::{Coefficient, Finding, Limit, Rule, State, Unseen, Verdict};
 use crate::core::mounting::Slot;
@@ -44,7 +44,10 @@ pub struct ForecastErrors {
     pub gyros: Vec<GyroForecastErrors>,
     /// Campaigns that the model was fitted to: one does not know what changes between campaigns.
     pub campaigns: usize,
+    /// What the model has not seen, where no dwell is judged by itself for that.
     pub unseen: Option<Unseen>,
+    /// What it has not seen of dwells that are not judged, where their errors contradict the forecast.
+    pub contradicted: Option<Unseen>,
 }
 
 /// Judges a campaign against its forecast; `limits`: the steps of D_I and D_S that it is to show. None where no gyro
@@ -74,7 +77,7 @@ pub fn forecast(errors: &ForecastErrors, limits: [Option<Limit>; 2]) -> Option<V
         (Some(_), _) if is_beyond => State::Exceeded,
         (Some(_), _) => State::Indeterminate,
         (None, true) => State::Exceeded,
-        (None, false) if step > budget => State::Indeterminate,
+        (None, false) if step > budget || errors.contradicted.is_some() => State::Indeterminate,
         (None, false) => State::Within,
     };
     let limit = Limit { value: (squares_quantile(each, count, worst.dof) / count as f64).sqrt(), from };
@@ -84,7 +87,7 @@ pub fn forecast(errors: &ForecastErrors, limits: [Option<Limit>; 2]) -> Option<V
         p: (p * gyros.len() as f64).min(1.0),
         step: step.is_finite().then_some(step),
         campaigns: errors.campaigns,
-        unseen: errors.unseen,
+        unseen: errors.unseen.or(errors.contradicted.filter(|_| state == State::Indeterminate)),
     };
     let undecided = Verdict::undecided(Coefficient::All, Rule::Forecast, limit, finding);
     Some(Verdict { state, value: Some((squares / count as f64).sqrt()), ..undecided })
@@ -121,7 +124,7 @@ mod tests {
 
     fn errors_of(squares: [f64; 3]) -> ForecastErrors {
         let gyros = [Slot::G1, Slot::G2, Slot::G3].into_iter().zip(squares).map(|(slot, of)| gyro(slot, of));
-        ForecastErrors { gyros: gyros.collect(), campaigns: 3, unseen: None }
+        ForecastErrors { gyros: gyros.collect(), campaigns: 3, unseen: None, contradicted: None }
     }
 
     fn judged(errors: &ForecastErrors) -> Verdict {
@@ -168,6 +171,18 @@ mod tests {
         let within = errors_of([100.0, 90.0, 110.0]);
         assert_eq!(forecast(&within, [Some(loose), None]).unwrap().state, State::Within);
         assert_eq!(forecast(&within, [None, None]), None, "switched off");
+    }
+
+    #[test]
+    fn what_is_within_where_it_was_seen_and_far_off_elsewhere_is_not_decided() {
+        let mut errors = ForecastErrors { contradicted: Some(Unseen::Rate), ..errors_of([100.0, 90.0, 110.0]) };
+        let verdict = judged(&errors);
+        assert_eq!(verdict.state, State::Indeterminate);
+        assert!(matches!(verdict.finding, Finding::Forecast { unseen: Some(Unseen::Rate), .. }));
+        errors.gyros[1].squares = 160.0;
+        let verdict = judged(&errors);
+        assert_eq!(verdict.state, State::Exceeded, "what was seen is outside");
+        assert!(matches!(verdict.finding, Finding::Forecast { unseen: None, .. }));
     }
 
     #[test]

@@ -18,11 +18,16 @@ use crate::core::numerics::median::median_of;
 /// Dwells that are proposed at most.
 const PROPOSED: usize = 4;
 
+/// As many of them are first for what the named ones are tied to.
+const FOR_CLASSES: usize = PROPOSED / 2;
+
 /// Separation, in squared standard deviations, at which a question counts as settled.
 const SETTLED: f64 = 25.0;
 
 /// Least separation that a dwell must add to be worth an hour of table time.
 const WORTH: f64 = 1.0;
+/// The same of what the named ones are tied to: it may take several such dwells.
+const WORTH_FOR_CLASSES: f64 = 0.1;
 
 /// One question: does the signal come from `asked`, or can the model, with `other` where there is one, absorb it?
 struct Question {
@@ -33,7 +38,7 @@ struct Question {
     columns: Vec<Vec<f64>>,
 }
 
-/// Greedy choice; `classes` are those of the adopted parts, in their order.
+/// Greedy choice, first for what ties the named ones; `classes` are those of the adopted parts, in their order.
 pub(crate) fn next_dwells(
     frame: &Frame,
     bank: &Bank,
@@ -45,6 +50,7 @@ pub(crate) fn next_dwells(
     let proposals = proposals(frame);
     let setting = extended(&frame.setting, &proposals);
     let mut questions = tied(frame, &setting, parts, fit, classes);
+    let of_classes = questions.len();
     questions.extend(hidden(frame, &setting, bank));
     questions.extend(g_confounders.iter().map(|mimic| confounded(frame, &setting, mimic)));
     let n = frame.dwells();
@@ -52,12 +58,15 @@ pub(crate) fn next_dwells(
     let mut chosen = Vec::new();
     while chosen.len() < PROPOSED {
         let gains: Vec<Vec<f64>> = questions.iter().map(|q| q.gains(n, &taken, proposals.len())).collect();
-        let total = |p: usize| gains.iter().map(|gain| gain[p].min(SETTLED)).sum::<f64>();
+        let tells_class = gains[..of_classes].iter().flatten().any(|gain| *gain > WORTH_FOR_CLASSES);
+        let first = chosen.len() < FOR_CLASSES && tells_class;
+        let asked = if first { &gains[..of_classes] } else { &gains[..] };
+        let total = |p: usize| asked.iter().map(|gain| gain[p].min(SETTLED)).sum::<f64>();
         let open = (0..proposals.len()).filter(|p| !taken.contains(p));
         let Some(best) = open.max_by(|&a, &b| total(a).total_cmp(&total(b))) else { break };
         let mut separates: Vec<Effect> = Vec::new();
-        for (question, gain) in questions.iter().zip(&gains) {
-            if gain[best] > WORTH {
+        for (q, (question, gain)) in questions.iter().zip(&gains).enumerate() {
+            if gain[best] > if q < of_classes { WORTH_FOR_CLASSES } else { WORTH } {
                 separates.extend(question.effects.iter().filter(|e| !separates.contains(e)).collect::<Vec<_>>());
             }
         }

@@ -88,7 +88,7 @@ fn rounded(steps: [f64; 2], gyro: &GyroNoise) -> Option<CoarseStep> {
     let [of_force, of_rate] = [gyro.g * steps[0], gyro.e * steps[1]];
     let times = (evenly(of_force.hypot(of_rate)) / median_of(gyro.sd.iter().copied())?).min(MOST_TIMES);
     let (of, step) = if of_force > of_rate { (Stepped::Force, steps[0]) } else { (Stepped::Rate, steps[1]) };
-    (times > COMMANDS).then_some(CoarseStep { of, step, slot: gyro.slot, times })
+    (step > 0.0 && times > COMMANDS).then_some(CoarseStep { of, step, slot: gyro.slot, times })
 }
 
 /// The decimal step of what was commanded; 0 where its lengths are gravity or the Earth's rate nevertheless: then

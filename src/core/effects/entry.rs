@@ -154,6 +154,7 @@ pub enum Parameter {
     Instant,
     Dwell,
     Period,
+    /// Of one direction, or its two parts each with coefficients of its own.
     FieldAzimuth,
     Clocking,
     Tilt,
@@ -176,7 +177,7 @@ impl Parameter {
             Self::Instant => matches!(shape, Shape::Instant(_)),
             Self::Dwell => matches!(shape, Shape::Dwell(_)),
             Self::Period => matches!(shape, Shape::Period(_)),
-            Self::FieldAzimuth => matches!(shape, Shape::Azimuth(_)),
+            Self::FieldAzimuth => matches!(shape, Shape::Linear | Shape::Azimuth(_)),
             Self::Clocking => matches!(shape, Shape::Clocking(_)),
             Self::Tilt => matches!(shape, Shape::Tilt { .. }),
             Self::Product => matches!(shape, Shape::Linear | Shape::Only(_)),

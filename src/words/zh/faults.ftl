@@ -267,6 +267,7 @@ no_drift_fitted = 模型没有g_linear项：未拟合与加速度有关的漂移
 no_scale_fitted = E既未拟合（没有scale项）也未给出（known_e_pulse_per_arcsec）：G仍以pulse/(s·g0)计，无法得到以(°)/(h·g0)计的一次项漂移系数D_I、D_S
 parameters_undetermined = 这些测点不能确定{ $parameters }；{ $needs }
 scale_in_noise = E淹没在噪声中：|E|只有其标准差的{ $ratio }倍
+untold_field = E与G中含有场的北向部分，这些测点不能将其分开；转动的测点可以分开
 implausible_scale = 拟合得到的E不可能：{ $why }
 zero_scale = E为零：没有方向，也不能用来除G
 quotient_not_finite = E、G或二者之商不是有限数

@@ -4,10 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::noise::{self, Noise};
 use crate::core::augmented::{Adopted, Options, PlausibleSizes};
-use crate::core::campaign::{
-    Campaign, CampaignGyro, CampaignNote, TestKind, contradicting, missing_errors, stuck, temperature_outliers,
-    time_unit,
-};
+use crate::core::calibrate::design::Design;
+use crate::core::campaign::{Campaign, CampaignGyro, TestKind, notes};
 use crate::core::effects::{CATALOGUE, Effect, Entry, Refusal, Scope, Setting, axes};
 use crate::core::message::Message;
 use crate::core::model::Terms;
@@ -78,12 +76,9 @@ impl Frame {
         if terms.is_empty() {
             return Err(Refusal::NoTerms);
         }
+        too_few(campaign, terms)?;
         let (setting, of_axes) = axes::setting(campaign)?;
-        let of_columns = temperature_outliers(campaign).chain(missing_errors(campaign));
-        let stands = stuck(campaign).into_iter().map(CampaignNote::OutputStuck);
-        let of_fit = of_axes.into_iter().chain(time_unit(campaign)).chain(contradicting(campaign)).chain(stands);
-        let of_fit = of_fit.map(Note::Campaign);
-        let of_campaign = of_columns.chain(of_fit).collect();
+        let of_campaign = notes(campaign).into_iter().chain(of_axes.into_iter().map(Note::Campaign)).collect();
         let outputs: Vec<Vec<f64>> = (0..campaign.gyros.len()).map(|j| drift_output(campaign, &setting, j)).collect();
         let designs = |adopted: &[Adopted]| -> Vec<Vec<Vec<f64>>> {
             (0..campaign.gyros.len()).map(|j| design(&setting, j, terms, &campaign.gyros[j], adopted)).collect()
@@ -161,6 +156,17 @@ impl Frame {
     /// All that may be named: hypotheses of one's own, and the catalogue.
     pub fn nameable(&self) -> impl Iterator<Item = &'static Entry> {
         self.hypotheses.iter().map(|own| own.entry()).chain(CATALOGUE)
+    }
+}
+
+/// Refuses a campaign with no more dwells than parameters, whatever of these it determines: what so few make of E is
+/// nothing to measure the outputs by.
+fn too_few(campaign: &Campaign, terms: Terms) -> Result<(), Refusal> {
+    let dwells = campaign.dwells.len();
+    let parameters = |gyro: &CampaignGyro| Design::new(&campaign.dwells, gyro.fitted_terms(terms)).reduced.ncols();
+    match campaign.gyros.iter().map(parameters).max().filter(|parameters| dwells <= *parameters) {
+        Some(parameters) => Err(Refusal::TooFewDwells { dwells, parameters }),
+        None => Ok(()),
     }
 }
 

@@ -198,4 +198,11 @@ mod tests {
         assert_eq!(step_of([0.999, -0.706, 0.0].into_iter()), 1e-3);
         assert_eq!(step_of([0.999_05, 1.0 / 3.0].into_iter()), 0.0);
     }
+
+    #[test]
+    fn what_is_not_rounded_is_not_said_to_be() {
+        let gyro = GyroNoise { slot: Slot::G1, g: f64::INFINITY, e: 1.5, sd: vec![0.0; 3] };
+        assert_eq!(rounded([0.0, 0.0], &gyro), None);
+        assert!(rounded([0.0, 1e-3], &GyroNoise { g: 1.0, ..gyro }).is_some_and(|step| step.of == Stepped::Rate));
+    }
 }

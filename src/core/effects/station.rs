@@ -98,6 +98,7 @@ pub const RELEVELLING: Entry = Entry {
     typical: [5e-6, 1e-3], // levelling of two-axis tables, 1 to 200 arcsec
     plausible: 0.2,
     confused_with: &[Effect::Levelling, Effect::Magnetic, Effect::Reseating],
+    throughout: Some(Effect::Levelling),
     scope: Scope::Common,
     names: &|_| vec!["east", "north"],
     missing: &no_attitude,

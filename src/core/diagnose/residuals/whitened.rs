@@ -212,3 +212,47 @@ fn drift_output(campaign: &Campaign, s: &Setting, j: usize) -> Vec<f64> {
     };
     campaign.free_outputs(j).map(|output| output * per_pulse).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+    use crate::core::campaign::made_for_tests::{self, name};
+    use crate::core::campaign::{Dwell, Phase};
+    use crate::core::mounting::Slot;
+
+    /// The first `dwells` of some in which the force and the rate go round all axes.
+    fn campaign(dwells: usize) -> Campaign {
+        let dwell = |k: usize| {
+            let (axis, sign) = (k % 3, if k.is_multiple_of(2) { 1.0 } else { -1.0 });
+            let (force, rate) = (sign * Vector3::ith(axis, 1.0), Vector3::ith((axis + k / 6) % 3, 600.0 + k as f64));
+            let output = 1.5 * rate.x + 2.0 * force.x - force.y + 0.01 * (k as f64).sin();
+            Dwell {
+                phase: Phase::Rate,
+                temperature_c: Some(318.15),
+                ..made_for_tests::dwell(k, force, rate, vec![output])
+            }
+        };
+        let gyro = CampaignGyro { slot: Slot::G1, serial: name("A"), known_e: None };
+        made_for_tests::campaign(vec![gyro], (0..dwells).map(dwell).collect())
+    }
+
+    #[test]
+    fn a_diagnosis_notes_of_the_campaign_what_a_calibration_notes_of_it() {
+        let campaign = campaign(24);
+        let frame = Frame::of(&campaign, &Options::default()).expect("it has dwells to spare");
+        let codes: Vec<&str> = frame.of_campaign.iter().map(Note::code).collect();
+        assert!(codes.contains(&"temperature_unit") && codes.contains(&"no_site"), "{codes:?}");
+        assert!(notes(&campaign).iter().all(|note| frame.of_campaign.contains(note)), "{codes:?}");
+    }
+
+    #[test]
+    fn few_dwells_are_refused_for_their_number() {
+        for dwells in [1, 2, 5, 9] {
+            let found = Frame::of(&campaign(dwells), &Options::default()).map(|frame| frame.dwells());
+            assert_eq!(found, Err(Refusal::TooFewDwells { dwells, parameters: 9 }));
+        }
+        assert!(Frame::of(&campaign(14), &Options::default()).is_ok());
+    }
+}

@@ -329,3 +329,11 @@ fn more_dwells_than_a_search_has_memory_for_are_refused() {
     let refused = diagnosed(&campaign).unwrap_err();
     assert!(refused.contains("1201 dwells are more than a diagnosis takes, 1200 of so many gyros"), "{refused}");
 }
+
+#[test]
+fn a_scale_that_no_gyro_has_is_refused_as_a_calibration_refuses_it() {
+    let mut campaign = clean();
+    outputs(&mut campaign, |_, y| 1e3 * y);
+    let said = diagnosed(&campaign).unwrap_err();
+    assert!(said.contains("is outside 0.001 to 1000"), "{said}");
+}

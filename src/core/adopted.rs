@@ -1,6 +1,6 @@
 //! An effect of the catalogue as a model holds it.
 
-use super::effects::{Effect, Shape};
+use super::effects::{Effect, Parameter, Shape};
 use super::mounting::Slot;
 
 /// What a model says of one coefficient of an effect in one gyro.
@@ -20,4 +20,12 @@ pub struct Adopted {
     pub shape: Shape,
     /// Gyros that have it; all of them for effects of the station.
     pub slots: Vec<Slot>,
+}
+
+impl Adopted {
+    /// Whether it is a field whose direction was not told. At rest its part along north is one with E and G: where
+    /// dwells do not show that part, E and G, hence D_I and D_S, are not told either.
+    pub fn is_of_any_direction(&self) -> bool {
+        self.effect.entry().parameter == Parameter::FieldAzimuth && self.shape == Shape::Linear
+    }
 }

@@ -28,8 +28,6 @@ mod temperatures;
 
 pub use check::{CampaignLimits, check_dwells};
 pub use columns::notes;
-pub(crate) use columns::{missing_errors, temperature_outliers, time_unit};
-pub(crate) use contradicting::contradicting;
 pub use earth_rate::with_earth_rate;
 pub use note::{CampaignNote, DriftOfGyro, DwellColumn, EffectNotFitted, StationUndetermined};
 use stated_errors::Stated;

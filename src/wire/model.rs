@@ -113,7 +113,7 @@ pub struct ShapeBody {
     /// Period of `periodic`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub period_s: Option<f64>,
-    /// Direction of the field of `magnetic`, from north towards east, rad.
+    /// Direction of the field of `magnetic`, from north towards east, rad; left out where it is not told.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub field_azimuth_rad: Option<f64>,
     /// Rotation of S about I that `anisoinertia` assumes, rad.
@@ -395,7 +395,7 @@ fn wanted(effect: Effect) -> Filling {
         Parameter::Instant => "{\"instant_s\": seconds}".into(),
         Parameter::Dwell => "{\"dwell\": index}".into(),
         Parameter::Period => "{\"period_s\": seconds}".into(),
-        Parameter::FieldAzimuth => "{\"field_azimuth_rad\": angle}".into(),
+        Parameter::FieldAzimuth => absent_or("{\"field_azimuth_rad\": angle}"),
         Parameter::Clocking => "{\"clocking_rad\": angle}".into(),
         Parameter::Product => absent_or("{\"product\": 0|1|2}"),
         Parameter::Tilt => "{\"with_rate\": true|false}".into(),

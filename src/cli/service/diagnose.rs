@@ -5,6 +5,7 @@ use super::{diagnose_all, diagnose_gyro, diagnose_record, hypothesis, model, set
 use crate::cli::document::{coefficient, verdict};
 use crate::cli::prelude::*;
 use crate::core::augmented::{AugmentedModel, Options};
+use crate::core::calibrate::outcome::check_scales;
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{Diagnosis, FALSE_ALARM, Reference, diagnose, may_be_split, split};
 use crate::core::imu_model::changed_since;
@@ -121,7 +122,9 @@ fn reference(path: &Path, campaign: &Campaign) -> anyhow::Result<Reference> {
         return parse_record(&bytes, &settings::plausibility()?).map(Reference::Record).with_context(file);
     }
     document::note_open_end(path, &bytes);
-    parse(&bytes).map(Reference::Campaign).or_else(|faults| {
+    let limits = settings::plausibility()?;
+    let possible = |other: Campaign| check_scales(&other, &limits).map(|()| Reference::Campaign(other));
+    parse(&bytes).and_then(possible).or_else(|faults| {
         if let Ok(other) = parse_json(&bytes).map(Reference::Campaign) {
             may_be_split(campaign, &other).with_context(file)?;
         }

@@ -2,6 +2,7 @@
 
 use crate::cli::prelude::*;
 use crate::config::{Config, unread};
+use crate::core::calibrate::outcome::check_scales;
 use crate::core::campaign::Campaign;
 use crate::core::message::Message;
 use crate::core::record::Plausibility;
@@ -46,7 +47,7 @@ pub fn plausibility() -> anyhow::Result<Plausibility> {
 pub fn campaign(path: &Path, bytes: &[u8]) -> anyhow::Result<Campaign> {
     let file = || document::name(path);
     let campaign = parse(bytes).with_context(file)?;
-    campaign.check_known_scales(&plausibility()?).with_context(file)?;
+    check_scales(&campaign, &plausibility()?).with_context(file)?;
     document::note_open_end(path, bytes);
     Ok(campaign)
 }

@@ -99,6 +99,8 @@ pub struct GyroCalibration {
     pub standardised: Option<DVector<f64>>,
     /// By dwell, 0 to 1.
     pub leverage: DVector<f64>,
+    /// Whether E and G hold the part of a field that these dwells do not tell from them.
+    pub holds_untold_field: bool,
     pub(super) known_e: Option<Vector3<f64>>,
 }
 

@@ -21,8 +21,15 @@ pub(super) const LEAST_SCALE_TO_NOISE: f64 = 10.0;
 pub enum NotSeparated {
     NoDrift,
     NoScale,
-    Undetermined { parameters: Vec<&'static str>, needs: Message },
-    ScaleInNoise { ratio: f64 },
+    Undetermined {
+        parameters: Vec<&'static str>,
+        needs: Message,
+    },
+    ScaleInNoise {
+        ratio: f64,
+    },
+    /// E and G hold a part of a field.
+    UntoldField,
     Implausible(Message),
     Unseparable(Unseparable),
 }
@@ -41,6 +48,7 @@ impl NotSeparated {
                 )
             }
             Self::ScaleInNoise { ratio } => message!("scale_in_noise", ratio = figure(*ratio, 1)),
+            Self::UntoldField => message!("untold_field"),
             Self::Implausible(why) => message!("implausible_scale", why = why.clone()),
             Self::Unseparable(why) => why.message(),
         }
@@ -70,6 +78,9 @@ impl GyroCalibration {
         }
         let (Some(e), Some(g)) = (self.e(), self.g()) else { return Err(NotSeparated::NoDrift) };
         self.check_determined()?;
+        if self.holds_untold_field {
+            return Err(NotSeparated::UntoldField);
+        }
         let covariance = self.covariance_eg();
         if let Some(ratio) = covariance.map(|c| e.norm() / c.fixed_view::<3, 3>(0, 0).trace().max(0.0).sqrt())
             && ratio < LEAST_SCALE_TO_NOISE
@@ -98,8 +109,11 @@ impl GyroCalibration {
             self.of(term).unwrap_or_default().iter().filter(|p| !p.determined).map(|p| p.name).collect()
         };
         let (g, e) = (missing(Term::GLinear), missing(Term::Scale));
+        let gauges = self.null_directions.iter().filter(|null| null.gauge.is_some()).count();
+        let (dwells, parameters) = (self.residuals.len(), self.parameters.len() - gauges);
         let needs = match (g.is_empty(), e.is_empty()) {
             (true, true) => return Ok(()),
+            _ if dwells < parameters => message!("needs_more_dwells", dwells, parameters),
             (false, true) => message!("needs_directions"),
             (true, false) => message!("needs_rates"),
             (false, false) => message!("needs_directions_and_rates"),

@@ -425,6 +425,7 @@ impl GyroFit {
             left,
             standardised,
             leverage: fit.leverage,
+            holds_untold_field: false,
             known_e,
         }
     }

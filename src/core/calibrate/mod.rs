@@ -148,9 +148,14 @@ fn calibrate_in(
     if let Some(shrunken) = &shrunken {
         (fits, contradicted) = fit_each(&|j| shrunken.sd[j].clone());
     }
+    let of_any_direction = |effect: &Effect| adopted.iter().any(|a| a.effect == *effect && a.is_of_any_direction());
+    let untold: Vec<bool> = fits.iter().map(|fit| fit.hidden.iter().any(of_any_direction)).collect();
     for (fit, gyro) in fits.iter().zip(&campaign.gyros) {
         let note = |effect: &Effect, why| CampaignNote::EffectLeftOut { slot: Some(gyro.slot), effect: *effect, why };
-        notes.extend(fit.hidden.iter().map(|effect| note(effect, EffectNotFitted::NotDistinguished)));
+        let hidden = |effect| {
+            if of_any_direction(effect) { EffectNotFitted::NorthPart } else { EffectNotFitted::NotDistinguished }
+        };
+        notes.extend(fit.hidden.iter().map(|effect| note(effect, hidden(effect))));
         let held = |effect| {
             if any_temperature.contains(effect) { EffectNotFitted::AnyTemperature } else { EffectNotFitted::Held }
         };
@@ -194,7 +199,8 @@ fn calibrate_in(
         .zip(&campaign.gyros)
         .map(|(((fit, noise), coordinates), gyro)| fit.finish(gyro, noise, coordinates, is_other_noise))
         .collect();
-    for gyro in &mut gyros {
+    for (gyro, untold) in gyros.iter_mut().zip(untold) {
+        gyro.holds_untold_field = untold;
         gyro.effects.retain(|one| !any_temperature.contains(&one.effect));
     }
     let noise_found = match kinds {

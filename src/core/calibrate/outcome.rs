@@ -77,6 +77,16 @@ pub fn evaluate_with(campaign: &Campaign, model: &Options, limits: &Plausibility
     faults.or(Outcome::Imu { calibration: Box::new(calibration), separations, as_measured })
 }
 
+/// Whether each E, held or fitted, is one that the gyro in its slot can have. Every way in asks it with the limits in
+/// force.
+///
+/// # Errors
+/// As [`Campaign::check_known_scales`] and [`evaluate`].
+pub fn check_scales(campaign: &Campaign, limits: &Plausibility) -> Result<(), Faults> {
+    campaign.check_known_scales(limits)?;
+    if campaign.test == TestKind::Imu { evaluate(campaign, limits).map(|_| ()) } else { Ok(()) }
+}
+
 /// Shift of D_I from which a wrong sign of the latitude is looked for, deg/(h g0), and how near to it the D_I of every
 /// gyro must be.
 const LARGE_SHIFT: f64 = 8.0;

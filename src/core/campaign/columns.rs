@@ -38,7 +38,7 @@ const DWELLS_LAST: RangeInclusive<f64> = 1.0..=43_200.0;
 const LEAST_TURN: f64 = 90.0;
 
 /// Dwells whose times are in another unit: effects of time are then off by that factor.
-pub(crate) fn time_unit(campaign: &Campaign) -> Option<CampaignNote> {
+fn time_unit(campaign: &Campaign) -> Option<CampaignNote> {
     let median_s = median_of(campaign.dwells.iter().map(|d| d.duration_s))?;
     let turns = campaign.dwells.iter().filter(|d| d.phase == Phase::Rate);
     let turn_deg = turns.map(|d| d.rate_arcsec_s.norm() * d.duration_s / 3600.0).reduce(f64::max);
@@ -58,12 +58,12 @@ fn lacks(campaign: &Campaign, column: DwellColumn, has: fn(&Dwell) -> bool) -> (
 }
 
 /// Dwells whose standard errors are filled in.
-pub(crate) fn missing_errors(campaign: &Campaign) -> Option<Note> {
+fn missing_errors(campaign: &Campaign) -> Option<Note> {
     lacks(campaign, DwellColumn::StandardErrors, |d| d.output_sem_pulse_s.is_some()).1
 }
 
 /// Dwells whose temperature is left out.
-pub(crate) fn temperature_outliers(campaign: &Campaign) -> impl Iterator<Item = Note> {
+fn temperature_outliers(campaign: &Campaign) -> impl Iterator<Item = Note> {
     let temperatures = Temperatures::of(campaign);
     let median = temperatures.median;
     let note = move |(dwell, celsius)| Note::Campaign(CampaignNote::TemperatureOutlier { dwell, celsius, median });

@@ -25,7 +25,7 @@ const ROUNDS: usize = 30;
 /// Dwells whose outputs are further from model (6) than [`LEAST`] and [`TIMES_SCATTER`], where it is fitted by least
 /// absolute deviations (E. J. Schlossmacher, J. Am. Stat. Assoc. 68, 1973, 857: weights 1/|r|, again and again), which
 /// a few wrong dwells hardly move.
-pub(crate) fn contradicting(campaign: &Campaign) -> Option<CampaignNote> {
+pub(super) fn contradicting(campaign: &Campaign) -> Option<CampaignNote> {
     if campaign.test != TestKind::Imu {
         return None;
     }

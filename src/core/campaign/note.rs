@@ -118,6 +118,8 @@ pub enum EffectNotFitted {
     Lacks(MissingInput),
     /// It and the other terms are one to these dwells.
     NotDistinguished,
+    /// A field of any direction, whose part along north and the other terms are one to these dwells.
+    NorthPart,
     /// The model knows it better than these dwells tell it.
     Held,
     /// Nobody states the temperature: standard deviations hold what any would do.

@@ -88,7 +88,7 @@ fn rounded(steps: [f64; 2], gyro: &GyroNoise) -> Option<CoarseStep> {
     let [of_force, of_rate] = [gyro.g * steps[0], gyro.e * steps[1]];
     let times = (evenly(of_force.hypot(of_rate)) / median_of(gyro.sd.iter().copied())?).min(MOST_TIMES);
     let (of, step) = if of_force > of_rate { (Stepped::Force, steps[0]) } else { (Stepped::Rate, steps[1]) };
-    (times > COMMANDS).then_some(CoarseStep { of, step, slot: gyro.slot, times })
+    (step > 0.0 && times > COMMANDS).then_some(CoarseStep { of, step, slot: gyro.slot, times })
 }
 
 /// The decimal step of what was commanded; 0 where its lengths are gravity or the Earth's rate nevertheless: then
@@ -197,5 +197,12 @@ mod tests {
         assert_eq!(step_of([1.0, -0.5, 0.0].into_iter()), 0.0);
         assert_eq!(step_of([0.999, -0.706, 0.0].into_iter()), 1e-3);
         assert_eq!(step_of([0.999_05, 1.0 / 3.0].into_iter()), 0.0);
+    }
+
+    #[test]
+    fn what_is_not_rounded_is_not_said_to_be() {
+        let gyro = GyroNoise { slot: Slot::G1, g: f64::INFINITY, e: 1.5, sd: vec![0.0; 3] };
+        assert_eq!(rounded([0.0, 0.0], &gyro), None);
+        assert!(rounded([0.0, 1e-3], &GyroNoise { g: 1.0, ..gyro }).is_some_and(|step| step.of == Stepped::Rate));
     }
 }

@@ -29,6 +29,7 @@ use crate::core::diagnose::residuals::noise_floor;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::noise_rounds::SearchOutcome;
 use crate::core::diagnose::search::odds;
+use crate::core::diagnose::search::refined_shape;
 use crate::core::diagnose::search::stepwise::Search;
 
 use super::augmented::Options;
@@ -116,6 +117,8 @@ struct Names<'a> {
     /// What speaks against the names.
     doubts: Vec<Sign>,
     parts: Vec<Part>,
+    /// The same as a model is to hold them.
+    told: Vec<Part>,
     fit: Fit,
     /// The campaign calibrated without and with them.
     calibrated: Calibrated,
@@ -130,8 +133,9 @@ fn names<'a>(campaign: &Campaign, settled: &'a SearchOutcome) -> Names<'a> {
     named.retain(|_| closes.next().unwrap_or(true));
     let parts: Vec<Part> = named.iter().map(|n| n.part.clone()).collect();
     let fit = augmented_fit::fit(&settled.frame, &parts);
-    let calibrated = Calibrated::of(campaign, &settled.frame, &parts);
-    Names { settled, search, named, doubts, parts, fit, calibrated }
+    let told = refined_shape::as_told(&settled.frame, &parts);
+    let calibrated = Calibrated::of(campaign, &settled.frame, &told);
+    Names { settled, search, named, doubts, parts, told, fit, calibrated }
 }
 
 /// How far the names close the gap, and what remains.
@@ -150,7 +154,7 @@ struct Closed<'a> {
 /// Stage 3: what remains beside the names says what the noise is; that, how much of the gap they close on dwells that
 /// were not fitted.
 fn closed(names: Names<'_>) -> Closed<'_> {
-    let Names { settled, search, named, parts, fit, calibrated, .. } = &names;
+    let Names { settled, search, named, parts, told, fit, calibrated, .. } = &names;
     let frame = &settled.frame;
     let signs = closure::signs(settled, search, named, fit, &names.doubts, calibrated.augmented());
     let remains = signs.remain(named);
@@ -165,7 +169,7 @@ fn closed(names: Names<'_>) -> Closed<'_> {
     };
     let (floor_deg_per_h, may_be_noise) = (noise_floor.deg_per_h, signs.are_of_spread());
     let ground = ClosureReference { frame, fit, variances: &variances, floor_deg_per_h, remains, may_be_noise };
-    let effects = closure::effects(settled, named, parts, &ground, &signs);
+    let effects = closure::effects(settled, named, (parts, told), &ground, &signs);
     let all: Vec<&Part> = parts.iter().collect();
     let closure = (!parts.is_empty()).then(|| ground.held_out(&[], &all, fit.fitted.len()));
     let remaining = Remaining {
@@ -182,7 +186,7 @@ fn closed(names: Names<'_>) -> Closed<'_> {
 /// next.
 fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
     let Closed { names, verdict, variances, noise_floor, gap, effects, closure, remaining } = closed;
-    let Names { settled, search, named, parts, fit, calibrated, .. } = names;
+    let Names { settled, search, named, parts, told, fit, calibrated, .. } = names;
     let (frame, bank) = (&settled.frame, &settled.bank);
     let classes: Vec<Vec<Effect>> = named.iter().map(Named::anywhere).collect();
     let g_confounders = identifiability::g_confounders(frame, bank, &parts);
@@ -213,6 +217,8 @@ fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
         None => message!("described_by", variable = first.by.word()),
     });
     let parts_of_time = parts_of_time(settled, &effects);
+    let untold = told.iter().find(|part| part.adopted(frame).is_of_any_direction());
+    let untold = untold.map(|part| message!("field_direction_untold", effect = part.effect.word()));
     let overstated = stated_errors::too_large(&calibrated).map(Note::Campaign);
     Diagnosis {
         terms: frame.terms,
@@ -235,6 +241,7 @@ fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
             .chain(stated_errors::too_small(&calibrated, remains))
             .chain(said)
             .chain(parts_of_time)
+            .chain(untold)
             .chain(described)
             .collect(),
         noise,

@@ -24,7 +24,9 @@ fn axes_of(campaign: &Campaign, j: usize, notes: &mut Vec<CampaignNote>) -> Resu
     let slot = gyro.slot;
     let nominal = campaign.geometry.triad(slot).ok_or(Refusal::NoAxes(slot.name()))?.mat_gyro_body();
     if campaign.is_silent(j) {
-        return Err(Refusal::NoOutput(slot.name()));
+        let (dwells, parameters) = (campaign.dwells.len(), gyro.fitted_terms(campaign.terms()).columns());
+        let is_few = dwells <= parameters;
+        return Err(if is_few { Refusal::TooFewDwells { dwells, parameters } } else { Refusal::NoOutput(slot.name()) });
     }
     let (bias, g, e) = rough_fit(campaign, j);
     let carried = |e: Vector3<f64>| GyroAxes { bias: bias / e.norm(), ..GyroAxes::carried(slot, nominal, e, g) };

@@ -154,6 +154,7 @@ pub enum Parameter {
     Instant,
     Dwell,
     Period,
+    /// Of one direction, or its two parts each with coefficients of its own.
     FieldAzimuth,
     Clocking,
     Tilt,
@@ -176,7 +177,7 @@ impl Parameter {
             Self::Instant => matches!(shape, Shape::Instant(_)),
             Self::Dwell => matches!(shape, Shape::Dwell(_)),
             Self::Period => matches!(shape, Shape::Period(_)),
-            Self::FieldAzimuth => matches!(shape, Shape::Azimuth(_)),
+            Self::FieldAzimuth => matches!(shape, Shape::Linear | Shape::Azimuth(_)),
             Self::Clocking => matches!(shape, Shape::Clocking(_)),
             Self::Tilt => matches!(shape, Shape::Tilt { .. }),
             Self::Product => matches!(shape, Shape::Linear | Shape::Only(_)),
@@ -219,6 +220,8 @@ pub struct Entry {
     pub confused_with: &'static [Effect],
     /// What is as good a name wherever this is one, because its columns hold all that the other's leave.
     pub never_told_from: &'static [Effect],
+    /// What it is where it acts from the first dwell on.
+    pub throughout: Option<Effect>,
     /// The entries that together are this one, each with some of its coefficients; empty where it is no such whole.
     pub parts: &'static [Effect],
     pub scope: Scope,
@@ -406,6 +409,7 @@ pub(super) const PLAIN: Entry = Entry {
     plausible: f64::INFINITY,
     confused_with: &[],
     never_told_from: &[],
+    throughout: None,
     parts: &[],
     scope: Scope::Gyro,
     prior: Prior::Flat,

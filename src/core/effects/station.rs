@@ -67,14 +67,22 @@ pub const MAGNETIC: Entry = Entry {
     typical: [1e-3, 0.1], // IEEE 517, magnetic sensitivity, per 0.5 gauss
     plausible: 1e3,
     confused_with: &[Effect::Azimuth, Effect::Levelling, Effect::Scale],
-    names: &|_| vec!["k_x", "k_y", "k_z"],
+    names: &|shape| match shape {
+        Shape::Azimuth(_) => vec!["k_x", "k_y", "k_z"],
+        _ => vec!["east_x", "east_y", "east_z", "north_x", "north_y", "north_z"],
+    },
     missing: &no_attitude,
     shapes: &field_directions,
     columns: &|s, _, shape| {
-        let Shape::Azimuth(angle) = shape else { return Vec::new() };
-        let field = Vector3::new(angle.sin(), angle.cos(), 0.0);
-        let body = in_body(s, field);
-        (0..3).map(|i| body.iter().map(|b| b[i]).collect()).collect()
+        let along = |field: Vector3<f64>| {
+            let body = in_body(s, field);
+            (0..3).map(|i| body.iter().map(|b| b[i]).collect()).collect::<Vec<Vec<f64>>>()
+        };
+        match shape {
+            Shape::Azimuth(angle) => along(Vector3::new(angle.sin(), angle.cos(), 0.0)),
+            // Of any direction: what goes with east and what goes with north.
+            _ => [along(Vector3::x()), along(Vector3::y())].concat(),
+        }
     },
     parameter: Parameter::FieldAzimuth,
     ..PLAIN
@@ -90,6 +98,7 @@ pub const RELEVELLING: Entry = Entry {
     typical: [5e-6, 1e-3], // levelling of two-axis tables, 1 to 200 arcsec
     plausible: 0.2,
     confused_with: &[Effect::Levelling, Effect::Magnetic, Effect::Reseating],
+    throughout: Some(Effect::Levelling),
     scope: Scope::Common,
     names: &|_| vec!["east", "north"],
     missing: &no_attitude,

@@ -4,7 +4,7 @@ use crate::core::augmented::{Adopted, AugmentedModel, KnownEffect};
 use crate::core::calibrate::calibrate_augmented;
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{NamedEffect, Verdict, diagnose};
-use crate::core::effects::{Effect, Refusal, axes};
+use crate::core::effects::{Effect, Refusal, Shape, axes};
 use crate::core::model::Terms;
 
 /// Effects chosen for several campaigns of an IMU.
@@ -80,7 +80,14 @@ pub fn asked_for(effects: &[Effect], campaign: &Campaign, terms: Option<Terms>) 
         let with = |shape| Adopted { effect: *effect, shape, slots: slots.clone() };
         let shapes = (effect.entry().shapes)(&setting).into_iter().map(|(shape, _)| with(shape));
         let scored = shapes.map(|adopted| (fitted_with(&adopted), adopted));
-        if let Some((_, best)) = scored.min_by(|a, b| a.0.total_cmp(&b.0)) {
+        let any = Some(with(Shape::Linear)).filter(Adopted::is_of_any_direction);
+        let untold = any.filter(|any| {
+            let all: Vec<Adopted> = known.adopted.iter().chain([any]).cloned().collect();
+            let fit = calibrate_augmented(campaign, known.terms.unwrap_or_default(), &all);
+            fit.gyros.iter().any(|gyro| gyro.holds_untold_field)
+        });
+        let best = || scored.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, best)| best);
+        if let Some(best) = untold.or_else(best) {
             join(&mut model, best);
         }
     }

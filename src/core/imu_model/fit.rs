@@ -29,7 +29,7 @@ use crate::core::message::{Message, text};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::Slot;
 use crate::core::numerics::between::{Observation, Scatter};
-use crate::core::numerics::least_squares::Factor;
+use crate::core::numerics::least_squares::{Factor, RANK_TOLERANCE};
 use crate::core::record::Name;
 use crate::message;
 
@@ -133,7 +133,7 @@ pub fn identify_at(
     let axes = axes_of(&samples)?;
     loop {
         let problem = ModelProblem::new(&samples, terms, &effects, reference_c, &axes)?;
-        match problem.undetermined() {
+        match problem.undetermined(&effects) {
             Some(effect) => _ = effects.remove(effect),
             None => return Ok(problem.solved(&effects)),
         }
@@ -272,24 +272,44 @@ impl<'a> ModelProblem<'a> {
     }
 
     /// An effect that the campaigns do not tell from the rest.
-    fn undetermined(&self) -> Option<usize> {
+    fn undetermined(&self, effects: &[Adopted]) -> Option<usize> {
         let width = self.factor.covariance().nrows();
-        (0..self.coefficients.len()).find_map(|place| {
+        let told = |place: usize| {
             let (effect, _) = self.coefficients[place].of.effect()?;
             let direction = self.expand.row(place).transpose().resize_vertically(width, 0.0);
-            (!self.factor.determines(&direction)).then_some(effect)
-        })
+            Some((effect, self.factor.determines(&direction)))
+        };
+        let told: Vec<(usize, bool)> = (0..self.coefficients.len()).filter_map(told).collect();
+        // What the campaigns tell of a field of any direction they tell beside its part along north.
+        let is_told_in_part = |effect: usize| effects[effect].is_of_any_direction() && told.contains(&(effect, true));
+        told.iter().find(|(effect, is_told)| !is_told && !is_told_in_part(*effect)).map(|(effect, _)| *effect)
+    }
+
+    /// Moves `values` along what no campaign shows to where the untold parts of fields are zero: E is then the sum of
+    /// both, as the plain model has it.
+    fn without_untold_fields(&self, effects: &[Adopted], unseen: &DMatrix<f64>, values: &mut DVector<f64>) {
+        let of_field = |place: &usize| {
+            let of = self.coefficients[*place].of.effect();
+            of.is_some_and(|(effect, _)| effects[effect].is_of_any_direction())
+        };
+        let places: Vec<usize> = (0..self.coefficients.len()).filter(of_field).collect();
+        if places.is_empty() || unseen.ncols() == 0 {
+            return;
+        }
+        let of_fields = unseen.select_rows(&places);
+        if let Ok(along) = of_fields.svd(true, true).solve(&values.select_rows(&places), RANK_TOLERANCE) {
+            *values -= unseen * along;
+        }
     }
 
     fn solved(self, effects: &[Adopted]) -> Identified {
         let q = self.expand.ncols();
         let fit = self.factor.fit(&self.side);
-        let values = &self.expand * fit.estimate.rows(0, q);
+        let mut values = &self.expand * fit.estimate.rows(0, q);
+        let unseen = &self.expand * fit.null_directions.rows(0, q);
+        self.without_untold_fields(effects, &unseen, &mut values);
         let mut covariance = &self.expand * fit.covariance.view((0, 0), (q, q)) * self.expand.transpose();
-        for null in fit.null_directions.column_iter() {
-            let unseen = &self.expand * null.rows(0, q) * UNKNOWN;
-            covariance += &unseen * unseen.transpose();
-        }
+        covariance += &unseen * unseen.transpose() * (UNKNOWN * UNKNOWN);
         covariance = 0.5 * (&covariance + covariance.transpose());
         let mut coefficients = self.coefficients;
         coefficients.iter_mut().zip(values.iter()).for_each(|(c, value)| c.value = *value);

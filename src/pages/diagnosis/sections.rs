@@ -108,7 +108,8 @@ fn consequence(t: &Text, d: &DiagnosisBody) -> Markup {
     let of_drift = |one: &&ImpactBody| matches!(one.coefficient.as_str(), "D_I" | "D_S");
     let moved: Vec<&ImpactBody> = d.impact.iter().filter(of_drift).collect();
     html! {
-        @if d.effects.is_empty() { }
+        @let untold = moved.is_empty() && d.impact_within_noise.is_empty();
+        @if d.effects.is_empty() || untold { }
         @else if moved.is_empty() { (layout::with_symbols(t.impact_none)) }
         @else {
             (t.impact_some) " "

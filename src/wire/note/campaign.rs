@@ -222,6 +222,7 @@ fn left_out(why: &EffectNotFitted) -> Message {
     match why {
         EffectNotFitted::Lacks(what) => what.message(),
         EffectNotFitted::NotDistinguished => message!("not_told_apart"),
+        EffectNotFitted::NorthPart => message!("north_part_not_told"),
         EffectNotFitted::Held => message!("held_as_in_model"),
         EffectNotFitted::AnyTemperature => message!("any_temperature"),
     }

@@ -9,7 +9,7 @@ model_without_terms = the model holds no terms
 
 ## What a campaign lacks for an effect
 
-dwells_without_temperature = the dwells carry no temperature
+dwells_without_temperature = the dwells carry no temperature, or fewer than half of them do
 temperature_is_constant = the temperature is constant
 dwells_without_attitude = the dwells carry no attitude
 every_rate_is_zero = every commanded rate is zero
@@ -182,6 +182,7 @@ variable_temperature_and_force = temperature and specific force together
 variable_temperature_and_rate = temperature and rate together
 variable_temperature_and_time = temperature and time together
 variable_single_dwells = a few dwells alone
+field_direction_untold = the direction of the field ({ $effect }) is not told: its part along north is one with E and G in these dwells. D_I and D_S with it are not stated; dwells that turn tell it, or site.magnetic_field_nav
 acts_in_part = { $effect } acts in a part of the campaign only: from { $from } to { $to } h
 noise_shared = gyros share noise: their correlation is up to { $correlation }
 noise_memory = the noise has a memory (probability { $probability }): a wander of about { $size } deg/h

@@ -267,6 +267,7 @@ no_drift_fitted = the model has no g_linear term: no acceleration-sensitive drif
 no_scale_fitted = E is neither fitted (no scale term) nor held (known_e_pulse_per_arcsec): G stays in pulse/(s g0), so there is no D_I and D_S in deg/(h g0)
 parameters_undetermined = the dwells do not determine { $parameters }; { $needs }
 scale_in_noise = E is not resolved from the noise: |E| is { $ratio } of its standard deviations
+untold_field = E and G hold the part of a field along north, which these dwells do not tell from them; dwells that turn tell it
 implausible_scale = the fitted E is impossible: { $why }
 zero_scale = E is zero: it has no direction and cannot divide G
 quotient_not_finite = E, G or their quotient is not a finite number
@@ -316,6 +317,10 @@ measured_attitude = the vertical of the attitude is { $value } deg from specific
 this_dwell = this dwell
 share_of_dwells = { $count } of { $of } dwells
 effect_not_seen = this design cannot see { $effect }: give it a size instead
+needs_more_dwells = { $dwells ->
+    [one] one dwell is
+   *[other] { $dwells } dwells are
+} too few for { $parameters } parameters
 needs_directions = dwells with other directions of the specific force are needed
 needs_rates = dwells with other rates are needed
 needs_directions_and_rates = dwells with other directions of the specific force and other rates are needed

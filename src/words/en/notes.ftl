@@ -56,6 +56,7 @@ any_temperature = no temperature is stated, and the model knows what it does: th
 any_temperature_of_record = no temperature is stated, and the IMU's model states D_I and D_S at one: the sigmas hold what any from -40 to 85 deg C would do. State temperature_c
 not_restated = { $slot }: D_I and D_S stay as measured: the IMU's model knows { $effect } of another gyro, or of all gyros in common
 not_told_apart = these dwells cannot tell it from the other terms
+north_part_not_told = only its part along north, which these dwells cannot tell from E and G
 latitude_sign = D_I of every gyro is near { $shift } deg/(h g0), which a wrong sign of the latitude makes: is the station north (+) or south (-) of the equator?
 gravity_off = |specific_force_g0| of static dwells is { $percent } % off the site's gravity (- is less): D_I and D_S are off by as much the other way, up to { $moves } deg/(h g0) ({ $slot })
 latitude_off = rate_arcsec_s of static dwells is that of latitude { $degrees } deg, and the site states another: where the rates are wrong, D_I is by { $moves } deg/(h g0)

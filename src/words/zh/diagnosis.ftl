@@ -9,7 +9,7 @@ model_without_terms = 模型没有任何项
 
 ## 试验缺少什么
 
-dwells_without_temperature = 测点没有温度数据
+dwells_without_temperature = 测点没有温度数据，或有温度的测点不到一半
 temperature_is_constant = 温度没有变化
 dwells_without_attitude = 测点没有姿态数据
 every_rate_is_zero = 所有指令角速度均为零
@@ -182,6 +182,7 @@ variable_temperature_and_force = 温度与比力的共同作用
 variable_temperature_and_rate = 温度与角速度的共同作用
 variable_temperature_and_time = 温度与时间的共同作用
 variable_single_dwells = 少数个别停留点
+field_direction_untold = 场（{ $effect }）的方向不能确定：在这些测点中，其北向部分与E、G不可区分。因此不给出计入它之后的D_I与D_S；转动的测点或site.magnetic_field_nav可以确定方向
 acts_in_part = { $effect }仅在部分试验中起作用：从{ $from }到{ $to } h
 noise_shared = 各陀螺噪声相关：相关系数最高{ $correlation }
 noise_memory = 噪声有记忆（概率{ $probability }）：游走约{ $size }度每小时

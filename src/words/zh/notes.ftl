@@ -54,6 +54,7 @@ any_temperature = 未给出温度，而模型已知其影响：标准差已计�
 any_temperature_of_record = 未给出温度，而IMU模型将D_I、D_S归算到一个温度：标准差已计入-40至85 °C间任一温度的影响。请给出temperature_c
 not_restated = { $slot }：D_I、D_S保持测量值：IMU模型中的{ $effect }属于另一陀螺，或为各陀螺共有
 not_told_apart = 这些测点不能将其与其他项区分
+north_part_not_told = 仅其北向部分，这些测点不能将其与E、G区分
 latitude_sign = 各陀螺的D_I均接近{ $shift } (°)/(h·g0)，恰为纬度正负号有误所致：测试站在北纬（+）还是南纬（-）？
 gravity_off = 静态测点的|specific_force_g0|与测试站重力相差{ $percent } %（负号为偏小）：D_I、D_S反向差同样比例，最大{ $moves } (°)/(h·g0)（{ $slot }）
 latitude_off = 静态测点的rate_arcsec_s对应纬度{ $degrees } °，与测试站所给纬度不符：若角速度有误，D_I即差{ $moves } (°)/(h·g0)

@@ -202,11 +202,13 @@ pub(crate) fn gap(
 pub(crate) fn effects(
     settled: &SearchOutcome,
     named: &[Named],
-    parts: &[Part],
+    (parts, told): (&[Part], &[Part]),
     ground: &ClosureReference<'_>,
     signs: &Signs,
 ) -> Vec<NamedEffect> {
     let &ClosureReference { frame, fit, variances, .. } = ground;
+    let fit_as_told = (told != parts).then(|| augmented_fit::fit(frame, told));
+    let fit_as_told = fit_as_told.as_ref().unwrap_or(fit);
     let rss = |fit: &Fit| fit.residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum::<f64>();
     (0..named.len())
         .map(|p| {
@@ -218,14 +220,14 @@ pub(crate) fn effects(
             let coefficients = fit.fitted.iter().filter(|f| f.part == p).count();
             NamedEffect {
                 effect: parts[p].effect,
-                shape: parts[p].shape,
+                shape: told[p].shape,
                 class: named[p].class.clone(),
                 wider_in: (named[p].wider_in.iter())
                     .map(|(j, class)| (frame.setting.gyros[*j].slot, class.clone()))
                     .collect(),
                 gyros: slots(frame, &parts[p].members),
                 acts_in: (signs.changes.iter()).find(|change| change.named == p).and_then(|change| change.acts_in),
-                estimates: estimates(frame, parts, p, fit),
+                estimates: estimates(frame, told, p, fit_as_told),
                 held_out: ground.held_out(&earlier, &[&parts[p]], coefficients),
                 p_value_adjusted: settled.null.p_value(named[p].evidence),
                 detectability: (rss(&augmented_fit::fit(frame, &others)) - rss(fit)).max(0.0).sqrt(),

@@ -41,12 +41,17 @@ pub(crate) fn class(search: &Search, choices: &[Choice], i: usize) -> Vec<Effect
         .collect();
     let Some(&(_, evidence, fit)) = judged.iter().find(|(effect, ..)| *effect == own) else { return vec![own] };
     let margin = EVIDENCE_MARGIN.max(MARGIN_SHARE * evidence);
+    // An instant is chosen among as many as there are dwells: noise gains the logarithm of that by it.
+    let of_instant = (search.frame.dwells() as f64).ln();
+    let fit_margin = |effect: Effect| {
+        if own.entry().throughout == Some(effect) { FIT_MARGIN + of_instant } else { FIT_MARGIN }
+    };
     let mut class = vec![own];
     class.extend(
         judged
             .iter()
             .filter(|(effect, ..)| *effect != own && !search.is_ruled_out(&others, *effect))
-            .filter(|(_, e, f)| *e > evidence - margin || *f > fit - FIT_MARGIN)
+            .filter(|(effect, e, f)| *e > evidence - margin || *f > fit - fit_margin(*effect))
             .map(|(effect, ..)| *effect),
     );
     let always =

@@ -4,10 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::noise::{self, Noise};
 use crate::core::augmented::{Adopted, Options, PlausibleSizes};
-use crate::core::campaign::{
-    Campaign, CampaignGyro, CampaignNote, TestKind, contradicting, missing_errors, stuck, temperature_outliers,
-    time_unit,
-};
+use crate::core::calibrate::design::Design;
+use crate::core::campaign::{Campaign, CampaignGyro, TestKind, notes};
 use crate::core::effects::{CATALOGUE, Effect, Entry, Refusal, Scope, Setting, axes};
 use crate::core::message::Message;
 use crate::core::model::Terms;
@@ -78,12 +76,9 @@ impl Frame {
         if terms.is_empty() {
             return Err(Refusal::NoTerms);
         }
+        too_few(campaign, terms)?;
         let (setting, of_axes) = axes::setting(campaign)?;
-        let of_columns = temperature_outliers(campaign).chain(missing_errors(campaign));
-        let stands = stuck(campaign).into_iter().map(CampaignNote::OutputStuck);
-        let of_fit = of_axes.into_iter().chain(time_unit(campaign)).chain(contradicting(campaign)).chain(stands);
-        let of_fit = of_fit.map(Note::Campaign);
-        let of_campaign = of_columns.chain(of_fit).collect();
+        let of_campaign = notes(campaign).into_iter().chain(of_axes.into_iter().map(Note::Campaign)).collect();
         let outputs: Vec<Vec<f64>> = (0..campaign.gyros.len()).map(|j| drift_output(campaign, &setting, j)).collect();
         let designs = |adopted: &[Adopted]| -> Vec<Vec<Vec<f64>>> {
             (0..campaign.gyros.len()).map(|j| design(&setting, j, terms, &campaign.gyros[j], adopted)).collect()
@@ -164,6 +159,17 @@ impl Frame {
     }
 }
 
+/// Refuses a campaign with no more dwells than parameters, whatever of these it determines: what so few make of E is
+/// nothing to measure the outputs by.
+fn too_few(campaign: &Campaign, terms: Terms) -> Result<(), Refusal> {
+    let dwells = campaign.dwells.len();
+    let parameters = |gyro: &CampaignGyro| Design::new(&campaign.dwells, gyro.fitted_terms(terms)).reduced.ncols();
+    match campaign.gyros.iter().map(parameters).max().filter(|parameters| dwells <= *parameters) {
+        Some(parameters) => Err(Refusal::TooFewDwells { dwells, parameters }),
+        None => Ok(()),
+    }
+}
+
 fn whitened(sd: &[f64], unlike: Option<(DMatrix<f64>, f64)>, output: &[f64], design: &[Vec<f64>]) -> GyroFrame {
     let (unlike, log_det) = unlike.map_or((None, 0.0), |(unlike, log_det)| (Some(unlike), log_det));
     let log_scale = sd.iter().map(|sd| sd.ln()).sum::<f64>() + log_det;
@@ -205,4 +211,48 @@ fn drift_output(campaign: &Campaign, s: &Setting, j: usize) -> Vec<f64> {
         TestKind::Imu | TestKind::TorqueFeedback => 1.0 / s.gyros[j].scale,
     };
     campaign.free_outputs(j).map(|output| output * per_pulse).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+    use crate::core::campaign::made_for_tests::{self, name};
+    use crate::core::campaign::{Dwell, Phase};
+    use crate::core::mounting::Slot;
+
+    /// The first `dwells` of some in which the force and the rate go round all axes.
+    fn campaign(dwells: usize) -> Campaign {
+        let dwell = |k: usize| {
+            let (axis, sign) = (k % 3, if k.is_multiple_of(2) { 1.0 } else { -1.0 });
+            let (force, rate) = (sign * Vector3::ith(axis, 1.0), Vector3::ith((axis + k / 6) % 3, 600.0 + k as f64));
+            let output = 1.5 * rate.x + 2.0 * force.x - force.y + 0.01 * (k as f64).sin();
+            Dwell {
+                phase: Phase::Rate,
+                temperature_c: Some(318.15),
+                ..made_for_tests::dwell(k, force, rate, vec![output])
+            }
+        };
+        let gyro = CampaignGyro { slot: Slot::G1, serial: name("A"), known_e: None };
+        made_for_tests::campaign(vec![gyro], (0..dwells).map(dwell).collect())
+    }
+
+    #[test]
+    fn a_diagnosis_notes_of_the_campaign_what_a_calibration_notes_of_it() {
+        let campaign = campaign(24);
+        let frame = Frame::of(&campaign, &Options::default()).expect("it has dwells to spare");
+        let codes: Vec<&str> = frame.of_campaign.iter().map(Note::code).collect();
+        assert!(codes.contains(&"temperature_unit") && codes.contains(&"no_site"), "{codes:?}");
+        assert!(notes(&campaign).iter().all(|note| frame.of_campaign.contains(note)), "{codes:?}");
+    }
+
+    #[test]
+    fn few_dwells_are_refused_for_their_number() {
+        for dwells in [1, 2, 5, 9] {
+            let found = Frame::of(&campaign(dwells), &Options::default()).map(|frame| frame.dwells());
+            assert_eq!(found, Err(Refusal::TooFewDwells { dwells, parameters: 9 }));
+        }
+        assert!(Frame::of(&campaign(14), &Options::default()).is_ok());
+    }
 }

@@ -4,8 +4,10 @@
 //! effect is a tenth of it, or half where the design hides a part of the field: nothing at the limit of detection, but
 //! from twice that on it passes for an effect of its own, or two neighbours of the grid for a pair.
 
+use std::f64::consts::FRAC_PI_2;
+
 use crate::core::diagnose::residuals::augmented_fit;
-use crate::core::diagnose::residuals::augmented_fit::Part;
+use crate::core::diagnose::residuals::augmented_fit::{Fit, Part, with_parts};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::choice::Choice;
 use crate::core::diagnose::search::stepwise::Search;
@@ -91,6 +93,41 @@ pub(crate) fn shape_sd(frame: &Frame, parts: &[Part], i: usize, variances: &[f64
     let h = 0.05 * grid;
     let curvature = (left(at + h) + left(at - h) - 2.0 * left(at)) / (h * h);
     if curvature > 0.0 { (2.0 / curvature).sqrt().min(grid) } else { grid }
+}
+
+/// Detectability of one radian of a field's direction below which the direction is not told: its standard deviation is
+/// half a radian there.
+const TOLD_DIRECTION: f64 = 2.0;
+
+/// The parts as a model is to hold them: a field whose direction the dwells do not tell has any. At rest all directions
+/// but north fit alike, and each moves E and G otherwise.
+pub(crate) fn as_told(frame: &Frame, parts: &[Part]) -> Vec<Part> {
+    let fit = augmented_fit::fit(frame, parts);
+    let of_part = |(p, part): (usize, &Part)| match part.shape {
+        Shape::Azimuth(angle) if !is_told(frame, parts, (p, angle), &fit) => {
+            Part { shape: Shape::Linear, ..part.clone() }
+        }
+        _ => part.clone(),
+    };
+    parts.iter().enumerate().map(of_part).collect()
+}
+
+/// Whether the direction of the field that part `p` is was stated, or residuals would show another.
+fn is_told(frame: &Frame, parts: &[Part], (p, angle): (usize, f64), fit: &Fit) -> bool {
+    if (parts[p].effect.entry().shapes)(&frame.setting).len() < 2 {
+        return true;
+    }
+    let all: Vec<&Part> = parts.iter().collect();
+    // The derivative by the angle is the field a quarter turn on.
+    let turned = Part { shape: Shape::Azimuth(angle + FRAC_PI_2), ..parts[p].clone() };
+    let of_gyro = |j: usize| {
+        let gyro = &frame.gyros[j];
+        let mut column = gyro.whiten(fit.drift_of((p, &turned), &frame.setting, j));
+        with_parts(frame, j, gyro.basis.clone(), &all).project_out(&mut column);
+        dot(&column, &column) / fit.variances[j]
+    };
+    let members = (0..turned.members.len()).filter(|j| turned.members[*j]);
+    members.map(of_gyro).sum::<f64>().sqrt() > TOLD_DIRECTION
 }
 
 /// How likely a change is where the phases meet, over everywhere else together: there fixtures are changed.

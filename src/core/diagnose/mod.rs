@@ -125,6 +125,7 @@ struct Names<'a> {
 fn names<'a>(campaign: &Campaign, settled: &'a SearchOutcome) -> Names<'a> {
     let search = settled.search();
     let (mut named, doubts) = named::named(&search, &settled.found);
+    named.retain(|n| !identifiability::is_unseen(&settled.frame, &settled.bank, n.part.effect));
     let parts: Vec<Part> = named.iter().map(|n| n.part.clone()).collect();
     let mut closes = odds::closing(&settled.frame, &parts).into_iter();
     named.retain(|_| closes.next().unwrap_or(true));

@@ -53,7 +53,7 @@ const STEPS: RangeInclusive<f64> = 0.9e-3..=0.11;
 const ROOM: f64 = 0.6;
 
 /// Powers of ten, the largest first, that a table's rate is a multiple of, arcsec/s.
-const ROUND_RATES: std::ops::Range<i32> = -4..4;
+const ROUND_RATES: [i32; 8] = [-4, -3, -2, -1, 0, 1, 2, 3];
 
 /// The campaign with the exact inertial rates where those that were sent are them rounded: rounding is no noise, since
 /// the vertical part of the Earth's rate rounds alike in all dwells, and D_I holds it.
@@ -93,7 +93,7 @@ fn exact_rate(dwell: &Dwell, earth: &Vector<Nav>, step: f64) -> Option<Vector3<f
             let of_vertical = earth.0.z * up + earth.0.y * north;
             of_attitude.into_iter().chain([of_vertical]).find(fits)
         }
-        Phase::Rate => ROUND_RATES.find_map(|places| {
+        Phase::Rate => ROUND_RATES.into_iter().find_map(|places| {
             let scale = 10_f64.powi(places);
             let table = ((along - earth.0.z) * scale).round() / scale;
             Some((table + earth.0.z) * up).filter(fits)

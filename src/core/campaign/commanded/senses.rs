@@ -195,7 +195,7 @@ mod tests {
         }
         let reversed =
             Senses { still, turning: vec![Vector3::new(-1.3, 0.001, -0.002)], variance: 1e-9, axes: [true; 3] };
-        let cause = MistakeKind::AxisReversed { axis: 0, of: Vectors::Rate };
-        assert_eq!(reversed.causes(), Some(vec![cause]));
+        let causes = vec![MistakeKind::AxisReversed { axis: 0, of: Vectors::Rate }, MistakeKind::RateReversed];
+        assert_eq!(reversed.causes(), Some(causes));
     }
 }

@@ -191,6 +191,7 @@ pub fn fit(bytes: &[u8]) {
         station_uncertainty,
         gyros,
         dwells,
+        rates_sent_in_steps: None,
         test,
         model,
         temperature_c,

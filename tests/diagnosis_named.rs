@@ -372,3 +372,31 @@ fn rounded_commands_are_said_where_rounding_shows() {
     };
     assert!(rounded(3) && !rounded(6));
 }
+
+/// Nothing is hidden in either: `cubic_g` and `g_rate_coupling` were named of what rounding makes.
+#[test]
+fn rates_in_coarse_steps_are_no_gap_where_the_site_tells_what_they_were() {
+    for name in ["rates-in-hundredths.json", "rates-in-tenths.json"] {
+        let answer = diagnosed(&document(name));
+        assert_eq!((answer.verdict, names(&answer)), (Verdict::NoGap, BTreeSet::new()), "{name}");
+        assert!(answer.notes.iter().any(|note| note.code == "commands_rounded"), "{name}");
+    }
+}
+
+#[test]
+fn no_name_is_explained_that_rounding_may_have_made() {
+    let nowhere = |name: &str| {
+        let mut campaign = document(name);
+        campaign.as_object_mut().unwrap().remove("site");
+        diagnosed(&campaign)
+    };
+    let hundredths = nowhere("rates-in-hundredths.json");
+    assert_eq!(names(&hundredths), BTreeSet::from(["cubic_g"]));
+    assert_eq!(hundredths.verdict, Verdict::PartlyExplained);
+    assert!(hundredths.remaining.signs.iter().any(|sign| sign.kind == "commands_rounded"));
+    let tenths = nowhere("rates-in-tenths.json");
+    assert!(tenths.notes.iter().any(|note| note.code == "commands_rounded"));
+    let listed = |effect| tenths.not_identifiable.iter().any(|one| one.effect == effect);
+    assert!(tenths.effects.iter().all(|named| !listed(named.effect)), "what cannot be shown is no name");
+    assert_ne!(tenths.verdict, Verdict::Explained);
+}

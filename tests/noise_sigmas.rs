@@ -187,6 +187,7 @@ fn draw(kind: Kind, states_errors: bool, seed: u64) -> (Campaign, Vec<[Vector3<f
         site: None,
         gyros,
         dwells,
+        rates_sent_in_steps: None,
         test: TestKind::Imu,
         station_uncertainty: StationUncertainty::default(),
         model: None,

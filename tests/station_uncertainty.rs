@@ -170,6 +170,7 @@ fn draw(design: &Design, stated: [Option<f64>; 3], seed: u64) -> (Campaign, Vec<
         station_uncertainty: StationUncertainty { levelling: radians(0), azimuth: radians(1), fixture: radians(2) },
         gyros: gyros.collect(),
         dwells,
+        rates_sent_in_steps: None,
         test: TestKind::Imu,
         model: None,
         temperature_c: None,

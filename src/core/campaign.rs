@@ -28,11 +28,11 @@ mod temperatures;
 
 pub use check::{CampaignLimits, check_dwells};
 pub use columns::notes;
-pub use earth_rate::with_earth_rate;
+pub use earth_rate::{with_earth_rate, with_exact_rates};
 pub use note::{CampaignNote, DriftOfGyro, DwellColumn, EffectNotFitted, StationUndetermined};
 use stated_errors::Stated;
 pub use station_uncertainty::{StationPart, StationUncertainty};
-pub use steps::{CoarseStep, GyroNoise, Stepped, coarse_steps};
+pub use steps::{CoarseStep, GyroNoise, Stepped, coarse_steps, rounded_vertical};
 pub use stuck::{StuckOutput, constant, stuck};
 pub use temperatures::{Temperatures, any_kelvin};
 
@@ -132,6 +132,8 @@ pub struct Campaign {
     pub gyros: Vec<CampaignGyro>,
     /// In time order, never empty.
     pub dwells: Vec<Dwell>,
+    /// Step in which rates were sent, arcsec/s, where [`with_exact_rates`] has put the exact ones in their place.
+    pub rates_sent_in_steps: Option<f64>,
     pub test: TestKind,
     /// The terms that the station asks to be fitted, where it asks.
     pub model: Option<Terms>,
@@ -145,6 +147,12 @@ impl Campaign {
     pub fn ends_at(&self) -> UtcMicros {
         let length_s = self.dwells.last().map_or(0.0, |last| last.start_s + last.duration_s);
         self.measured_at.plus_days(length_s / 86_400.0)
+    }
+
+    /// Inertial rate of one of its dwells as it was sent, arcsec/s.
+    pub fn sent_rate(&self, dwell: &Dwell) -> Vector3<f64> {
+        let scale = self.rates_sent_in_steps.map(|step| (1.0 / step).round());
+        scale.map_or(dwell.rate_arcsec_s, |scale| dwell.rate_arcsec_s.map(|x| (x * scale).round() / scale))
     }
 
     /// Whether the output of gyro `j` is the same in every dwell: nothing can be said of it.

@@ -116,6 +116,7 @@ impl World {
             station_uncertainty: StationUncertainty::default(),
             gyros: self.stated_gyros()?,
             dwells,
+            rates_sent_in_steps: None,
             test: scenario.test_kind()?,
             model: scenario.asked_terms()?,
             temperature_c: scenario.columns.temperature.then_some(scenario.temperature.mean_c),

@@ -6,7 +6,7 @@ use super::{json, text};
 use crate::core::campaign::commanded::AffectedDwells;
 use crate::core::campaign::{
     Campaign, CampaignGyro, CampaignLimits, Dwell, Phase, Site, StationPart, StationUncertainty, TestKind,
-    check_dwells, with_earth_rate,
+    check_dwells, with_earth_rate, with_exact_rates,
 };
 use crate::core::frames::{Body, Nav, Rotation};
 use crate::core::message::{figure, list, sent};
@@ -223,6 +223,7 @@ impl CampaignBody {
             station_uncertainty,
             gyros,
             dwells: Vec::new(),
+            rates_sent_in_steps: None,
             test,
             model: self.model(faults),
             temperature_c: text::temperature("/temperature_c", self.temperature_c, faults),
@@ -231,10 +232,10 @@ impl CampaignBody {
         }
     }
 
-    /// With inertial rates, whichever were sent.
+    /// With inertial rates, whichever were sent, and the exact ones where they were rounded.
     fn inertial(&self, campaign: Campaign) -> Result<Campaign, Faults> {
         match self.rates.as_deref() {
-            None | Some(INERTIAL) => Ok(campaign),
+            None | Some(INERTIAL) => Ok(with_exact_rates(campaign)),
             Some(_) => with_earth_rate(&campaign, AffectedDwells::All).map_err(|lacks| {
                 let mut missing = Vec::new();
                 missing.extend(lacks.site.then(|| message!("site_missing")));

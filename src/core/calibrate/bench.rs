@@ -425,7 +425,7 @@ impl BenchProblem<'_> {
                 white: factor.covariance_of(&white.clone().unwrap_or(coordinates)) * of_white,
                 share: noise.share(&evidence, noise_report::is_other(&weighed.kinds)),
                 station: StationResponse::by_part(&station.responses, &identity),
-                contradicted: StationResponse::contradicted(&station.responses, &identity),
+                unstated: StationResponse::contradicted(&station.responses, &identity),
             }
         };
         let mixed = coordinates.map(|mixed| (mixed, weighed.white[0]));

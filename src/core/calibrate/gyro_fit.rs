@@ -360,17 +360,27 @@ impl GyroFit {
         own.chain(held).chain(common).collect()
     }
 
-    /// Covariance of model (6)'s parameters by what is stated of the station.
-    fn of_station(&self, design: &Design) -> (Vec<(StationPart, DMatrix<f64>)>, Option<DMatrix<f64>>) {
-        let expand = design.expand.rows(0, design.terms.columns()).into_owned();
+    /// Covariance of model (6)'s parameters by what is stated of the station, and by what is not: with a rate of
+    /// `vertical` along the specific force in all dwells, G is off by vertical E.
+    fn of_station(&self, design: &Design, vertical: f64) -> (Vec<(StationPart, DMatrix<f64>)>, Option<DMatrix<f64>>) {
+        let p = design.terms.columns();
+        let expand = design.expand.rows(0, p).into_owned();
         let contradicted = StationResponse::contradicted(&self.station, &expand);
-        (StationResponse::by_part(&self.station, &expand), contradicted)
+        let has_g = vertical > 0.0 && design.terms.contains(Term::GLinear);
+        let rounded = self.fitted_e().filter(|_| has_g).map(|e| {
+            let mut off = DVector::zeros(p);
+            off.fixed_rows_mut::<3>(design::first_column(design.terms, Term::GLinear)).copy_from(&(e * vertical));
+            &off * off.transpose()
+        });
+        let unstated = contradicted.into_iter().chain(rounded).reduce(|sum, one| sum + one);
+        (StationResponse::by_part(&self.station, &expand), unstated)
     }
 
-    /// `coordinates` are the covariance on the design's basis, of which `white` noise as stated has its part.
+    /// `coordinates` are the covariance on the design's basis, of which `white` noise as stated has its part; `vertical`
+    /// as of [`rounded_vertical`](crate::core::campaign::rounded_vertical).
     pub fn finish(
         self,
-        gyro: &CampaignGyro,
+        (gyro, vertical): (&CampaignGyro, f64),
         noise: NoiseScale,
         (coordinates, white): (Option<DMatrix<f64>>, f64),
         is_other_noise: bool,
@@ -385,13 +395,13 @@ impl GyroFit {
             .map(|(coordinates, scale)| expanded(self.covariance(factor.covariance_of(&coordinates), scale)));
         let sds = covariance.as_ref().map(|c| c.diagonal().map(|variance| variance.max(0.0).sqrt()));
         let effects = self.effects((values.rows_range(p..), sds.map(|sds| sds.rows_range(p..).into_owned())), scale);
-        let (station, contradicted) = self.of_station(design);
+        let (station, unstated) = self.of_station(design, vertical);
         let uncertainty = covariance.map(|c| Uncertainty {
             fit: c.view((0, 0), (p, p)).into_owned(),
             white: self.white(&noise).map_or(c, |own| expanded(own) * white).view((0, 0), (p, p)).into_owned(),
             share: noise.share(&self.evidence, is_other_noise),
             station,
-            contradicted,
+            unstated,
         });
         let covariance = uncertainty.as_ref().map(Uncertainty::covariance);
         let parameters = parameters(design, factor, &values, covariance.as_ref());

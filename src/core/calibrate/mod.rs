@@ -34,7 +34,7 @@ pub use calibration::{
 use nalgebra::{DMatrix, DVector};
 
 use super::augmented::{Adopted, KnownCoefficient, Options};
-use super::campaign::{Campaign, CampaignNote, Dwell, EffectNotFitted, Phase, StationUncertainty};
+use super::campaign::{Campaign, CampaignNote, Dwell, EffectNotFitted, Phase, StationUncertainty, rounded_vertical};
 use super::effects::Effect;
 use super::model::Terms;
 use crate::core::calibrate::effect_columns::{Regressors, Retold};
@@ -192,12 +192,13 @@ fn calibrate_in(
     let chances = law.and_then(|law| chances_under(law, &course, (has_sem, &repeats), &fits));
     let explains = |chances: &Vec<Option<f64>>| !chances.iter().any(|chance| exceeds_noise(*chance));
     let law_that_explains = law.filter(|_| chances.as_ref().is_some_and(explains)).map(Law::found);
+    let vertical = rounded_vertical(campaign);
     let mut gyros: Vec<GyroCalibration> = fits
         .into_iter()
         .zip(noises)
         .zip(coordinates.into_iter().zip(found.white.iter().copied()))
         .zip(&campaign.gyros)
-        .map(|(((fit, noise), coordinates), gyro)| fit.finish(gyro, noise, coordinates, is_other_noise))
+        .map(|(((fit, noise), coordinates), gyro)| fit.finish((gyro, vertical), noise, coordinates, is_other_noise))
         .collect();
     for (gyro, untold) in gyros.iter_mut().zip(untold) {
         gyro.holds_untold_field = untold;

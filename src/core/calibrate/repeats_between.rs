@@ -3,6 +3,7 @@
 use nalgebra::{Rotation3, Vector3};
 
 use super::outcome::Outcome;
+use super::uncertainty::UncertaintyBudget;
 use crate::core::campaign::Campaign;
 use crate::core::model::Term;
 use crate::core::mounting::Slot;
@@ -24,7 +25,8 @@ pub struct Repeated {
     /// Weighted by 1/(sd^2 + tau^2).
     pub mean: f64,
     /// Of that mean, with what campaigns may differ by where a coefficient in the same unit shows that they do. A
-    /// station's own part is the same in all of its campaigns, and does not average out.
+    /// station's own part is the same in all of its campaigns, and what the model leaves out in all: neither averages
+    /// out.
     pub sd: f64,
     /// Root mean square of the stated standard deviations, and standard deviation of the values about their mean.
     pub stated_sd: f64,
@@ -34,8 +36,9 @@ pub struct Repeated {
     pub beyond_sd: f64,
 }
 
-/// The coefficients of one gyro, by their places in [`COEFFICIENTS`]: what campaigns determine of each.
-type Values = [Vec<Observation>; COEFFICIENTS.len()];
+/// The coefficients of one gyro, by their places in [`COEFFICIENTS`]: what campaigns determine of each, with the standard
+/// deviation that each value has of what the model leaves out.
+type Values = [Vec<(Observation, f64)>; COEFFICIENTS.len()];
 
 impl Repeated {
     /// Real over stated standard deviation, sqrt(Q/dof).
@@ -52,7 +55,7 @@ impl Repeated {
     fn of(
         (slot, serial): (Slot, &Name),
         (coefficient, unit): (&'static str, &'static str),
-        values: &[Observation],
+        (values, left_out): (&[Observation], &[f64]),
         mean: Mean,
     ) -> Option<Self> {
         let scatter = Scatter::of(values)?;
@@ -67,13 +70,23 @@ impl Repeated {
             unit,
             campaigns: values.len(),
             mean: mean.value,
-            sd: mean.sd,
+            sd: with_all_left_out(mean.sd, scatter.beyond(), values, left_out),
             stated_sd: stated.sqrt(),
             scatter_sd: (squares / (n - 1.0)).sqrt(),
             scatter,
             beyond_sd: scatter.beyond(),
         })
     }
+}
+
+/// The standard deviation `sd` of a weighted mean with the same weights w where what the model leaves out of the values
+/// (s each) is the same error in all: sd^2 - sum (w s)^2 + (sum w s)^2.
+fn with_all_left_out(sd: f64, tau: f64, values: &[Observation], left_out: &[f64]) -> f64 {
+    let weights = || values.iter().map(|value| 1.0 / (value.sd.powi(2) + tau.powi(2)));
+    let all: f64 = weights().sum();
+    let parts = || weights().zip(left_out).map(|(weight, left_out)| weight / all * left_out);
+    let (whole, averaged) = (parts().sum::<f64>().powi(2), parts().map(|part| part * part).sum::<f64>());
+    ((sd * sd - averaged).max(0.0) + whole).sqrt()
 }
 
 /// Units of D_I, D_S, D_O, |E| and D_F.
@@ -105,12 +118,15 @@ pub fn repeated(fitted: &[(&Campaign, &Outcome)]) -> Vec<Repeated> {
     for places in ALIKE {
         let of_gyro = |(j, values): (usize, &Values)| {
             let known = places.clone().filter(|place| values[*place].len() > 1);
-            known.map(|place| Quantity { sets: [j, place], values: values[place].clone() }).collect::<Vec<_>>()
+            let observed = |place: usize| values[place].iter().map(|(value, _)| *value).collect();
+            known.map(|place| Quantity { sets: [j, place], values: observed(place) }).collect::<Vec<_>>()
         };
         let quantities: Vec<Quantity> = gyros.iter().enumerate().flat_map(of_gyro).collect();
         for (Quantity { sets: [j, place], values }, mean) in quantities.iter().zip(means(&quantities)) {
             let gyro = &first.gyros[*j];
-            all[*j].extend(Repeated::of((gyro.slot, &gyro.serial), COEFFICIENTS[*place], values, mean));
+            let left_out: Vec<f64> = gyros[*j][*place].iter().map(|(_, left_out)| *left_out).collect();
+            let of = (gyro.slot, &gyro.serial);
+            all[*j].extend(Repeated::of(of, COEFFICIENTS[*place], (values, &left_out), mean));
         }
     }
     all.into_iter().flatten().collect()
@@ -120,26 +136,28 @@ fn values(
     (campaign, outcome): (&Campaign, &Outcome),
     slot: Slot,
     group: usize,
-) -> [Option<Observation>; COEFFICIENTS.len()] {
+) -> [Option<(Observation, f64)>; COEFFICIENTS.len()] {
     let none = [None; COEFFICIENTS.len()];
     let Outcome::Imu { calibration, separations, .. } = outcome else { return none };
     let fitted = calibration.gyros.iter().zip(separations).find(|(gyro, _)| gyro.slot == slot);
     let Some((gyro, Ok(separation))) = fitted else { return none };
-    let value = |value: f64, sd: Option<f64>, shared_sd: f64| observed(value, sd?, shared_sd, group);
+    let value = |value: f64, sd: Option<f64>, [shared_sd, left_out]: [f64; 2]| {
+        Some((observed(value, sd?, shared_sd, group)?, left_out))
+    };
     let rigid = &separation.rigid;
     let sds = rigid.sd().map_or([None; 3], |sds| sds.map(Some));
-    let stations = gyro.budgets(&campaign.geometry, false).map(|all| all.map(|b| b.station.unwrap_or(0.0)));
-    let stations = stations.unwrap_or_default();
+    let parts = |b: UncertaintyBudget| [b.station, b.discrepancy].map(Option::unwrap_or_default);
+    let budgets = gyro.budgets(&campaign.geometry, false).map(|all| all.map(parts)).unwrap_or_default();
     let k = separation.scale_factor;
     let bias = gyro.of(Term::Bias).map(|bias| &bias[0]).filter(|bias| bias.determined);
     let of_bias = gyro.uncertainty.as_ref().and_then(|parts| parts.budgets(|c| Some([c[(0, 0)]])));
-    let of_bias = of_bias.and_then(|[budget]| budget.station).unwrap_or(0.0);
+    let of_bias = of_bias.map(|[budget]| parts(budget)).unwrap_or_default().map(|sd| sd / k);
     [
-        value(rigid.d_i, sds[0], stations[0]),
-        value(rigid.d_s, sds[1], stations[1]),
-        value(rigid.d_o, sds[2], stations[2]),
-        value(k, separation.scale_factor_sd, stations[3]),
-        bias.and_then(|bias| value(bias.value / k, bias.sd.map(|sd| sd / k), of_bias / k)),
+        value(rigid.d_i, sds[0], budgets[0]),
+        value(rigid.d_s, sds[1], budgets[1]),
+        value(rigid.d_o, sds[2], budgets[2]),
+        value(k, separation.scale_factor_sd, budgets[3]),
+        bias.and_then(|bias| value(bias.value / k, bias.sd.map(|sd| sd / k), of_bias)),
     ]
 }
 
@@ -178,6 +196,10 @@ mod tests {
     use super::*;
 
     fn repeated(values: &[(f64, f64, f64, usize)]) -> Repeated {
+        leaving_out(0.0, values)
+    }
+
+    fn leaving_out(left_out: f64, values: &[(f64, f64, f64, usize)]) -> Repeated {
         let value = |(value, sd, shared_sd, group): &(f64, f64, f64, usize)| Observation {
             value: *value,
             sd: *sd,
@@ -187,7 +209,8 @@ mod tests {
         let values: Vec<Observation> = values.iter().map(value).collect();
         let mean = means(&[Quantity { sets: [0, 0], values: values.clone() }])[0];
         let serial = Name::parse("A").expect("a name");
-        Repeated::of((Slot::G1, &serial), COEFFICIENTS[0], &values, mean).expect("two values")
+        let left_out = vec![left_out; values.len()];
+        Repeated::of((Slot::G1, &serial), COEFFICIENTS[0], (&values, &left_out), mean).expect("two values")
     }
 
     #[test]
@@ -217,5 +240,15 @@ mod tests {
         assert!((four([0; 4]).sd - (2.25_f64 + 16.0).sqrt()).abs() < 1e-12);
         assert!((four([0, 1, 0, 1]).sd - (2.25_f64 + 8.0).sqrt()).abs() < 1e-12);
         assert!((four([0; 4]).stated_sd - 5.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_the_model_leaves_out_of_all_campaigns_does_not_average_out() {
+        // Four values of sd 5, of which 4 are the model's: 3/sqrt 4 and 4, and their scatter as it was.
+        let values = [1.0, 2.0, 3.0, 4.0].map(|x| (x, 5.0, 0.0, 0));
+        let (found, averaged) = (leaving_out(4.0, &values), repeated(&values));
+        assert!((found.sd - (2.25_f64 + 16.0).sqrt()).abs() < 1e-12, "{found:?}");
+        assert!((averaged.sd - 2.5).abs() < 1e-12);
+        assert_eq!((found.scatter, found.mean), (averaged.scatter, averaged.mean));
     }
 }

@@ -38,6 +38,22 @@ fn assert_close(a: f64, b: f64) {
     assert!((a - b).abs() <= 1e-12 * b.abs().max(1.0), "{a} is not {b}");
 }
 
+/// E held at (2, 0, 0), at rest on six faces: half a step of the vertical rate is 2 of it in G_x (GUM 2008, 4.3.7).
+#[test]
+fn what_rounding_makes_of_the_earths_rate_in_all_dwells_alike_is_in_the_sd_of_g() {
+    let sd_of_g_x = |vertical: f64, across: f64| {
+        let row = |(a, y): (&[f64; 3], f64)| {
+            let rate = Vector3::from(*a) * vertical + Vector3::new(a[2], a[0], a[1]) * across;
+            (*a, rate.into(), y, Some(1e-3))
+        };
+        let rows: Vec<Row> = FACES.iter().zip([7.0, 1.0, 5.0, 3.0, 9.0, 11.0]).map(row).collect();
+        value(&calibrate(&campaign(&rows, Some([2.0, 0.0, 0.0])), Terms::MODEL_6).gyros[0], "G_x").1
+    };
+    let noise = 1e-6 / 2.0;
+    assert_close(sd_of_g_x(8.47, 12.43), (noise + (2.0 * 0.01_f64).powi(2) / 12.0).sqrt());
+    assert_close(sd_of_g_x(8.465_121_7, 12.432_849_3), noise.sqrt());
+}
+
 /// Six faces, E held at (2, 0, 0), no rates, outputs 7, 1, 5, 3, 9, 11 +- 0.3. By hand: G is half the difference
 /// of a pair, (3, 1, -1), var sigma^2/2. Half the sums are (4, 4, 10) = D0 + P; with P_x + P_y + P_z = 0,
 /// D0 = 6, var sigma^2/6, and P = (-2, -2, 4), var sigma^2/2 - sigma^2/6 = sigma^2/3.

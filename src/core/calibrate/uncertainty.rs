@@ -17,8 +17,9 @@ pub struct Uncertainty {
     pub(super) share: Share,
     /// S diag(u^2) S' of what the station states and the campaign can tell; empty where it does neither.
     pub(super) station: Vec<(StationPart, DMatrix<f64>)>,
-    /// The same of rotations that the residuals contradict, beyond what is stated: a part of the discrepancy.
-    pub(super) contradicted: Option<DMatrix<f64>>,
+    /// A part of the discrepancy: the same of rotations that the residuals contradict, beyond what is stated, and what
+    /// rounded rates may have made.
+    pub(super) unstated: Option<DMatrix<f64>>,
 }
 
 /// What one rotation of its standard uncertainty makes of a gyro's fit.
@@ -78,7 +79,7 @@ impl Uncertainty {
     fn discrepancy(&self) -> Option<DMatrix<f64>> {
         let Share { statistical, discrepancy } = self.share;
         let of_noise = discrepancy.map(|share| if statistical < 1.0 { &self.fit * share } else { &self.white * share });
-        of_noise.into_iter().chain(self.contradicted.clone()).reduce(|sum, one| sum + one)
+        of_noise.into_iter().chain(self.unstated.clone()).reduce(|sum, one| sum + one)
     }
 
     /// What the standard deviations come from.

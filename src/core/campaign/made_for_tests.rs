@@ -18,6 +18,7 @@ pub(crate) fn campaign(gyros: Vec<CampaignGyro>, dwells: Vec<Dwell>) -> Campaign
         station_uncertainty: StationUncertainty::default(),
         gyros,
         dwells,
+        rates_sent_in_steps: None,
         test: TestKind::Imu,
         model: None,
         temperature_c: None,

@@ -13,6 +13,8 @@ use crate::message;
 pub enum Stepped {
     Force,
     Rate,
+    /// A rate that [`super::with_exact_rates`] has put the exact one in place of.
+    SentRate,
     Output,
 }
 
@@ -58,9 +60,14 @@ impl CoarseStep {
     /// Its name in answers; never changes once it has been given out.
     pub fn code(&self) -> &'static str {
         match self.of {
-            Stepped::Force | Stepped::Rate => "commands_rounded",
+            Stepped::Force | Stepped::Rate | Stepped::SentRate => "commands_rounded",
             Stepped::Output => "outputs_coarse",
         }
+    }
+
+    /// Whether it is in what was fitted to: in the commands as they are used.
+    pub fn is_of_commands(&self) -> bool {
+        matches!(self.of, Stepped::Force | Stepped::Rate)
     }
 
     /// What is said of it.
@@ -70,6 +77,7 @@ impl CoarseStep {
             Stepped::Output => message!("outputs_coarse", slot, step = significant(self.step, 2), times),
             Stepped::Force => message!("commands_rounded", of = "force", step = text(self.step), slot, times),
             Stepped::Rate => message!("commands_rounded", of = "rate", step = text(self.step), slot, times),
+            Stepped::SentRate => message!("commands_rounded", of = "sent", step = text(self.step), slot, times),
         }
     }
 }
@@ -79,9 +87,12 @@ impl CoarseStep {
 pub fn coarse_steps(campaign: &Campaign, gyros: &[Option<GyroNoise>]) -> Vec<CoarseStep> {
     let steps = [Stepped::Force, Stepped::Rate].map(|of| commanded_step(campaign, of));
     let commanded = gyros.iter().flatten().filter_map(|gyro| rounded(steps, gyro));
+    let step = campaign.rates_sent_in_steps;
+    let sent = step.into_iter().flat_map(|step| gyros.iter().flatten().filter_map(move |g| rounded([0.0, step], g)));
+    let sent = sent.map(|coarse| CoarseStep { of: Stepped::SentRate, ..coarse });
     let counted = gyros.iter().enumerate().filter_map(|(j, gyro)| counted(campaign, j, gyro.as_ref()?));
     let worst = |a: &CoarseStep, b: &CoarseStep| a.times.total_cmp(&b.times);
-    commanded.max_by(worst).into_iter().chain(counted.max_by(worst)).collect()
+    commanded.max_by(worst).into_iter().chain(sent.max_by(worst)).chain(counted.max_by(worst)).collect()
 }
 
 fn rounded(steps: [f64; 2], gyro: &GyroNoise) -> Option<CoarseStep> {
@@ -91,11 +102,30 @@ fn rounded(steps: [f64; 2], gyro: &GyroNoise) -> Option<CoarseStep> {
     (step > 0.0 && times > COMMANDS).then_some(CoarseStep { of, step, slot: gyro.slot, times })
 }
 
+/// Standard uncertainty (GUM 2008, 4.3.7) of the vertical part of the Earth's rate that rounded rates have in common over
+/// the specific force, deg/(h g0): what is the same in all dwells is in D_I, and in no residual. Where the vertical is
+/// rounded otherwise from dwell to dwell its mean is as much better. Zero where nothing is rounded, or static rates are
+/// not the Earth's.
+pub fn rounded_vertical(campaign: &Campaign) -> f64 {
+    let step = commanded_step(campaign, Stepped::Rate);
+    let still = || campaign.dwells.iter().filter(|d| d.phase == Phase::Static && d.specific_force_g0.norm() > 0.0);
+    let Some(force) = median_of(still().map(|d| d.specific_force_g0.norm())).filter(|_| step > 0.0) else { return 0.0 };
+    if still().any(|d| (d.rate_arcsec_s.norm() - EARTH_RATE_DEG_H).abs() > step) {
+        return 0.0;
+    }
+    let along = |d: &Dwell| d.rate_arcsec_s.dot(&d.specific_force_g0.normalize());
+    let vertical: Vec<f64> = still().map(along).collect();
+    let (half, n) = (evenly(step), vertical.len() as f64);
+    let mean = vertical.iter().sum::<f64>() / n;
+    let differs = vertical.iter().map(|own| (own - mean).powi(2)).sum::<f64>() / n;
+    (half * half - differs).max(half * half / n).sqrt() / force
+}
+
 /// The decimal step of what was commanded; 0 where its lengths are gravity or the Earth's rate nevertheless: then
 /// those are what has few digits, and nothing was rounded.
 fn commanded_step(campaign: &Campaign, of: Stepped) -> f64 {
     let vector = |d: &Dwell| if of == Stepped::Force { d.specific_force_g0 } else { d.rate_arcsec_s };
-    let step = step_of(campaign.dwells.iter().flat_map(|d| <[f64; 3]>::from(vector(d))));
+    let step = step_of(campaign.dwells.iter().flat_map(|d| <[f64; 3]>::from(vector(d))), of);
     let still = || campaign.dwells.iter().filter(|d| d.phase == Phase::Static).map(|d| vector(d).norm());
     let length = match of {
         Stepped::Force => campaign.site.map(|site| site.gravity_g0).or_else(|| median_of(still())),
@@ -106,11 +136,11 @@ fn commanded_step(campaign: &Campaign, of: Stepped) -> f64 {
     if is_exact { 0.0 } else { step }
 }
 
-/// As [`decimal_step`]; 0 where whole numbers and tenths are all there is, or where they have more than six digits
-/// behind the point.
-fn step_of(numbers: impl Iterator<Item = f64> + Clone) -> f64 {
+/// As [`decimal_step`]; 0 where whole numbers, and tenths of g0, are all there is, or where they have more than six
+/// digits behind the point.
+fn step_of(numbers: impl Iterator<Item = f64> + Clone, of: Stepped) -> f64 {
     let step = decimal_step(numbers);
-    if step < 0.05 { step } else { 0.0 }
+    if step < if of == Stepped::Force { 0.05 } else { 0.5 } { step } else { 0.0 }
 }
 
 /// The decimal step, 1 or less, that all numbers are multiples of; 0 where they have more than six digits behind the
@@ -194,9 +224,12 @@ mod tests {
 
     #[test]
     fn a_decimal_step_is_none_of_whole_numbers_and_of_many_digits() {
-        assert_eq!(step_of([1.0, -0.5, 0.0].into_iter()), 0.0);
-        assert_eq!(step_of([0.999, -0.706, 0.0].into_iter()), 1e-3);
-        assert_eq!(step_of([0.999_05, 1.0 / 3.0].into_iter()), 0.0);
+        let step = |numbers: &[f64], of| step_of(numbers.iter().copied(), of);
+        assert_eq!(step(&[1.0, -0.5, 0.0], Stepped::Force), 0.0);
+        assert_eq!(step(&[0.999, -0.706, 0.0], Stepped::Force), 1e-3);
+        assert_eq!(step(&[0.999_05, 1.0 / 3.0], Stepped::Force), 0.0);
+        assert_eq!(step(&[12.4, 0.0, 8.5], Stepped::Rate), 0.1, "tenths of a rate are coarse");
+        assert_eq!(step(&[7200.0, 15.0], Stepped::Rate), 0.0);
     }
 
     #[test]

@@ -41,7 +41,7 @@ use crate::message;
 
 /// Raised with every change of what a diagnosis finds: one that was kept is then made again. A new entry of the
 /// catalogue raises it by itself: there were 48 when it was 8.
-pub const METHOD: u32 = 25 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
+pub const METHOD: u32 = 26 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
 
 /// Dwells of three gyros, at most: what a search holds grows with the gyros and the square of the dwells, and is half a
 /// gigabyte of so many.
@@ -128,6 +128,7 @@ struct Names<'a> {
 fn names<'a>(campaign: &Campaign, settled: &'a SearchOutcome) -> Names<'a> {
     let search = settled.search();
     let (mut named, doubts) = named::named(&search, &settled.found);
+    named.retain(|n| !identifiability::is_unseen(&settled.frame, &settled.bank, n.part.effect));
     let parts: Vec<Part> = named.iter().map(|n| n.part.clone()).collect();
     let mut closes = odds::closing(&settled.frame, &parts).into_iter();
     named.retain(|_| closes.next().unwrap_or(true));

@@ -8,7 +8,8 @@ use crate::wire::numbers::tidy;
 
 bodies! {
     CampaignBody of Campaign: imu, station, measured_at, geometry, site,
-        station_uncertainty: |c| StationUncertaintyBody::of(&c.station_uncertainty), gyros, dwells, rates: |_| None,
+        station_uncertainty: |c| StationUncertaintyBody::of(&c.station_uncertainty), gyros,
+        dwells: |c| c.dwells.iter().map(|dwell| as_sent(c, dwell)).collect(), rates: |_| None,
         test: |c| (c.test != TestKind::Imu).then(|| c.test.to_body()),
         model: |c| c.model.map(|terms| terms.iter().map(|term| term.to_body()).collect()),
         temperature_c, operator, note;
@@ -18,4 +19,8 @@ bodies! {
     DwellBody of Dwell: phase, start_s, duration_s,
         attitude: |dwell| dwell.attitude.map(|attitude| attitude.to_attitude().as_slice().into()), specific_force_g0,
         rate_arcsec_s, temperature_c, output_pulse_s, output_sem_pulse_s;
+}
+
+fn as_sent(campaign: &Campaign, dwell: &Dwell) -> DwellBody {
+    Dwell { rate_arcsec_s: campaign.sent_rate(dwell), ..dwell.clone() }.to_body()
 }

@@ -67,7 +67,7 @@ fn said(note: &CampaignNote) -> (Message, Value) {
         CampaignNote::Coarse(coarse @ CoarseStep { of, step, slot, times }) => {
             let of = match of {
                 Stepped::Force => "specific_force_g0",
-                Stepped::Rate => "rate_arcsec_s",
+                Stepped::Rate | Stepped::SentRate => "rate_arcsec_s",
                 Stepped::Output => "output_pulse_s",
             };
             (coarse.message(), json!({"of": of, "step": step, "slot": slot.name(), "times": times}))

@@ -127,6 +127,7 @@ sign_one_shape_is_not_enough = one entry would be needed twice, with two instant
 sign_wandering_in_time = a course in time, or two, that a wandering one replaces nearly as well
 sign_noise_with_memory = the noise has a memory: its bias wanders from dwell to dwell
 sign_not_constant = a named effect is not the same throughout the campaign
+sign_commands_rounded = what is named may be the rounding of what was commanded
 sign_goes_with_a_variable = the residuals go with a variable
 sign_many_causes_at_once = more names than a gap that is explained would need
 sign_tests_together = no test alone, but all of them together
@@ -159,9 +160,10 @@ mostly_absorbed_by_model = the model in use absorbs all but { $share } of its po
 
 noise_from_repeats_and_residuals = no standard errors are stated: the noise is taken from repeats and residuals
 commands_rounded = { $of ->
-    [force] specific force is given in steps of { $step } g0
-   *[rate] rates are given in steps of { $step } arcsec/s
-}: rounding alone makes { $times } times the noise of a dwell in { $slot }. Write more digits
+    [force] specific force is given in steps of { $step } g0: rounding alone makes { $times } times the noise of a dwell in { $slot }. Write more digits
+    [sent] rates are given in steps of { $step } arcsec/s, which alone would make { $times } times the noise of a dwell in { $slot }: the exact Earth rate of the site is used instead. Write more digits
+   *[rate] rates are given in steps of { $step } arcsec/s: rounding alone makes { $times } times the noise of a dwell in { $slot }. Write more digits
+}
 no_pure_error = no dwell repeats another: there is no pure error to check the noise against
 described_by = what is left goes with { $variable }; that is a description, no cause
 described_by_two = what is left goes with { $first } or { $second }; that is a description, no cause

@@ -127,6 +127,7 @@ sign_one_shape_is_not_enough = 同一效应需以两个时刻或周期出现两�
 sign_wandering_in_time = 一种或两种随时间的变化几乎可由一种漂移代替
 sign_noise_with_memory = 噪声有记忆：零偏在测点之间游走
 sign_not_constant = 已命名的效应在整个试验中不恒定
+sign_commands_rounded = 所列原因可能只是指令值的舍入
 sign_goes_with_a_variable = 残差随某个变量变化
 sign_many_causes_at_once = 命名的效应多于解释差异所需
 sign_tests_together = 单项检验均不显著，但合起来显著
@@ -159,9 +160,10 @@ mostly_absorbed_by_model = 现用模型在本次试验的每个测点中吸收�
 
 noise_from_repeats_and_residuals = 未给出标准误差：噪声取自重复测量与残差
 commands_rounded = { $of ->
-    [force] 比力以{ $step } g0为步长给出
-   *[rate] 角速度以{ $step } arcsec/s为步长给出
-}：仅舍入就使{ $slot }达到一个测点噪声的{ $times }倍。请写出更多位数
+    [force] 比力以{ $step } g0为步长给出：仅舍入就使{ $slot }达到一个测点噪声的{ $times }倍。请写出更多位数
+    [sent] 角速度以{ $step } arcsec/s为步长给出，仅舍入就会使{ $slot }达到一个测点噪声的{ $times }倍：已代之以测试站的精确地球角速度。请写出更多位数
+   *[rate] 角速度以{ $step } arcsec/s为步长给出：仅舍入就使{ $slot }达到一个测点噪声的{ $times }倍。请写出更多位数
+}
 no_pure_error = 没有重复的测点：无法用纯误差检验噪声
 described_by = 剩余部分与{ $variable }有关；这是描述，不是原因
 described_by_two = 剩余部分与{ $first }或{ $second }有关；这是描述，不是原因

@@ -19,6 +19,10 @@ const TIMES_VARIANCE: f64 = 25.0;
 /// How many times fewer squares another M must leave.
 const CLEARLY: f64 = 4.0;
 
+/// An IMU that is seated anew between rest and rotation turns by less, rad. One gyro cannot tell that from an axis in which
+/// it has next to nothing.
+const SEATED_ANEW: f64 = std::f64::consts::PI / 180.0;
+
 /// ln of the ratio of both lengths of E within which a unit explains it, and within which there is nothing to explain.
 const UNIT_ROOM: f64 = 0.2;
 const ONE_UNIT: f64 = std::f64::consts::LN_2;
@@ -106,7 +110,8 @@ impl Senses {
             signed_permutations().filter(|m| self.concerns(m)).map(|m| (m, self.left(&m))).collect();
         let least = tried.iter().map(|(_, left)| *left).fold(f64::INFINITY, f64::min);
         let is_clear = as_sent > CLEARLY * least && as_sent - least > TIMES_VARIANCE * self.variance;
-        if !is_clear {
+        let by_seating = SEATED_ANEW * SEATED_ANEW * self.still.iter().map(Vector3::norm_squared).sum::<f64>();
+        if !is_clear || as_sent < by_seating {
             return None;
         }
         let as_good = |left: f64| left < least + 0.1 * (as_sent - least);
@@ -179,5 +184,18 @@ mod tests {
         let axes = [true, true, false];
         let senses = Senses { still: vec![e], turning: vec![reversed], variance: 1e-9, axes };
         assert_eq!(senses.causes(), None);
+    }
+
+    #[test]
+    fn one_gyro_that_was_seated_anew_accuses_no_axis() {
+        let still = vec![Vector3::new(1.3, 0.001, -0.002)];
+        for turning in [Vector3::new(1.3, 0.001, 0.002), Vector3::new(1.3, -0.002, 0.001)] {
+            let senses = Senses { still: still.clone(), turning: vec![turning], variance: 1e-9, axes: [true; 3] };
+            assert_eq!(senses.causes(), None, "{turning}");
+        }
+        let reversed =
+            Senses { still, turning: vec![Vector3::new(-1.3, 0.001, -0.002)], variance: 1e-9, axes: [true; 3] };
+        let causes = vec![MistakeKind::AxisReversed { axis: 0, of: Vectors::Rate }, MistakeKind::RateReversed];
+        assert_eq!(reversed.causes(), Some(causes));
     }
 }

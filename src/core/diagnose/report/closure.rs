@@ -131,6 +131,11 @@ pub(crate) fn signs(
     let left = FittedResiduals { frame, extras: &extras, residuals: apart.as_ref().unwrap_or(&fit.residuals) };
     let power = |r: &[f64]| dot(r, r);
     let taken: f64 = frame.gyros.iter().zip(&fit.residuals).map(|(g, r)| power(&g.residual) - power(r)).sum();
+    // No name is sure where all that the names take may be what rounding makes.
+    let by_rounding = frame.noise.commands.powi(2) * (frame.dwells() * frame.gyros.len()) as f64;
+    if !named.is_empty() && taken < by_rounding {
+        list.push(Sign::of_no_dwell("commands_rounded", all_slots(frame), CERTAIN));
+    }
     let changes = constancy::changes(&left, named, fit, taken.max(0.0).sqrt());
     let of_change = |change: &Change| {
         Sign::of_no_dwell("not_constant", vec![frame.setting.gyros[change.gyro].slot], change.p_value)

@@ -145,6 +145,11 @@ fn held(frame: &Frame, entry: &Entry) -> bool {
         || frame.adopted.iter().any(|adopted| adopted.effect == entry.effect)
 }
 
+/// Whether it is listed as what this design cannot show: then it is no name.
+pub(crate) fn is_unseen(frame: &Frame, bank: &Bank, effect: Effect) -> bool {
+    judged(frame, bank, effect.entry()).is_some()
+}
+
 fn judged(frame: &Frame, bank: &Bank, entry: &Entry) -> Option<NotIdentifiable> {
     let listed = |visible_fraction: f64, reason: Message| {
         Some(NotIdentifiable { effect: entry.effect, visible_fraction, confounded_with: Vec::new(), reason })

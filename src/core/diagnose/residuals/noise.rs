@@ -7,7 +7,7 @@
 use crate::core::calibrate::growth::{Exposure, NoiseGrowth};
 use crate::core::calibrate::noise::with_stated;
 use crate::core::campaign::repeats::repeats;
-use crate::core::campaign::{Campaign, GyroNoise, coarse_steps};
+use crate::core::campaign::{Campaign, CoarseStep, GyroNoise, coarse_steps};
 use crate::core::diagnose::residuals::noise_growth::{GROWTHS, exposure, shape};
 use crate::core::diagnose::residuals::pooled_noise::Scatter;
 use crate::core::effects::{GyroAxes, Setting};
@@ -30,6 +30,9 @@ pub(crate) struct Noise {
     pub rounding: Vec<f64>,
     /// Groups of two or more dwells with the same commanded phase, attitude, specific force and rate.
     pub repeats: Vec<Vec<usize>>,
+    /// What the rounding of commands makes of a dwell over its noise, in the gyro that shows it most; 0 where it is
+    /// small against it.
+    pub commands: f64,
     pub notes: Vec<Message>,
 }
 
@@ -61,13 +64,15 @@ pub(crate) fn of(campaign: &Campaign, s: &Setting, outputs: &[Vec<f64>], designs
     if repeats.is_empty() {
         notes.push(message!("no_pure_error"));
     }
-    notes.extend(coarse(campaign, s, &sd));
+    let steps = coarse(campaign, s, &sd);
+    notes.extend(steps.iter().map(CoarseStep::message));
+    let commands = steps.iter().filter(|step| step.is_of_commands()).fold(0.0, |most, step| step.times.max(most));
     let (sd, rounding) = above_rounding(sd, outputs);
-    Noise { sd, stated: stated.is_some(), law, log_scatter, rounding, repeats, notes }
+    Noise { sd, stated: stated.is_some(), law, log_scatter, rounding, repeats, commands, notes }
 }
 
-/// What is said where steps in what was commanded or counted are not small against the noise.
-fn coarse(campaign: &Campaign, s: &Setting, sd: &[Vec<f64>]) -> impl Iterator<Item = Message> {
+/// Steps in what was commanded or counted that are not small against the noise.
+fn coarse(campaign: &Campaign, s: &Setting, sd: &[Vec<f64>]) -> Vec<CoarseStep> {
     let of_gyro = |(gyro, sd): (&GyroAxes, &Vec<f64>)| GyroNoise {
         slot: gyro.slot,
         g: gyro.scale * gyro.g.norm(),
@@ -75,7 +80,7 @@ fn coarse(campaign: &Campaign, s: &Setting, sd: &[Vec<f64>]) -> impl Iterator<It
         sd: sd.iter().map(|sd| gyro.scale * sd).collect(),
     };
     let gyros: Vec<Option<GyroNoise>> = s.gyros.iter().zip(sd).map(|gyro| Some(of_gyro(gyro))).collect();
-    coarse_steps(campaign, &gyros).into_iter().map(|step| step.message())
+    coarse_steps(campaign, &gyros)
 }
 
 impl Noise {

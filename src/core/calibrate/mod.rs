@@ -149,7 +149,8 @@ fn calibrate_in(
         (fits, contradicted) = fit_each(&|j| shrunken.sd[j].clone());
     }
     let of_any_direction = |effect: &Effect| adopted.iter().any(|a| a.effect == *effect && a.is_of_any_direction());
-    let untold: Vec<bool> = fits.iter().map(|fit| fit.hidden.iter().any(of_any_direction)).collect();
+    // A field acts on all gyros, also on those that show nothing of its part along east.
+    let is_untold = fits.iter().any(|fit| fit.hidden.iter().any(of_any_direction));
     for (fit, gyro) in fits.iter().zip(&campaign.gyros) {
         let note = |effect: &Effect, why| CampaignNote::EffectLeftOut { slot: Some(gyro.slot), effect: *effect, why };
         let hidden = |effect| {
@@ -200,8 +201,8 @@ fn calibrate_in(
         .zip(&campaign.gyros)
         .map(|(((fit, noise), coordinates), gyro)| fit.finish((gyro, vertical), noise, coordinates, is_other_noise))
         .collect();
-    for (gyro, untold) in gyros.iter_mut().zip(untold) {
-        gyro.holds_untold_field = untold;
+    for gyro in &mut gyros {
+        gyro.holds_untold_field = is_untold && gyro.scale_source == ScaleSource::Fitted;
         gyro.effects.retain(|one| !any_temperature.contains(&one.effect));
     }
     let noise_found = match kinds {

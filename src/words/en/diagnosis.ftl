@@ -3,7 +3,10 @@
 ## Why a campaign cannot be diagnosed
 
 too_many_dwells = { $dwells } dwells are more than a diagnosis takes, { $most } of so many gyros: average repeats, or diagnose a part
-no_degrees_of_freedom = { $dwells } dwells leave nothing over the { $parameters } parameters of the model: nothing can be held against it
+no_degrees_of_freedom = { $dwells ->
+    [one] one dwell leaves
+   *[other] { $dwells } dwells leave
+} nothing over the { $parameters } parameters of the model: nothing can be held against it
 output_is_constant = the output of { $slot } is the same in every dwell
 model_without_terms = the model holds no terms
 

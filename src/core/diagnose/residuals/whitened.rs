@@ -226,7 +226,8 @@ mod tests {
     fn campaign(dwells: usize) -> Campaign {
         let dwell = |k: usize| {
             let (axis, sign) = (k % 3, if k.is_multiple_of(2) { 1.0 } else { -1.0 });
-            let (force, rate) = (sign * Vector3::ith(axis, 1.0), Vector3::ith((axis + k / 6) % 3, 600.0 + k as f64));
+            let force: Vector3<f64> = sign * Vector3::ith(axis, 1.0);
+            let rate: Vector3<f64> = Vector3::ith((axis + k / 6) % 3, 600.0 + k as f64);
             let output = 1.5 * rate.x + 2.0 * force.x - force.y + 0.01 * (k as f64).sin();
             Dwell {
                 phase: Phase::Rate,

@@ -376,8 +376,8 @@ impl GyroFit {
         (StationResponse::by_part(&self.station, &expand), unstated)
     }
 
-    /// `coordinates` are the covariance on the design's basis, of which `white` noise as stated has its part; `vertical`
-    /// as of [`rounded_vertical`](crate::core::campaign::rounded_vertical).
+    /// `coordinates` are the covariance on the design's basis, of which `white` noise as stated has its part;
+    /// `vertical` as of [`rounded_vertical`](crate::core::campaign::rounded_vertical).
     pub fn finish(
         self,
         (gyro, vertical): (&CampaignGyro, f64),

@@ -36,8 +36,8 @@ pub struct Repeated {
     pub beyond_sd: f64,
 }
 
-/// The coefficients of one gyro, by their places in [`COEFFICIENTS`]: what campaigns determine of each, with the standard
-/// deviation that each value has of what the model leaves out.
+/// The coefficients of one gyro, by their places in [`COEFFICIENTS`]: what campaigns determine of each, with the
+/// standard deviation that each value has of what the model leaves out.
 type Values = [Vec<(Observation, f64)>; COEFFICIENTS.len()];
 
 impl Repeated {

@@ -45,8 +45,8 @@ pub fn with_earth_rate(campaign: &Campaign, part: AffectedDwells) -> Result<Camp
     Ok(whole)
 }
 
-/// Steps of rates for which exact ones are looked for, arcsec/s: smaller ones move nothing, and larger ones are those of
-/// many latitudes.
+/// Steps of rates for which exact ones are looked for, arcsec/s: smaller ones move nothing, and larger ones are those
+/// of many latitudes.
 const STEPS: RangeInclusive<f64> = 0.9e-3..=0.11;
 
 /// How far a rounded rate may be off, in steps: half of one, and what the digits of an attitude add.

@@ -102,8 +102,8 @@ fn rounded(steps: [f64; 2], gyro: &GyroNoise) -> Option<CoarseStep> {
     (step > 0.0 && times > COMMANDS).then_some(CoarseStep { of, step, slot: gyro.slot, times })
 }
 
-/// Standard uncertainty (GUM 2008, 4.3.7) of the vertical part of the Earth's rate that rounded rates have in common over
-/// the specific force, deg/(h g0): what is the same in all dwells is in D_I, and in no residual. Where the vertical is
+/// Standard uncertainty (GUM 2008, 4.3.7) of the vertical part of the Earth's rate that rounded rates have in common
+/// over the specific force, deg/(h g0): what is the same in all dwells is in D_I, and in no residual. Where the vertical is
 /// rounded otherwise from dwell to dwell its mean is as much better. Zero where nothing is rounded, or static rates are
 /// not the Earth's.
 pub fn rounded_vertical(campaign: &Campaign) -> f64 {

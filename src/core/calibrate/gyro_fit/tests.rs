@@ -141,7 +141,7 @@ fn gyros_with_effects_of_their_own_and_shared_ones_are_those_of_one_fit() {
         // What the model leaves out is not asked here.
         for (j, (fit, noise)) in fits.into_iter().zip(noises).enumerate() {
             let coordinates = fit.coordinates(&noise);
-            let found = fit.finish(&campaign.gyros[j], noise, (coordinates, 1.0), true);
+            let found = fit.finish((&campaign.gyros[j], 0.0), noise, (coordinates, 1.0), true);
             let exact = N as f64 - (0..N).map(|k| hat[(j * N + k, j * N + k)]).sum::<f64>();
             assert!((found.dof as f64 - exact).abs() < 1.0, "{} of {exact}", found.dof);
             // The covariance of all at once, in units of the gyro's own noise.

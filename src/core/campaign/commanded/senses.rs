@@ -19,8 +19,8 @@ const TIMES_VARIANCE: f64 = 25.0;
 /// How many times fewer squares another M must leave.
 const CLEARLY: f64 = 4.0;
 
-/// An IMU that is seated anew between rest and rotation turns by less, rad. One gyro cannot tell that from an axis in which
-/// it has next to nothing.
+/// An IMU that is seated anew between rest and rotation turns by less, rad. One gyro cannot tell that from an axis in
+/// which it has next to nothing.
 const SEATED_ANEW: f64 = std::f64::consts::PI / 180.0;
 
 /// ln of the ratio of both lengths of E within which a unit explains it, and within which there is nothing to explain.

@@ -122,6 +122,35 @@ async fn an_idempotency_key_answers_for_its_request_and_for_no_other() {
 }
 
 #[tokio::test]
+async fn a_key_that_was_answered_with_what_was_there_already_is_used_as_well() {
+    let lab = Lab::open().await;
+    let send = |path: &str, key: &str, body: String| {
+        let request = lab.request(Method::POST, path).header("idempotency-key", key);
+        Answer::of(request.header(CONTENT_TYPE, JSON).body(body))
+    };
+    let of_day = |at: i64, d_i: f64| record("IMU-1", &day(at), &[("G1", "A", d_i, 2.0)]);
+    let of_bench = |at: i64, d_i: f64| bench("A", &day(at), d_i, 2.0);
+    for (path, [sent, differs, other]) in [
+        ("/v1/records", [of_day(0, 1.0), of_day(0, 1.5), of_day(1, 1.0)]),
+        ("/v1/bench-results", [of_bench(2, 1.0), of_bench(2, 1.5), of_bench(3, 1.0)]),
+    ] {
+        let key = |of: &str| format!("{of}-{}", path.len());
+        let id = lab.post(path, &sent).await.created()["id"].clone();
+        let written_otherwise = serde_json::to_string_pretty(&sent).unwrap();
+        for (key, body) in [(key("same"), sent.to_string()), (key("otherwise"), written_otherwise)] {
+            assert_eq!(send(path, &key, body.clone()).await.ok()["id"], id);
+            let reused = send(path, &key, other.to_string()).await;
+            reused.refused(409);
+            assert_eq!(reused.json()["existing"], id);
+            assert_eq!(send(path, &key, body).await.ok()["id"], id);
+        }
+        // What was refused has used no key.
+        send(path, &key("refused"), differs.to_string()).await.refused(409);
+        send(path, &key("refused"), other.to_string()).await.created();
+    }
+}
+
+#[tokio::test]
 async fn many_stations_posting_at_once_lose_nothing() {
     let mut lab = Lab::open().await;
     let records: Vec<Value> = (0..400)

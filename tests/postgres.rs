@@ -703,6 +703,8 @@ async fn a_copy_that_is_killed_goes_on_and_is_the_same_in_the_end() {
     early.args(["serve"]).env("GYROWATCH_DATABASE_URL", &url).env("GYROWATCH_LISTEN", "127.0.0.1:0");
     let said = does_not_start(early);
     assert!(said.contains("gyrowatch copy"), "{said}");
+    let (code, _, said) = command::ended(command::on(&url).arg("verify"));
+    assert!(code == 1 && said.contains("gyrowatch copy"), "{said}");
 
     let done = copy().output().unwrap();
     let said = String::from_utf8_lossy(&done.stdout).into_owned();
@@ -719,4 +721,72 @@ async fn a_copy_that_is_killed_goes_on_and_is_the_same_in_the_end() {
     let refused = command::on(&url).args(["backup", "x.db"]).output().unwrap();
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(!refused.status.success() && said.contains("pg_dump"), "{said}");
+}
+
+/// What a database holds, table by table, but for what is random or a time.
+async fn holdings(url: &str) -> Vec<(String, Vec<String>)> {
+    let mut connection = PgConnection::connect(url).await.unwrap();
+    let tables = "SELECT table_name FROM information_schema.tables
+                  WHERE table_schema = current_schema() AND table_type = 'BASE TABLE' ORDER BY table_name";
+    let tables: Vec<String> = sqlx::query_scalar(tables).fetch_all(&mut connection).await.unwrap();
+    let passing = "stamp,names,settings,outbox,models,diagnoses,access,until,installed_on,execution_time";
+    let mut all = Vec::new();
+    for table in tables {
+        let rows = format!("SELECT (to_jsonb(of_it) - '{{{passing}}}'::TEXT[])::TEXT FROM {table} AS of_it ORDER BY 1");
+        let rows = sqlx::query_scalar(sqlx::AssertSqlSafe(rows)).fetch_all(&mut connection).await.unwrap();
+        all.push((table, rows));
+    }
+    all
+}
+
+#[tokio::test]
+async fn a_copy_into_a_database_that_a_server_has_opened_is_as_one_into_a_new_one() {
+    if !cluster::is_there() {
+        return;
+    }
+    let mut file = {
+        let dir = tempfile::tempdir().unwrap();
+        let database = file_url(&dir.path().join("gyrowatch.db"));
+        Server::start_under(&[], dir, &[("GYROWATCH_DATABASE_URL", &database)])
+    };
+    let of_day = |at: usize| {
+        let (imu, serial) = (format!("IMU-{}", at % 7), format!("LFG-{}", at % 7));
+        record(&imu, &day((at / 7) as i64), &[("G1", &serial, 1.0 + 0.03 * (at % 2) as f64, 2.0)]).to_string()
+    };
+    let lines: Vec<String> = (0..70).map(of_day).collect();
+    file.post("/v1/import", "application/x-ndjson", lines.join("\n")).await.has(200);
+    let seen = async |server: &Server| {
+        let mut all = Vec::new();
+        for path in ["/v1/gyros?limit=100", "/v1/gyros?q=lfg-3", "/v1/gyros?station=ST-1", "/v1/imus"] {
+            all.push(server.get(path).await.json());
+        }
+        let metrics = server.get("/metrics").await.text();
+        let fleet = metrics.lines().filter(|line| line.starts_with("gyrowatch_gyros"));
+        all.push(json!(fleet.collect::<Vec<_>>()));
+        all
+    };
+    let expected = seen(&file).await;
+    assert_eq!(expected[0]["gyros"].as_array().map(Vec::len), Some(7));
+    let from = format!("sqlite://{}", file.dir().join("gyrowatch.db").display());
+    assert!(file.terminate().0.success());
+
+    let (new, opened) = (cluster::fresh_database().await, cluster::fresh_database().await);
+    let mut before = server_on(&opened).await;
+    assert!(before.terminate().0.success());
+    for url in [&new, &opened] {
+        let (code, _, said) = command::ended(gyrowatch().args(["copy", "--from", &from, "--to", url]));
+        assert_eq!(code, 0, "{said}");
+    }
+    let (one, other) = (holdings(&new).await, holdings(&opened).await);
+    for (one, other) in one.iter().zip(&other) {
+        assert_eq!(one, other);
+    }
+    assert_eq!(one.len(), other.len());
+    // Before anybody has opened it, and after.
+    command::verified(&opened);
+    let server = server_on(&opened).await;
+    assert_eq!(seen(&server).await, expected);
+    drop(server);
+    let said = command::verified(&opened);
+    assert!(said.contains("7 gyros"), "{said}");
 }

@@ -138,6 +138,7 @@ pub async fn copy(from: &Options, to: &Options, mut each: impl FnMut(&'static st
         compared.push(Copied { table: table.name, rows: [rows, found], checksums: [checksum, of_found] });
     }
     if compared.iter().all(Copied::is_whole) {
+        postgres::open::give_homes(&mut target).await?;
         release(&tables, &mut target).await?;
     }
     Ok(compared)
@@ -204,6 +205,11 @@ async fn release_mark(target: &mut PgConnection) -> Result<()> {
     Ok(())
 }
 
+/// What a server keeps besides what is copied, as in a database that none has opened yet: one that had opened this one
+/// made it of nothing. The next start makes it of what was copied.
+const NOTHING_MADE: &str = "DELETE FROM head; DELETE FROM gyro_station; UPDATE head_made SET limits = '', through = '';
+     DELETE FROM diagnosis_claim; DELETE FROM cell_commit; UPDATE lease SET holder = 0, until = now()";
+
 /// Opens the copy to servers: identifiers go on after the greatest.
 async fn release(tables: &[CopiedTable], target: &mut PgConnection) -> Result<()> {
     let newest = tables.iter().filter(|table| table.columns[0].0 == "id" && !NAMES.contains(&table.name));
@@ -215,6 +221,7 @@ async fn release(tables: &[CopiedTable], target: &mut PgConnection) -> Result<()
         newest.join(", ")
     );
     let mut whole = target.begin().await?;
+    sqlx::raw_sql(NOTHING_MADE).execute(&mut *whole).await?;
     let stamp = rand::random_range(1..i64::MAX);
     sqlx::query(AssertSqlSafe(sql)).bind(stamp).execute(&mut *whole).await?;
     release_mark(&mut whole).await?;

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::pipeline::ingest::submission::{Submission, anything};
+use crate::pipeline::ingest::submission::{Calibration, Submission, anything};
 use crate::pipeline::prelude::*;
 use crate::wire::bench::BenchBody;
 use crate::wire::campaign;
@@ -21,18 +21,23 @@ pub struct Origin {
 impl Origin {
     /// None of what was not sent as a document.
     pub fn of(sent: &Submission) -> Option<Self> {
-        let (kind, body) = match sent {
-            Submission::Calibration(sent) => (sent.kind.into(), &sent.body),
-            Submission::Bench(sent) => (DocumentKind::Bench, &sent.body),
-            _ => return None,
-        };
-        Some(Self { kind, body: Arc::clone(body) })
+        match sent {
+            Submission::Calibration(sent) => Some(sent.as_ref().into()),
+            Submission::Bench(sent) => Some(Self { kind: DocumentKind::Bench, body: Arc::clone(&sent.body) }),
+            _ => None,
+        }
     }
 
     /// Whether both say the same, however they are written.
     pub(super) fn say_the_same(one: &Option<Self>, other: &Option<Self>) -> bool {
         let both = one.as_ref().zip(other.as_ref());
         both.is_some_and(|(one, other)| one.kind == other.kind && says_the_same(one.kind, &one.body, &other.body))
+    }
+}
+
+impl From<&Calibration> for Origin {
+    fn from(sent: &Calibration) -> Self {
+        Self { kind: sent.kind.into(), body: Arc::clone(&sent.body) }
     }
 }
 

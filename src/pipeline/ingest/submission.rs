@@ -45,6 +45,16 @@ impl Submission {
         }
     }
 
+    /// The key that it bears, and the hash of what was sent under it.
+    pub fn key(&self) -> Option<(&str, &[u8; 32])> {
+        let (key, hash) = match self {
+            Self::Calibration(sent) => (&sent.idempotency_key, &sent.body_sha256),
+            Self::Bench(sent) => (&sent.idempotency_key, &sent.body_sha256),
+            _ => return None,
+        };
+        Some((key.as_deref()?, hash))
+    }
+
     /// With the key under which its sender may send it again.
     pub fn with_key(mut self, key: Option<String>) -> Self {
         match &mut self {

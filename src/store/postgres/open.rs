@@ -102,6 +102,7 @@ pub(in crate::store) async fn open_to_read(options: &Options) -> Result<Store> {
         sqlx::query("BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY").execute(&mut *connection).await?;
         check_schema(&mut connection, options).await?;
     }
+    check_copied(&readers).await?;
     names::learn_all(&readers, &names).await?;
     Ok(store_of(readers, names, OtherServers::none()))
 }
@@ -197,7 +198,7 @@ const WITHOUT_HOME: [(&str, &str); 3] = [
 ];
 
 /// Gives a cell to every name that has none. Broken off, it goes on where it stopped.
-async fn give_homes(connection: &mut PgConnection) -> Result<()> {
+pub(in crate::store) async fn give_homes(connection: &mut PgConnection) -> Result<()> {
     for (table, without) in WITHOUT_HOME {
         let set = format!(
             "UPDATE {table} SET cell = given.cell

@@ -107,7 +107,7 @@ impl Admission<'_> {
             }
             (Some(_), None) => Ok(None),
             (Some(new), Some(standing)) => {
-                let same = same_words(&last) && self.known.has_content(standing, new).await?;
+                let same = same_words(&last) && self.known.has_content(standing, &new.into()).await?;
                 if same { Ok(Some(Accepted::there(standing))) } else { Err(differs) }
             }
         }

@@ -37,11 +37,9 @@ struct Sending {
 }
 
 impl Group {
-    pub(super) fn take_key(&mut self, key: Option<&str>, item: Id, body_sha256: [u8; 32]) {
-        if let Some(key) = key {
-            self.keys.insert(key.to_owned(), (item, body_sha256));
-            self.changes.keys.push(KeyRow { key: key.to_owned(), item, body_sha256 });
-        }
+    pub(super) fn take_key(&mut self, key: &str, item: Id, body_sha256: [u8; 32]) {
+        self.keys.insert(key.to_owned(), (item, body_sha256));
+        self.changes.keys.push(KeyRow { key: key.to_owned(), item, body_sha256 });
     }
 
     pub(super) fn withdraws(&self, record: Id) -> bool {

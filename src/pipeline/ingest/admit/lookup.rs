@@ -9,9 +9,10 @@ use crate::core::mounting::Slot;
 use crate::core::name::distance;
 use crate::core::suspect_window::{Mark, SuspectWindow, in_force};
 use crate::pipeline::Calibration;
-use crate::pipeline::ingest::same_content::says_the_same;
+use crate::pipeline::ingest::same_content::{Origin, differences, says_the_same};
 use crate::pipeline::prelude::*;
 use crate::store::{IdSource, NamesOf, Table};
+use crate::wire::document::DocumentKind;
 
 /// A serial is near to another that differs by so many slips of the pen.
 const SLIPS: usize = 2;
@@ -37,8 +38,7 @@ pub(crate) struct Lookup<'a> {
 }
 
 impl Lookup<'_> {
-    pub async fn by_key(&self, key: Option<&str>, hash: &[u8; 32]) -> Result<Option<Accepted>, Refused> {
-        let Some(key) = key else { return Ok(None) };
+    pub async fn by_key(&self, key: &str, hash: &[u8; 32]) -> Result<Option<Accepted>, Refused> {
         let used = match self.group.keys.get(key) {
             Some((id, hash)) => Some((*id, hash.to_vec())),
             None => self.ahead.key(key, self.store).await?,
@@ -91,13 +91,19 @@ impl Lookup<'_> {
         Ok(marks)
     }
 
-    /// Whether a record, stored or of this group, says the same as another.
-    pub async fn has_content(&self, id: Id, other: &Calibration) -> Result<bool, StoreError> {
-        let says = |kind: Kind, body: &str| kind == other.kind && says_the_same(kind.into(), body, &other.body);
-        if let Some(record) = self.group.changes.records.iter().find(|record| record.id == id) {
-            return Ok(says(record.kind, &record.body));
+    /// Whether a record or a bench result, stored or of this group, says the same as what is sent.
+    pub async fn has_content(&self, id: Id, sent: &Origin) -> Result<bool, StoreError> {
+        let Changes { records, benches, .. } = &self.group.changes;
+        let new = match sent.kind {
+            DocumentKind::Bench => {
+                benches.iter().find(|bench| bench.id == id).map(|bench| (DocumentKind::Bench, &bench.body))
+            }
+            _ => records.iter().find(|record| record.id == id).map(|record| (record.kind.into(), &record.body)),
+        };
+        match new {
+            Some((kind, body)) => Ok(kind == sent.kind && says_the_same(kind, body, &sent.body)),
+            None => Ok(differences(self.store, id, sent).await?.is_empty()),
         }
-        Ok(store::record::get(self.store, id).await?.is_some_and(|record| says(record.kind, &record.body)))
     }
 
     /// The record of an IMU that counts at an instant, and the hash of its body.
@@ -130,12 +136,12 @@ impl Lookup<'_> {
         }
         // What is read only to be compared keeps everybody waiting: not where nothing was withdrawn.
         if let Some(standing) = standing.filter(|_| !others.is_empty())
-            && self.has_content(standing, sent).await?
+            && self.has_content(standing, &sent.into()).await?
         {
             return Ok(None);
         }
         for (id, _) in others {
-            if self.has_content(id, sent).await? {
+            if self.has_content(id, &sent.into()).await? {
                 return Ok(Some(id));
             }
         }

@@ -16,7 +16,7 @@ use crate::core::gyro_attributes::GyroAttributes;
 use crate::core::history_note::{HistoryNote, NameKind};
 use crate::core::record::Name;
 use crate::core::separate::{Branch, Separation};
-use crate::pipeline::ingest::same_content::says_the_same;
+use crate::pipeline::ingest::same_content::{Origin, says_the_same};
 use crate::pipeline::ingest::submission::BenchTest;
 use crate::pipeline::prelude::*;
 use crate::pipeline::{AttributesOrder, CalibratedGyro, Calibration, EventOrder, Submission};
@@ -34,8 +34,29 @@ use recent_records::RecentRecord;
 pub(crate) use recent_records::RecentRecords;
 
 impl Admission<'_> {
-    /// Takes one item into the group. Verdicts are added when the whole group is judged.
+    /// Takes one item into the group. Verdicts are added when the whole group is judged. A key is used for whatever its
+    /// document is answered with, be that new or there already.
     pub async fn admit(&mut self, item: &Submission) -> Result<Accepted, Refused> {
+        let Some((key, hash)) = item.key() else { return self.admit_by_itself(item).await };
+        if let Some(there) = self.known.by_key(key, hash).await? {
+            return Ok(there);
+        }
+        let accepted = self.admit_by_itself(item).await?;
+        let (id, same_bytes) = match &accepted {
+            Accepted::Stored { id, .. } => (*id, true),
+            Accepted::There { id, same_bytes, .. } => (*id, *same_bytes),
+        };
+        let is_same = match Origin::of(item) {
+            Some(sent) if !same_bytes => self.known.has_content(id, &sent).await?,
+            _ => same_bytes,
+        };
+        if is_same {
+            self.known.group.take_key(key, id, *hash);
+        }
+        Ok(accepted)
+    }
+
+    async fn admit_by_itself(&mut self, item: &Submission) -> Result<Accepted, Refused> {
         match item {
             Submission::Calibration(calibration) => self.calibration(calibration).await,
             Submission::Bench(bench) => self.bench(bench).await,
@@ -49,9 +70,6 @@ impl Admission<'_> {
     }
 
     async fn calibration(&mut self, sent: &Calibration) -> Result<Accepted, Refused> {
-        if let Some(there) = self.known.by_key(sent.idempotency_key.as_deref(), &sent.body_sha256).await? {
-            return Ok(there);
-        }
         let imu = self.known.number(NamesOf::Imus, sent.imu.as_str());
         let standing = self.known.counting_at(imu, sent.calibrated_at).await?;
         if let Some((id, hash)) = &standing
@@ -111,7 +129,6 @@ impl Admission<'_> {
         } else {
             self.known.group.records.insert((imu, at), (id, sent.body_sha256));
         }
-        self.known.group.take_key(sent.idempotency_key.as_deref(), id, sent.body_sha256);
         self.known.group.changes.models_used.extend(sent.model.map(|model| (id, model)));
         self.known.group.changes.records.push(RecordRow {
             id,
@@ -132,9 +149,6 @@ impl Admission<'_> {
     }
 
     async fn bench(&mut self, sent: &BenchTest) -> Result<Accepted, Refused> {
-        if let Some(there) = self.known.by_key(sent.idempotency_key.as_deref(), &sent.body_sha256).await? {
-            return Ok(there);
-        }
         let result = &sent.result;
         let (at, method) = (result.measured_at, result.method);
         if let Some(gyro) = self.known.number(NamesOf::Gyros, result.serial.as_str()) {
@@ -172,7 +186,6 @@ impl Admission<'_> {
         let station = self.take_number(NamesOf::Stations, result.station.as_str(), home);
         let sent_by = Some(self.note_sending("bench-results", id));
         self.known.group.benches.insert((gyro, at, method), (id, sent.body_sha256));
-        self.known.group.take_key(sent.idempotency_key.as_deref(), id, sent.body_sha256);
         self.known.group.changes.benches.push(BenchItem {
             id,
             gyro,

@@ -207,6 +207,27 @@ async fn that_an_imu_moved_stands_on_the_pages_and_reports_of_its_gyros_and_on_i
 
 /// As a person sees it, on the clock of this machine.
 #[tokio::test]
+async fn what_was_measured_before_a_station_shifted_is_not_explained_by_it() {
+    let lab = lab().await;
+    lab.clock_shows(&day(34));
+    sent(&lab, &shifted(0..6)).await;
+    become_so(&lab, |alerts| station_is(alerts, "firing") && of_gyros(alerts, "inhibited").count() >= 17).await;
+    // The last of them six days before.
+    let late = |at: i64| calibrated(9, at, "ST-2", move |slot| if (at, slot) == (22, 0) { SHIFT } else { 0.0 });
+    sent(&lab, &[1, 8, 15, 22].map(late)).await;
+    let found = become_so(&lab, |alerts| alerts.iter().any(|alert| alert["serial"] == serial(27))).await;
+    let states = |found: &[Value]| -> Vec<Value> {
+        let its = found.iter().filter(|alert| alert["serial"] == serial(27));
+        its.map(|alert| alert["state"].clone()).collect()
+    };
+    assert!(states(&found).iter().all(|state| state == "firing"), "{found:#?}");
+    tokio::time::sleep(Duration::from_millis(300)).await;
+    let found = alerts(&lab).await;
+    assert!(states(&found).iter().all(|state| state == "firing"), "the clock has looked at it: {found:#?}");
+    assert!(station_is(&found, "firing"), "{found:#?}");
+}
+
+#[tokio::test]
 async fn pages_show_the_station_and_what_its_alert_explains() {
     let server = holding(quiet().into_iter().chain(shifted(0..6))).await;
     let look = async || server.get("/v1/alerts?rule=station_shift").await.json()["alerts"][0].clone();

@@ -8,6 +8,7 @@ use crate::core::message::Parameter;
 use crate::pipeline::prelude::*;
 use crate::store::{AlertOf, AlertRow};
 use crate::wire::alert::AlertFindingBody;
+use crate::wire::time;
 
 /// What gyros of a station, a batch or an IMU share, judged by the clock.
 #[derive(Debug, Clone)]
@@ -38,6 +39,8 @@ struct CoefficientExcess<'a> {
     coefficient: Coefficient,
     severity: Severity,
     since: UtcMicros,
+    /// The calibration that shows it.
+    at: Option<UtcMicros>,
     suspected: Option<ExplicableVerdict>,
     /// Its alert, where that fires already.
     row: Option<&'a AlertRow>,
@@ -132,7 +135,9 @@ impl<'a> SharedAlerts<'a> {
         let since = held.map_or(since, |by| by.alert.since);
         // Nor has the clock seen yet that it has become graver.
         let severity = held.filter(|_| by_clock).map_or(severity, |by| by.alert.severity.min(severity));
-        self.explaining_excess(&CoefficientExcess { gyro, station, imu, coefficient, severity, since, suspected, row })
+        let at = Some(origin.at);
+        let of = CoefficientExcess { gyro, station, imu, coefficient, severity, since, at, suspected, row };
+        self.explaining_excess(&of)
     }
 
     /// As [`SharedAlerts::explaining`], of an alert by the last verdict that it has followed.
@@ -142,7 +147,7 @@ impl<'a> SharedAlerts<'a> {
         let Some((gyro, finding)) = of.gyro().filter(|_| fires).zip(finding_of(row).ok()) else {
             return Explained::default();
         };
-        let AlertFindingBody { value, limit, sd, reason, station, imu, .. } = finding;
+        let AlertFindingBody { value, limit, sd, reason, station, imu, calibrated_at, .. } = finding;
         let above = is_above(&reason.0);
         self.explaining_excess(&CoefficientExcess {
             gyro,
@@ -151,6 +156,7 @@ impl<'a> SharedAlerts<'a> {
             coefficient: *coefficient,
             severity: alert.severity,
             since: alert.since,
+            at: calibrated_at.and_then(|at| time::parse(&at).ok()),
             suspected: value.map(|value| ExplicableVerdict { rule: *rule, value, limit, sd, above }),
             row: Some(row),
         })
@@ -164,7 +170,9 @@ impl<'a> SharedAlerts<'a> {
         };
         let groups = [of.station.map(AlertOf::Station), self.mates.get(&of.gyro).copied().map(AlertOf::Batch)];
         let no_less_severe = |row: &&AlertRow| row.alert.severity >= of.severity;
-        let by_group = groups.into_iter().flatten().filter_map(by_group).find(no_less_severe);
+        // What was measured before a station or batch moved, however late it comes, is none of its doing.
+        let moved = |row: &&AlertRow| of.at.is_none_or(|at| at >= row.alert.since);
+        let by_group = groups.into_iter().flatten().filter_map(by_group).filter(moved).find(no_less_severe);
         // What a gyro does before its IMU, or after, is its own, and so is what it grows by.
         let imu = of.imu.and_then(|imu| self.firing_of(AlertOf::Imu(imu), of.coefficient));
         let imu = imu.filter(|row| row.alert.since == of.since);

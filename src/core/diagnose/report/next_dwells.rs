@@ -26,8 +26,8 @@ const SETTLED: f64 = 25.0;
 
 /// Least separation that a dwell must add to be worth an hour of table time.
 const WORTH: f64 = 1.0;
-/// The same of what the named ones are tied to: it may take several such dwells.
-const WORTH_FOR_CLASSES: f64 = 0.1;
+/// The same of what the named ones are tied to: one dwell at another rate tells little, several in both senses do.
+const WORTH_FOR_CLASSES: f64 = 0.01;
 
 /// One question: does the signal come from `asked`, or can the model, with `other` where there is one, absorb it?
 struct Question {

@@ -109,11 +109,8 @@ impl GyroCalibration {
             self.of(term).unwrap_or_default().iter().filter(|p| !p.determined).map(|p| p.name).collect()
         };
         let (g, e) = (missing(Term::GLinear), missing(Term::Scale));
-        let gauges = self.null_directions.iter().filter(|null| null.gauge.is_some()).count();
-        let (dwells, parameters) = (self.residuals.len(), self.parameters.len() - gauges);
         let needs = match (g.is_empty(), e.is_empty()) {
             (true, true) => return Ok(()),
-            _ if dwells < parameters => message!("needs_more_dwells", dwells, parameters),
             (false, true) => message!("needs_directions"),
             (true, false) => message!("needs_rates"),
             (false, false) => message!("needs_directions_and_rates"),

@@ -510,12 +510,3 @@ fn what_a_model_leaves_out_is_in_the_sd_once() {
         assert!(budget.discrepancy.expect("repeats test it") < 1.001 * white.discrepancy.expect("the same"));
     }
 }
-
-#[test]
-fn few_dwells_are_called_few() {
-    let rows: Vec<Row> = (0..5).map(|k| (FACES[k], [0.0, 0.0, 600.0], 3.0 + k as f64, Some(1e-3))).collect();
-    let campaign = campaign(&rows, None);
-    let found = calibrate(&campaign, Terms::MODEL_6).separate(&campaign.geometry, &Plausibility::default());
-    let Err(drift::NotSeparated::Undetermined { needs, .. }) = &found[0] else { panic!("{found:?}") };
-    assert_eq!(needs.code, "needs_more_dwells");
-}

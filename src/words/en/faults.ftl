@@ -317,10 +317,6 @@ measured_attitude = the vertical of the attitude is { $value } deg from specific
 this_dwell = this dwell
 share_of_dwells = { $count } of { $of } dwells
 effect_not_seen = this design cannot see { $effect }: give it a size instead
-needs_more_dwells = { $dwells ->
-    [one] one dwell is
-   *[other] { $dwells } dwells are
-} too few for { $parameters } parameters
 needs_directions = dwells with other directions of the specific force are needed
 needs_rates = dwells with other rates are needed
 needs_directions_and_rates = dwells with other directions of the specific force and other rates are needed

@@ -317,7 +317,6 @@ measured_attitude = { $share }的姿态垂线偏离specific_force_g0 { $value }�
 this_dwell = 该测点
 share_of_dwells = { $of }个测点中的{ $count }个
 effect_not_seen = 此试验设计看不到{ $effect }：请给出大小
-needs_more_dwells = { $dwells }个测点不足以确定{ $parameters }个参数
 needs_directions = 需要其他比力方向的测点
 needs_rates = 需要其他角速度的测点
 needs_directions_and_rates = 需要其他比力方向与其他角速度的测点

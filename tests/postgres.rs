@@ -762,7 +762,7 @@ async fn a_copy_into_a_database_that_a_server_has_opened_is_as_one_into_a_new_on
         }
         let metrics = server.get("/metrics").await.text();
         let fleet = metrics.lines().filter(|line| line.starts_with("gyrowatch_gyros"));
-        all.push(json!(fleet.collect::<Vec<_>>()));
+        all.push(json!(fleet.collect::<std::collections::BTreeSet<_>>()));
         all
     };
     let expected = seen(&file).await;

@@ -85,27 +85,30 @@ impl CoarseStep {
 /// Where commanded values are written with so few digits, or outputs come in so coarse counts, that it matters: each by
 /// the gyro of `gyros` (those of the campaign, in its order) that shows it most.
 pub fn coarse_steps(campaign: &Campaign, gyros: &[Option<GyroNoise>]) -> Vec<CoarseStep> {
-    let steps = [Stepped::Force, Stepped::Rate].map(|of| commanded_step(campaign, of));
-    let commanded = gyros.iter().flatten().filter_map(|gyro| rounded(steps, gyro));
-    let step = campaign.rates_sent_in_steps;
-    let sent = step.into_iter().flat_map(|step| gyros.iter().flatten().filter_map(move |g| rounded([0.0, step], g)));
-    let sent = sent.map(|coarse| CoarseStep { of: Stepped::SentRate, ..coarse });
-    let counted = gyros.iter().enumerate().filter_map(|(j, gyro)| counted(campaign, j, gyro.as_ref()?));
     let worst = |a: &CoarseStep, b: &CoarseStep| a.times.total_cmp(&b.times);
-    commanded.max_by(worst).into_iter().chain(sent.max_by(worst)).chain(counted.max_by(worst)).collect()
+    let steps = [
+        (Stepped::Force, commanded_step(campaign, Stepped::Force)),
+        (Stepped::Rate, commanded_step(campaign, Stepped::Rate)),
+        (Stepped::SentRate, campaign.rates_sent_in_steps.unwrap_or(0.0)),
+    ];
+    let commanded = steps.into_iter().filter_map(|(of, step)| {
+        let of_gyros = gyros.iter().flatten().filter_map(|gyro| rounded(of, step, gyro));
+        of_gyros.max_by(worst)
+    });
+    let counted = gyros.iter().enumerate().filter_map(|(j, gyro)| counted(campaign, j, gyro.as_ref()?));
+    commanded.chain(counted.max_by(worst)).collect()
 }
 
-fn rounded(steps: [f64; 2], gyro: &GyroNoise) -> Option<CoarseStep> {
-    let [of_force, of_rate] = [gyro.g * steps[0], gyro.e * steps[1]];
-    let times = (evenly(of_force.hypot(of_rate)) / median_of(gyro.sd.iter().copied())?).min(MOST_TIMES);
-    let (of, step) = if of_force > of_rate { (Stepped::Force, steps[0]) } else { (Stepped::Rate, steps[1]) };
+fn rounded(of: Stepped, step: f64, gyro: &GyroNoise) -> Option<CoarseStep> {
+    let per_unit = if of == Stepped::Force { gyro.g } else { gyro.e };
+    let times = (evenly(per_unit * step) / median_of(gyro.sd.iter().copied())?).min(MOST_TIMES);
     (step > 0.0 && times > COMMANDS).then_some(CoarseStep { of, step, slot: gyro.slot, times })
 }
 
 /// Standard uncertainty (GUM 2008, 4.3.7) of the vertical part of the Earth's rate that rounded rates have in common
-/// over the specific force, deg/(h g0): what is the same in all dwells is in D_I, and in no residual. Where the vertical is
-/// rounded otherwise from dwell to dwell its mean is as much better. Zero where nothing is rounded, or static rates are
-/// not the Earth's.
+/// over the specific force, deg/(h g0): what is the same in all dwells is in D_I, and in no residual. Where the
+/// vertical is rounded otherwise from dwell to dwell its mean is as much better. Zero where nothing is rounded, or
+/// static rates are not the Earth's.
 pub fn rounded_vertical(campaign: &Campaign) -> f64 {
     let step = commanded_step(campaign, Stepped::Rate);
     let still = || campaign.dwells.iter().filter(|d| d.phase == Phase::Static && d.specific_force_g0.norm() > 0.0);
@@ -235,7 +238,7 @@ mod tests {
     #[test]
     fn what_is_not_rounded_is_not_said_to_be() {
         let gyro = GyroNoise { slot: Slot::G1, g: f64::INFINITY, e: 1.5, sd: vec![0.0; 3] };
-        assert_eq!(rounded([0.0, 0.0], &gyro), None);
-        assert!(rounded([0.0, 1e-3], &GyroNoise { g: 1.0, ..gyro }).is_some_and(|step| step.of == Stepped::Rate));
+        assert_eq!(rounded(Stepped::Force, 0.0, &gyro), None);
+        assert!(rounded(Stepped::Rate, 1e-3, &gyro).is_some_and(|step| step.of == Stepped::Rate));
     }
 }

@@ -31,6 +31,7 @@ pub(super) struct NoisePrior {
 }
 
 impl FittedRows {
+    /// Rows `y` beside a level and `columns`, n each, under each model.
     pub fn of(models: Vec<NoiseCovariance>, y: &[f64], columns: &[&[f64]], prior: NoisePrior) -> Self {
         let n = y.len();
         let (mut bases, mut left, mut squares) = (Vec::new(), Vec::new(), Vec::new());
@@ -48,6 +49,7 @@ impl FittedRows {
         Self { models, bases, left, squares, n, prior }
     }
 
+    /// ln L of a model that leaves so many whitened `squares`: -n/2 ln(squares/n) - 1/2 ln det V, with the prior's.
     pub fn ln_likelihood(&self, model: usize, squares: f64) -> f64 {
         let n = self.n as f64 + self.prior.freedom;
         -0.5 * n * ((squares + self.prior.freedom * self.prior.variance) / n).ln() - self.models[model].half_log_det
@@ -66,10 +68,12 @@ impl FittedRows {
         LogSum::of(&each.collect::<Vec<f64>>()).log() - std::f64::consts::LN_2
     }
 
+    /// ln L with what is named, as a mean over the models.
     pub fn evidence(&self) -> f64 {
         self.mean(|m| self.ln_likelihood(m, self.squares[m]))
     }
 
+    /// Of a row of unit weight, where so many whitened `squares` are left.
     pub fn variance(&self, squares: f64) -> f64 {
         (squares + self.prior.freedom * self.prior.variance) / self.freedom()
     }
@@ -82,10 +86,12 @@ impl FittedRows {
         (sd > EXCESSIVE * expected && p_value < EXCESS_REMAINS).then_some(ExcessScatter { sd, expected, p_value })
     }
 
+    /// ln L under white noise.
     pub fn white(&self) -> f64 {
         self.ln_likelihood(0, self.squares[0])
     }
 
+    /// The level and what is named.
     pub fn parameters(&self) -> usize {
         self.bases[0].rank()
     }
@@ -96,6 +102,7 @@ impl FittedRows {
         if gain > 0.0 { f_tail((2.0 * gain / n).exp_m1() * freedom / more, more, freedom) } else { 1.0 }
     }
 
+    /// Degrees of freedom, the prior's included.
     pub fn freedom(&self) -> f64 {
         (self.n - self.parameters()).max(1) as f64 + self.prior.freedom
     }

@@ -34,9 +34,9 @@ impl Evidence {
     }
 }
 
-/// The two candidates of the largest evidence, where each is significant beside the other and both together are, against
-/// white noise and against a coefficient that wanders (`levels` of each), corrected for all that was tried. With columns `c_a`,
-/// `c_b` whitened and off what is named, `r` what is left, `b = c'r` and `g = c'c`, they take
+/// The two candidates of the largest evidence, where each is significant beside the other and both together are,
+/// against white noise and against a coefficient that wanders (`levels` of each), corrected for all that was tried.
+/// With columns `c_a`, `c_b` whitened and off what is named, `r` what is left, `b = c'r` and `g = c'c`, they take
 /// `(b_a^2 g_bb - 2 b_a b_b g_ab + b_b^2 g_aa)/(g_aa g_bb - g_ab^2)` of its squares. A regressor that is not known
 /// everywhere takes no part.
 pub(super) fn best(
@@ -53,11 +53,11 @@ pub(super) fn best(
     let count = known.len();
     let mut one = vec![Evidence::default(); count];
     let mut two = vec![Evidence::default(); count * count];
-    for m in 0..fitted.models.len() {
+    for (m, basis) in fitted.bases.iter().enumerate() {
         let columns: Vec<Vec<f64>> = (known.iter())
             .map(|k| {
                 let mut column = white[*k][m].clone();
-                fitted.bases[m].project_out(&mut column);
+                basis.project_out(&mut column);
                 column
             })
             .collect();

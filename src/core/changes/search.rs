@@ -275,7 +275,7 @@ impl CauseSearch<'_> {
         Some(Leading { candidate: pool[k].clone(), class, trial: trials[k]?, open })
     }
 
-    /// The first of two causes that only together explain what is left: it leads beside the other, and another beside it.
+    /// The first of two causes that only together explain what is left: it leads beside the other, and one beside it.
     fn first_of_two(
         &self,
         fitted: &FittedRows,

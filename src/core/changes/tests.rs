@@ -659,7 +659,7 @@ fn ageing_and_the_step_that_takes_it_back_are_both_named() {
     let (mut at_event, mut by_itself) = (0, 0);
     for seed in 0..40 {
         let mut gyro = Fleet::seeded(2000 + seed).gyro(26);
-        change(&mut gyro, 0, |k, _| SCATTER * (0.6 * k as f64 - if k >= 13 { 9.0 } else { 0.0 }));
+        change(&mut gyro, 0, |k, _| SCATTER * (0.7 * k as f64 - if k >= 13 { 10.0 } else { 0.0 }));
         let named = |gyro: &GyroHistory| {
             let mut named: Vec<_> = of(gyro, &[], Coefficient::DI).causes.iter().map(|one| one.cause).collect();
             named.sort_unstable();

@@ -656,23 +656,26 @@ async fn what_is_said_to_the_database_is_encrypted_and_only_under_the_certificat
     assert!(said.contains("certificate"), "{said}");
 }
 
+/// A server on a file that holds so many records, of seven IMUs.
+async fn a_file_of_seven_imus(records: i64) -> Server {
+    let dir = tempfile::tempdir().unwrap();
+    let database = file_url(&dir.path().join("gyrowatch.db"));
+    let server = Server::start_under(&[], dir, &[("GYROWATCH_DATABASE_URL", &database)]);
+    let line = |at: i64| {
+        let (imu, serial) = (format!("IMU-{}", at % 7), format!("LFG-{}", at % 7));
+        record(&imu, &day(at / 7), &[("G1", &serial, 1.0 + 0.03 * (at % 2) as f64, 2.0)]).to_string()
+    };
+    let lines: Vec<String> = (0..records).map(line).collect();
+    server.post("/v1/import", "application/x-ndjson", lines.join("\n")).await.has(200);
+    server
+}
+
 #[tokio::test]
 async fn a_copy_that_is_killed_goes_on_and_is_the_same_in_the_end() {
     if !cluster::is_there() {
         return;
     }
-    let mut file = {
-        let dir = tempfile::tempdir().unwrap();
-        let database = file_url(&dir.path().join("gyrowatch.db"));
-        Server::start_under(&[], dir, &[("GYROWATCH_DATABASE_URL", &database)])
-    };
-    let lines: Vec<String> = (0..3_000)
-        .map(|at| {
-            let (imu, serial) = (format!("IMU-{}", at % 7), format!("LFG-{}", at % 7));
-            record(&imu, &day(at / 7), &[("G1", &serial, 1.0 + 0.03 * (at % 2) as f64, 2.0)]).to_string()
-        })
-        .collect();
-    file.post("/v1/import", "application/x-ndjson", lines.join("\n")).await.has(200);
+    let mut file = a_file_of_seven_imus(3_000).await;
     let trend = "/v1/gyros/LFG-3/trend?coefficient=D_I&limit=1000";
     let expected = file.get(trend).await.json()["points"].clone();
     let url = cluster::fresh_database().await;
@@ -744,17 +747,7 @@ async fn a_copy_into_a_database_that_a_server_has_opened_is_as_one_into_a_new_on
     if !cluster::is_there() {
         return;
     }
-    let mut file = {
-        let dir = tempfile::tempdir().unwrap();
-        let database = file_url(&dir.path().join("gyrowatch.db"));
-        Server::start_under(&[], dir, &[("GYROWATCH_DATABASE_URL", &database)])
-    };
-    let of_day = |at: usize| {
-        let (imu, serial) = (format!("IMU-{}", at % 7), format!("LFG-{}", at % 7));
-        record(&imu, &day((at / 7) as i64), &[("G1", &serial, 1.0 + 0.03 * (at % 2) as f64, 2.0)]).to_string()
-    };
-    let lines: Vec<String> = (0..70).map(of_day).collect();
-    file.post("/v1/import", "application/x-ndjson", lines.join("\n")).await.has(200);
+    let mut file = a_file_of_seven_imus(70).await;
     let seen = async |server: &Server| {
         let mut all = Vec::new();
         for path in ["/v1/gyros?limit=100", "/v1/gyros?q=lfg-3", "/v1/gyros?station=ST-1", "/v1/imus"] {

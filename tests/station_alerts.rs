@@ -205,7 +205,6 @@ async fn that_an_imu_moved_stands_on_the_pages_and_reports_of_its_gyros_and_on_i
     assert!(!other.contains("have moved at once"), "{other}");
 }
 
-/// As a person sees it, on the clock of this machine.
 #[tokio::test]
 async fn what_was_measured_before_a_station_shifted_is_not_explained_by_it() {
     let lab = lab().await;
@@ -227,6 +226,7 @@ async fn what_was_measured_before_a_station_shifted_is_not_explained_by_it() {
     assert!(station_is(&found, "firing"), "{found:#?}");
 }
 
+/// As a person sees it, on the clock of this machine.
 #[tokio::test]
 async fn pages_show_the_station_and_what_its_alert_explains() {
     let server = holding(quiet().into_iter().chain(shifted(0..6))).await;

@@ -16,7 +16,7 @@ const EXCESS_REMAINS: f64 = 1e-4;
 /// The rows under every noise model, with what is named projected out.
 pub(super) struct FittedRows {
     pub models: Vec<NoiseCovariance>,
-    pub bases: Vec<Basis>,
+    bases: Vec<Basis>,
     pub left: Vec<Vec<f64>>,
     pub squares: Vec<f64>,
     pub n: usize,
@@ -47,6 +47,13 @@ impl FittedRows {
             left.push(r);
         }
         Self { models, bases, left, squares, n, prior }
+    }
+
+    /// A column, whitened by a model, off the level and what is named.
+    pub fn projected(&self, model: usize, white: &[f64]) -> Vec<f64> {
+        let mut column = white.to_vec();
+        self.bases[model].project_out(&mut column);
+        column
     }
 
     /// ln L of a model that leaves so many whitened `squares`: -n/2 ln(squares/n) - 1/2 ln det V, with the prior's.
@@ -110,11 +117,9 @@ impl FittedRows {
 
 /// The estimate of a whitened column beside what is named, and its information; none where nothing of it is left.
 pub(super) fn along(fitted: &FittedRows, m: usize, white: &[f64]) -> Option<(f64, f64)> {
-    let before = dot(white, white);
-    let mut column = white.to_vec();
-    fitted.bases[m].project_out(&mut column);
+    let column = fitted.projected(m, white);
     let information = dot(&column, &column);
-    (information > 1e-9 * before).then(|| (dot(&column, &fitted.left[m]) / information, information))
+    (information > 1e-9 * dot(white, white)).then(|| (dot(&column, &fitted.left[m]) / information, information))
 }
 
 pub(super) fn whitened(fitted: &FittedRows, pool: &[CandidateCause]) -> Vec<Vec<Vec<f64>>> {

@@ -1,7 +1,6 @@
 //! Two causes that hide one another from a search that takes one at a time: a slope and the step that brings it back.
 
 use crate::core::numerics::basis::dot;
-use crate::core::numerics::log_sum::LogSum;
 
 use super::candidates::CandidateCause;
 use super::fitted_rows::FittedRows;
@@ -12,27 +11,6 @@ const APART: f64 = 1e-4;
 /// Significance of two together against a coefficient that wanders: walks look like two steps more often than like one.
 /// Of 1,800 that move a coefficient by three to nine standard deviations none gets a name by it.
 const TOGETHER: f64 = 3e-6;
-
-/// ln L with one candidate or two, under white noise and as its mean over all models.
-#[derive(Clone, Copy, Default)]
-struct Evidence {
-    white: f64,
-    others: LogSum,
-}
-
-impl Evidence {
-    fn add(&mut self, model: usize, ln_likelihood: f64) {
-        if model == 0 {
-            self.white = ln_likelihood;
-        } else {
-            self.others.add(ln_likelihood);
-        }
-    }
-
-    fn mean(&self, others: usize) -> f64 {
-        LogSum::of(&[self.white, self.others.log_mean(others)]).log() - std::f64::consts::LN_2
-    }
-}
 
 /// The two candidates of the largest evidence, where each is significant beside the other and both together are,
 /// against white noise and against a coefficient that wanders (`levels` of each), corrected for all that was tried.
@@ -50,56 +28,45 @@ pub(super) fn best(
     if fitted.n < fitted.parameters() + 4 {
         return None;
     }
-    let count = known.len();
-    let mut one = vec![Evidence::default(); count];
-    let mut two = vec![Evidence::default(); count * count];
-    for (m, basis) in fitted.bases.iter().enumerate() {
-        let columns: Vec<Vec<f64>> = (known.iter())
-            .map(|k| {
-                let mut column = white[*k][m].clone();
-                basis.project_out(&mut column);
-                column
-            })
-            .collect();
-        let along: Vec<[f64; 2]> =
-            columns.iter().map(|column| [dot(column, &fitted.left[m]), dot(column, column)]).collect();
-        let ln_likelihood = |taken: f64| fitted.ln_likelihood(m, (fitted.squares[m] - taken).max(0.0));
-        for a in 0..count {
-            let [b_a, g_a] = along[a];
-            one[a].add(m, ln_likelihood(if g_a > 0.0 { b_a * b_a / g_a } else { 0.0 }));
-            for b in a + 1..count {
-                let ([b_b, g_b], g_ab) = (along[b], dot(&columns[a], &columns[b]));
-                let determinant = g_a * g_b - g_ab * g_ab;
-                let apart = determinant > APART * g_a * g_b;
-                let taken = (b_a * b_a * g_b - 2.0 * b_a * b_b * g_ab + b_b * b_b * g_a) / determinant;
-                two[a * count + b].add(m, ln_likelihood(if apart { taken } else { 0.0 }));
-            }
-        }
-    }
-    let others = fitted.models.len() - 1;
-    let is_significant = |pair: &Evidence, before: [f64; 2], more: f64, tried: [usize; 2], levels: [f64; 2]| {
-        let p = |gain: f64, tried: usize| fitted.significance(gain, more) * tried as f64;
-        p(pair.white - before[0], tried[0]) < levels[0] && p(pair.mean(others) - before[1], tried[1]) < levels[1]
+    // By candidate and model: the column off what is named, b and g.
+    let off = |k: &usize| -> Vec<Vec<f64>> {
+        white[*k].iter().enumerate().map(|(m, column)| fitted.projected(m, column)).collect()
+    };
+    let columns: Vec<Vec<Vec<f64>>> = known.iter().map(off).collect();
+    let along = |(m, column): (usize, &Vec<f64>)| [dot(column, &fitted.left[m]), dot(column, column)];
+    let along: Vec<Vec<[f64; 2]>> = columns.iter().map(|all| all.iter().enumerate().map(along).collect()).collect();
+    // ln L under white noise and as the mean over all models, where so much is taken of the squares of each.
+    let evidence = |taken: &dyn Fn(usize) -> f64| {
+        let ln_likelihood = |m: usize| fitted.ln_likelihood(m, (fitted.squares[m] - taken(m)).max(0.0));
+        [ln_likelihood(0), fitted.mean(ln_likelihood)]
+    };
+    let of_one =
+        |along: &Vec<[f64; 2]>| evidence(&|m| if along[m][1] > 0.0 { along[m][0].powi(2) / along[m][1] } else { 0.0 });
+    let one: Vec<[f64; 2]> = along.iter().map(of_one).collect();
+    let of_two = |a: usize, b: usize, m: usize| {
+        let ([b_a, g_a], [b_b, g_b], g_ab) = (along[a][m], along[b][m], dot(&columns[a][m], &columns[b][m]));
+        let determinant = g_a * g_b - g_ab * g_ab;
+        let taken = (b_a * b_a * g_b - 2.0 * b_a * b_b * g_ab + b_b * b_b * g_a) / determinant;
+        if determinant > APART * g_a * g_b { taken } else { 0.0 }
+    };
+    let none = [fitted.white(), fitted.evidence()];
+    let is_significant = |after: [f64; 2], before: [f64; 2], more: f64, tried: [usize; 2], levels: [f64; 2]| {
+        (0..2).all(|k| fitted.significance(after[k] - before[k], more) * (tried[k] as f64) < levels[k])
     };
     let mut leads: Option<(f64, [usize; 2])> = None;
-    for (a, b) in (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b))) {
-        let pair = &two[a * count + b];
-        let evidence = pair.mean(others);
-        if leads.is_some_and(|(most, _)| evidence <= most) {
+    for (a, b) in (0..known.len()).flat_map(|a| (a + 1..known.len()).map(move |b| (a, b))) {
+        let two = evidence(&|m| of_two(a, b, m));
+        if leads.is_some_and(|(most, _)| two[1] <= most) {
             continue;
         }
         let tried = [a, b].map(|k| pool[known[k]].tried);
-        let beside = |k: usize, other: usize| {
-            let before = [one[other].white, one[other].mean(others)];
-            is_significant(pair, before, 1.0, [kinds * tried[k], tried[k]], levels)
-        };
-        let none = [fitted.white(), fitted.evidence()];
+        let beside =
+            |k: usize, other: usize| is_significant(two, one[other], 1.0, [kinds * tried[k], tried[k]], levels);
         let of_both = tried[0] * tried[1];
-        let needed = beside(0, b)
-            && beside(1, a)
-            && is_significant(pair, none, 2.0, [kinds * kinds * of_both, of_both], [levels[0], TOGETHER]);
-        if needed {
-            leads = Some((evidence, [known[a], known[b]]));
+        let together = [levels[0], TOGETHER];
+        if beside(0, b) && beside(1, a) && is_significant(two, none, 2.0, [kinds * kinds * of_both, of_both], together)
+        {
+            leads = Some((two[1], [known[a], known[b]]));
         }
     }
     leads.map(|(_, pair)| pair)

@@ -53,6 +53,19 @@ struct CandidateTrial {
     p_wandering: f64,
 }
 
+/// A step of the selection: what is named, and what may be named beside it.
+#[derive(Clone, Copy)]
+struct Selection<'a> {
+    rows: &'a SearchedRows,
+    taken: &'a [CandidateCause],
+    fitted: &'a FittedRows,
+    pool: &'a [CandidateCause],
+    /// Columns of the pool, whitened by each model.
+    white: &'a [Vec<Vec<f64>>],
+    /// How many are tried in all, those that are searched for as one.
+    kinds: usize,
+}
+
 /// What is named next.
 struct Leading {
     candidate: CandidateCause,
@@ -152,15 +165,14 @@ impl CauseSearch<'_> {
         let mut white = whitened(&fitted, &pool);
         let mut rejected;
         loop {
-            let trials = self.trials(&fitted, &rows, &taken, &pool, &white, kinds);
+            let selection =
+                Selection { rows: &rows, taken: &taken, fitted: &fitted, pool: &pool, white: &white, kinds };
+            let trials = self.trials(&selection);
             rejected = self.rejected(&pool, &trials);
-            if named.len() == MOST_CAUSES {
-                break;
-            }
-            let alone = self.leading(&fitted, &pool, &trials);
-            let two = || self.first_of_two(&fitted, &rows, &taken, &pool, &white, kinds);
-            let more_than_one = named.len() + 1 < MOST_CAUSES && something_remains(&fitted);
-            let Some(leading) = alone.or_else(|| more_than_one.then(two).flatten()) else { break };
+            let more = MOST_CAUSES - named.len();
+            let alone = (more > 0).then(|| self.leading(&selection, &trials)).flatten();
+            let two = || if more > 1 && something_remains(&fitted) { self.first_of_two(&selection) } else { None };
+            let Some(leading) = alone.or_else(two) else { break };
             let Leading { candidate, class, trial, open: share } = leading;
             open.push(share);
             named.push(NamedCause {
@@ -203,15 +215,9 @@ impl CauseSearch<'_> {
         self.series.column(|row| part.at(row.station, row.at, row.years))
     }
 
-    fn trial(
-        &self,
-        fitted: &FittedRows,
-        rows: &SearchedRows,
-        taken: &[CandidateCause],
-        candidate: &CandidateCause,
-        white: &[Vec<f64>],
-        kinds: usize,
-    ) -> Option<CandidateTrial> {
+    fn trial(&self, selection: &Selection<'_>, k: usize) -> Option<CandidateTrial> {
+        let &Selection { rows, taken, fitted, pool, white, kinds } = selection;
+        let (candidate, white) = (&pool[k], &*white[k]);
         let own;
         let (fit, white) = if candidate.missing.is_empty() {
             (fitted, white)
@@ -249,46 +255,24 @@ impl CauseSearch<'_> {
         Some(trial)
     }
 
-    fn trials(
-        &self,
-        fitted: &FittedRows,
-        rows: &SearchedRows,
-        taken: &[CandidateCause],
-        pool: &[CandidateCause],
-        white: &[Vec<Vec<f64>>],
-        kinds: usize,
-    ) -> Vec<Option<CandidateTrial>> {
-        let of = |(candidate, white): (&CandidateCause, &Vec<Vec<f64>>)| {
-            self.trial(fitted, rows, taken, candidate, white, kinds)
-        };
-        pool.iter().zip(white).map(of).collect()
+    fn trials(&self, selection: &Selection<'_>) -> Vec<Option<CandidateTrial>> {
+        (0..selection.pool.len()).map(|k| self.trial(selection, k)).collect()
     }
 
-    fn leading(
-        &self,
-        fitted: &FittedRows,
-        pool: &[CandidateCause],
-        trials: &[Option<CandidateTrial>],
-    ) -> Option<Leading> {
-        let (k, class) = self.lead(pool, trials)?;
-        let open = self.open(fitted, pool, trials, k);
-        Some(Leading { candidate: pool[k].clone(), class, trial: trials[k]?, open })
+    fn leading(&self, selection: &Selection<'_>, trials: &[Option<CandidateTrial>]) -> Option<Leading> {
+        let (k, class) = self.lead(selection.pool, trials)?;
+        let open = self.open(selection, trials, k);
+        Some(Leading { candidate: selection.pool[k].clone(), class, trial: trials[k]?, open })
     }
 
     /// The first of two causes that only together explain what is left: it leads beside the other, and one beside it.
-    fn first_of_two(
-        &self,
-        fitted: &FittedRows,
-        rows: &SearchedRows,
-        taken: &[CandidateCause],
-        pool: &[CandidateCause],
-        white: &[Vec<Vec<f64>>],
-        kinds: usize,
-    ) -> Option<Leading> {
+    fn first_of_two(&self, selection: &Selection<'_>) -> Option<Leading> {
+        let &Selection { rows, fitted, pool, white, kinds, .. } = selection;
         let beside = |one: &CandidateCause| {
-            let taken: Vec<CandidateCause> = taken.iter().chain([one]).cloned().collect();
+            let taken: Vec<CandidateCause> = selection.taken.iter().chain([one]).cloned().collect();
             let fitted = rows.fitted(&taken, self.prior);
-            self.leading(&fitted, pool, &self.trials(&fitted, rows, &taken, pool, white, kinds))
+            let selection = Selection { taken: &taken, fitted: &fitted, ..*selection };
+            self.leading(&selection, &self.trials(&selection))
         };
         let [_, second] = pairs::best(fitted, pool, white, [SIGNIFICANCE, NOT_WANDERING], kinds)?;
         let first = beside(&pool[second])?;
@@ -323,20 +307,14 @@ impl CauseSearch<'_> {
 
     /// What share of a named course is open: the largest squared distance from it to the course of a candidate that
     /// explains as much, another instant among them, over its own square. Level and named causes count in neither.
-    fn open(
-        &self,
-        fitted: &FittedRows,
-        pool: &[CandidateCause],
-        trials: &[Option<CandidateTrial>],
-        named: usize,
-    ) -> f64 {
+    fn open(&self, selection: &Selection<'_>, trials: &[Option<CandidateTrial>], named: usize) -> f64 {
+        let &Selection { fitted, pool, white, .. } = selection;
         let possible =
             |(k, trial): (usize, &Option<CandidateTrial>)| trial.filter(|one| self.denied(&pool[k], one).is_none());
         let best = trials.iter().enumerate().filter_map(possible).map(|one| one.best).fold(f64::NEG_INFINITY, f64::max);
         let course = |k: usize| -> Option<Vec<f64>> {
             let trial = possible((k, &trials[k])).filter(|one| 2.0 * (best - one.best) <= EQUALLY_GOOD)?;
-            let mut column = fitted.models[0].whiten(&pool[k].column);
-            fitted.bases[0].project_out(&mut column);
+            let mut column = fitted.projected(0, &white[k][0]);
             column.iter_mut().for_each(|value| *value *= trial.value);
             Some(column)
         };

@@ -134,7 +134,7 @@ fn names<'a>(campaign: &Campaign, settled: &'a SearchOutcome) -> Names<'a> {
     named.retain(|_| closes.next().unwrap_or(true));
     let parts: Vec<Part> = named.iter().map(|n| n.part.clone()).collect();
     let fit = augmented_fit::fit(&settled.frame, &parts);
-    let told = refined_shape::as_told(&settled.frame, &parts);
+    let told = refined_shape::as_told(&settled.frame, &parts, &fit);
     let calibrated = Calibrated::of(campaign, &settled.frame, &told);
     Names { settled, search, named, doubts, parts, told, fit, calibrated }
 }

@@ -99,12 +99,11 @@ pub(crate) fn shape_sd(frame: &Frame, parts: &[Part], i: usize, variances: &[f64
 /// half a radian there.
 const TOLD_DIRECTION: f64 = 2.0;
 
-/// The parts as a model is to hold them: a field whose direction the dwells do not tell has any. At rest all directions
-/// but north fit alike, and each moves E and G otherwise.
-pub(crate) fn as_told(frame: &Frame, parts: &[Part]) -> Vec<Part> {
-    let fit = augmented_fit::fit(frame, parts);
+/// The parts, which `fit` fits, as a model is to hold them: a field whose direction the dwells do not tell has any. At
+/// rest all directions but north fit alike, and each moves E and G otherwise.
+pub(crate) fn as_told(frame: &Frame, parts: &[Part], fit: &Fit) -> Vec<Part> {
     let of_part = |(p, part): (usize, &Part)| match part.shape {
-        Shape::Azimuth(angle) if !is_told(frame, parts, (p, angle), &fit) => {
+        Shape::Azimuth(angle) if !is_told(frame, parts, (p, angle), fit) => {
             Part { shape: Shape::Linear, ..part.clone() }
         }
         _ => part.clone(),

@@ -29,6 +29,7 @@ mod hooks;
 mod hypotheses;
 mod import;
 mod imus;
+mod json_response;
 mod metrics;
 mod middleware;
 mod models;

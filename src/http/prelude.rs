@@ -1,6 +1,5 @@
 //! What nearly every file of the service over HTTP is written with.
 
-pub(super) use axum::Json;
 pub(super) use axum::extract::Path;
 pub(super) use axum::http::header::LOCATION;
 pub(super) use axum::http::{HeaderMap, StatusCode, Uri};
@@ -10,6 +9,7 @@ pub(super) use utoipa::{IntoParams, ToSchema};
 
 pub(super) use super::app::App;
 pub(super) use super::document::Document;
+pub(super) use super::json_response::Json;
 pub(super) use super::problem::Answer;
 pub(super) use super::query::{self, Parameters};
 pub(super) use crate::core::fault::Faults;

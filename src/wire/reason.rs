@@ -1,5 +1,7 @@
 //! Why a verdict is what it is, as answers show it and as the database keeps it.
 
+use std::borrow::Cow;
+
 use serde::de::{Deserialize, Deserializer};
 use serde::ser::{Serialize, Serializer};
 
@@ -25,7 +27,7 @@ struct ReasonBody {
     finding: MessageBody,
     /// The same, the limit and how certain it is, in words.
     #[schema(example = "In tolerance.")]
-    reason: String,
+    reason: Cow<'static, str>,
 }
 
 impl Reason {
@@ -41,8 +43,12 @@ impl Reason {
     }
 
     /// As sentences.
-    pub fn words(&self, language: Language) -> String {
-        language.sentences(&self.0)
+    pub fn words(&self, language: Language) -> Cow<'static, str> {
+        let phrase = match &self.0[..] {
+            [phrase] if phrase.parameters.is_empty() => language.word(&phrase.code),
+            _ => "",
+        };
+        if phrase.is_empty() { Cow::Owned(language.sentences(&self.0)) } else { Cow::Borrowed(phrase) }
     }
 
     /// As the database keeps it, in place of words.

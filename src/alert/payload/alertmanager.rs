@@ -142,7 +142,7 @@ fn of_alert(alert: &AlertBody, severity: &str, ends_at: &str, context: &Context<
     let finding = &alert.finding;
     let mut annotations = Labels::from([
         ("summary", summary(alert, alert.state == "resolved")),
-        ("description", finding.reason.words(asked())),
+        ("description", finding.reason.words(asked()).into_owned()),
         ("limit", format!("{} {}", finding.limit, unit::of_people(&finding.unit))),
     ]);
     let known = [

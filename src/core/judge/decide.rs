@@ -103,11 +103,9 @@ pub(crate) fn widest<T: Copy>(
         let (low, high) = if a.1.value <= b.1.value { (a, b) } else { (b, a) };
         Pair { low, high, between: between(&a.0, &b.0) }
     });
-    let before = |a: &Pair<T>, b: &Pair<T>| {
-        let (a, b) = (a.rank(limit), b.rank(limit));
-        a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
-    };
-    let pair = ordered.reduce(|best, next| if before(&next, &best).is_gt() { next } else { best })?;
+    let ranked = ordered.map(|pair| (pair.rank(limit), pair));
+    let before = |a: (f64, f64), b: (f64, f64)| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1));
+    let (_, pair) = ranked.reduce(|best, next| if before(next.0, best.0).is_gt() { next } else { best })?;
     let extremes = Extremes::of(figures.iter().map(|(_, measured)| ((), measured.value)));
     Some((pair, extremes.range_without_one()))
 }

@@ -11,6 +11,7 @@ use crate::core::calibrate::reseated::reseated;
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::diagnose::{Verdict, diagnose};
 use crate::core::imu_model::of_one_imu;
+use crate::core::numerics::between::differs;
 use crate::wire::calibration::{CampaignAnswer, CampaignsAnswer, GyroFitBody, RepeatedBody, ReseatedBody};
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::document::{DocumentKind, open_table, parse};
@@ -174,8 +175,9 @@ fn tables_between(fitted: &[FittedFile], between: &[RepeatedBody], reseated: &[R
         ]);
     }
     text.push_str(&format!("\n{}\n{repeats}\n", word("terminal_repeats")));
+    let is_told = |r: &&RepeatedBody| r.p_value.is_some_and(|p| differs(p, between.len()));
     let beyond: Vec<String> =
-        between.iter().filter(|r| r.beyond_sd > 0.0).map(|r| format!("{} {}", r.slot.name(), r.coefficient)).collect();
+        between.iter().filter(is_told).map(|r| format!("{} {}", r.slot.name(), r.coefficient)).collect();
     let differ = match beyond.as_slice() {
         [] if between.is_empty() => Some(message!("terminal_repeats_nothing")),
         // An IMU that was seated anew differs.

@@ -38,8 +38,16 @@ use crate::message;
 /// Condition that makes D_F, D_II and D_SS unique in a tumble about the output axis.
 pub const GAUGE: &str = "D_II + D_SS = 0";
 
-/// Largest departure of a servo test's fitted scale from 1 (in its sd, and absolutely) that passes for 1.
-const SERVO_SCALE: (f64, f64) = (5.0, 0.02);
+/// Largest departures from 1 that pass for 1, of a servo test's fitted scale, and of one that is stated: terms that are
+/// left out may feed the latter.
+const SERVO_SCALE: f64 = 0.02;
+const STATED_SCALE: f64 = 0.2;
+/// Standard deviations from which on a scale is not zero, or not 1.
+const SIGNIFICANT: f64 = 5.0;
+
+/// Force along an axis, g0 (root mean square of what is left of it beside the other columns), below which its coefficient
+/// is not determined: a gyro stands off its fixture by minutes of arc, and that times D of another axis goes into it.
+const LEAST_EXCITED: f64 = 0.01;
 
 /// One coefficient of eq. (5).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -130,6 +138,10 @@ pub enum NotFitted {
     NotATableRate {
         found: f64,
     },
+    /// The Earth's rate shows another E than the stated one.
+    NotAsStated {
+        found: f64,
+    },
     NoServoSign,
 }
 
@@ -145,6 +157,7 @@ impl NotFitted {
             Self::NoScale => message!("bench_no_scale"),
             Self::ScaleOrSquares => message!("bench_scale_or_squares"),
             Self::NoServoSign => message!("no_servo_sign"),
+            Self::NotAsStated { found } => message!("bench_not_as_stated", found = figure(*found, 3)),
             Self::NotATableRate { found } => message!("not_a_table_rate", found = figure(*found, 4)),
         }
     }
@@ -194,11 +207,18 @@ pub fn calibrate_bench(campaign: &Campaign) -> Result<BenchCalibration, NotFitte
 impl BenchProblem<'_> {
     fn scale(&self, known_e: Option<Vector3<f64>>) -> Result<BenchScale, NotFitted> {
         let held = |e| BenchScale { held: Some(e), fitted: Vec::new() };
+        let fit_along = |fitted: Vec<Vector3<f64>>| BenchScale { held: None, fitted };
         if let Some(e) = known_e {
-            return Ok(held(e));
+            let along = fit_along(vec![e]);
+            let told = self.determines_scale(&along).then(|| self.answer(&along, e / e.norm_squared()).ok()).flatten();
+            return match told {
+                Some((answer, sd)) if is_off(answer - 1.0, sd, STATED_SCALE) => {
+                    Err(NotFitted::NotAsStated { found: answer })
+                }
+                _ => Ok(held(e)),
+            };
         }
         let input = self.triad.input();
-        let fit_along = |fitted: Vec<Vector3<f64>>| BenchScale { held: None, fitted };
         if self.method == BenchMethod::TorqueFeedback {
             let whole = fit_along(vec![Vector3::x(), Vector3::y(), Vector3::z()]);
             let single = fit_along(vec![input]);
@@ -211,18 +231,23 @@ impl BenchProblem<'_> {
         if !self.determines_scale(&along_input) {
             return Err(NotFitted::NoServoSign);
         }
-        let found = self.fit(&along_input)?;
-        let answer = found.e.dot(&input);
-        let of_weights = self.nominal_factor(&along_input).covariance()[(0, 0)].max(0.0).sqrt();
-        let sd = found.noise.covariance_scale().map_or(f64::INFINITY, f64::sqrt) * of_weights;
-        let off = answer.abs() - 1.0;
-        if off.abs() > SERVO_SCALE.1 && off.abs() > SERVO_SCALE.0 * sd {
+        let (answer, sd) = self.answer(&along_input, input)?;
+        if is_off(answer.abs() - 1.0, sd, SERVO_SCALE) {
             return Err(NotFitted::NotATableRate { found: answer });
         }
-        if answer.abs() <= SERVO_SCALE.0 * sd {
+        if answer.abs() <= SIGNIFICANT * sd {
             return Err(NotFitted::NoServoSign);
         }
         Ok(held(input * answer.signum()))
+    }
+
+    /// By what the output answers the Earth's rate: E of a fit along one direction, seen along `unit`, and its standard
+    /// deviation.
+    fn answer(&self, along: &BenchScale, unit: Vector3<f64>) -> Result<(f64, f64), NotFitted> {
+        let found = self.fit(along)?;
+        let of_weights = self.nominal_factor(along).covariance()[(0, 0)].max(0.0).sqrt();
+        let sd = found.noise.covariance_scale().map_or(f64::INFINITY, f64::sqrt) * of_weights;
+        Ok((found.e.dot(&unit), sd))
     }
 
     /// As for a campaign of an IMU. Errors that are far too large for the residuals say nothing of kinds.
@@ -327,7 +352,10 @@ impl BenchProblem<'_> {
         let undetermined: Vec<&'static str> = ["D_F", "D_I", "D_S"]
             .into_iter()
             .enumerate()
-            .filter(|(i, _)| !factor.determines_parameter(first + i))
+            .filter(|(i, name)| {
+                let column = first + i;
+                !factor.determines_parameter(column) || *name != "D_F" && factor.excitation(column) < LEAST_EXCITED
+            })
             .map(|(_, name)| name)
             .collect();
         if !undetermined.is_empty() {
@@ -488,6 +516,10 @@ impl BenchProblem<'_> {
             repeats: groups,
         })
     }
+}
+
+fn is_off(off: f64, sd: f64, passes: f64) -> bool {
+    off.abs() > passes && off.abs() > SIGNIFICANT * sd
 }
 
 /// The design fitted on the axes that E has.

@@ -204,6 +204,14 @@ impl CauseSearch<'_> {
         for (k, cause) in named.iter_mut().enumerate() {
             cause.held_out = closure::held_out(y, &stated, &columns, k, open[k]);
         }
+        // Two slopes one after the other fit any smooth bend, of a year or of settling, and tell nothing of its end.
+        let is_slope = |one: &NamedCause| matches!(one.tie, Attribution::Slope | Attribution::SlopeSince(_));
+        if named.iter().filter(|one| is_slope(one)).count() > 1 {
+            for one in named.iter_mut().filter(|one| is_slope(one) && !one.class.contains(&ChangeCause::Wandering)) {
+                one.class.push(ChangeCause::Wandering);
+            }
+            levels.clear();
+        }
         let (remaining_p_value, model) = remaining(&fitted);
         let wander = (remaining_p_value < REMAINS).then(|| self.random_variation(&fitted, model, remaining_p_value));
         let mut stations = self.stations_named(y, &stated, &columns);

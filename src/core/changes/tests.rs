@@ -112,6 +112,25 @@ fn ageing_that_begins_late_is_no_step() {
 }
 
 #[test]
+fn a_bend_that_two_slopes_fit_may_as_well_be_a_wandering_coefficient() {
+    let mut twice = 0;
+    for seed in 0..60 {
+        let mut gyro = Fleet::seeded(4_400 + seed).gyro(24);
+        gyro.entries.iter_mut().enumerate().for_each(|(k, entry)| entry.at = UtcMicros(k as i64 * 14 * UtcMicros::DAY));
+        change(&mut gyro, 0, |k, _| 0.008 * (std::f64::consts::TAU * (k as f64 * 14.0 / 365.25 + 0.1)).sin());
+        let budget = DriftBudget { baseline: gyro.entries[0].d[0].value, limit: 0.01, measured_since: None };
+        let answer = super::diagnose_history(&gyro, &[], [Some(budget); 3]).swap_remove(0);
+        let slopes: Vec<&NamedCause> = answer.causes.iter().filter(|one| one.cause == ChangeCause::Ageing).collect();
+        if slopes.len() > 1 {
+            twice += 1;
+            assert!(slopes.iter().all(|one| one.class.contains(&ChangeCause::Wandering)), "{seed}: {answer:?}");
+            assert!(answer.verdict != HistoryVerdict::Explained && answer.due.is_none(), "{seed}: {answer:?}");
+        }
+    }
+    assert!(twice >= 3, "two slopes are named in {twice} of 60");
+}
+
+#[test]
 fn a_jump_at_a_transport_is_tied_to_it_and_one_without_an_event_is_only_a_step() {
     let mut gyro = Fleet::seeded(2).gyro(24);
     change(&mut gyro, 1, |k, _| if k >= 11 { 0.02 } else { 0.0 });

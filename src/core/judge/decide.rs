@@ -22,7 +22,15 @@ impl Conformity {
     /// Of a figure that lies beyond its limit or not, from the probability that the true value does: uncertainty alone
     /// exceeds nothing.
     pub fn by_probability(is_beyond: bool, probability: f64, confidence: f64) -> Self {
-        let state = if is_beyond && probability >= confidence {
+        Self::of_side(is_beyond, [probability; 2], confidence)
+    }
+
+    /// As [`Conformity::by_probability`], where a figure may lie beyond on either side. `probabilities`: that the true value
+    /// lies beyond on that of the figure, and on any. A figure whose standard deviation is far larger than what lies
+    /// between the limits is beyond one of them for sure, and nobody knows which.
+    fn of_side(is_beyond: bool, probabilities: [f64; 2], confidence: f64) -> Self {
+        let [of_its_side, probability] = probabilities;
+        let state = if is_beyond && of_its_side >= confidence {
             State::Exceeded
         } else if !is_beyond && probability <= 1.0 - confidence {
             State::Within
@@ -45,15 +53,16 @@ pub(crate) fn beyond(difference: Measured, limit: f64, confidence: f64) -> Confo
 }
 
 /// Judges whether a figure lies outside [low, high]. With a standard deviation the probability is that of a true
-/// value ~ N(value, sd^2), and a verdict is reached where it passes `confidence` or falls below 1 - confidence.
+/// value ~ N(value, sd^2), and a verdict is reached where it passes `confidence` on the figure's side or falls below
+/// 1 - confidence on both.
 /// Without one, the figure is compared as it stands. A figure that lies inside never exceeds, however uncertain it
 /// is.
 pub(crate) fn outside(figure: Measured, low: f64, high: f64, confidence: f64) -> Conformity {
     let Measured { value, sd } = figure;
     let is_outside = value < low || value > high;
     let Some(sd) = sd.filter(|&sd| sd > 0.0) else { return Conformity::certain(is_outside) };
-    let probability = (normal_cdf((value - high) / sd) + normal_cdf((low - value) / sd)).min(1.0);
-    Conformity::by_probability(is_outside, probability, confidence)
+    let [above, below] = [normal_cdf((value - high) / sd), normal_cdf((low - value) / sd)];
+    Conformity::of_side(is_outside, [above.max(below), (above + below).min(1.0)], confidence)
 }
 
 /// Two figures, the lower one first, and what each belongs to.
@@ -128,6 +137,20 @@ pub(crate) fn range_beyond(range: Measured, n: usize, limit: f64, confidence: f6
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_figure_that_may_as_well_lie_beyond_the_other_limit_exceeds_none() {
+        let of = |value, sd| beyond(Measured { value, sd: Some(sd) }, 0.01, 0.95);
+        let unknown = of(0.56, 1.0);
+        assert_eq!(unknown.state, State::Indeterminate, "1.6 sd from zero is no evidence");
+        assert!(unknown.probability.unwrap() > 0.98, "though it lies beyond one of the two");
+        // By hand: (value - limit)/sd = 1.6449 is 95 % on its side.
+        assert_eq!([of(1.60, 1.0), of(1.66, 1.0), of(-1.66, 1.0)].map(|it| it.state), {
+            use State::{Exceeded, Indeterminate};
+            [Indeterminate, Exceeded, Exceeded]
+        });
+        assert_eq!(of(0.002, 0.003).state, State::Within);
+    }
 
     #[test]
     fn a_range_of_two_is_the_difference_of_two() {

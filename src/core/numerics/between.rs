@@ -84,6 +84,11 @@ impl Scatter {
     }
 }
 
+/// Whether one of so many quantities that were tested is told to differ: its p, corrected (Bonferroni), is below 0.05.
+pub fn differs(p: f64, tested: usize) -> bool {
+    p * (tested as f64) < BEYOND_NOISE
+}
+
 /// A weighted mean and its standard deviation: half of its 95 % interval over 1.96.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mean {
@@ -328,6 +333,23 @@ mod tests {
         assert!(close(found.trace, projected.trace()), "{found:?}");
         let likelihood = -0.5 * (covariance.determinant().ln() + s11.ln() + chi2);
         assert!(close(found.log_likelihood, likelihood), "{found:?}");
+    }
+
+    #[test]
+    fn of_many_that_are_tested_one_differs_by_chance_in_a_twentieth() {
+        let mut rng = ChaCha8Rng::seed_from_u64(20_261_201);
+        let mut normal = || (0..12).map(|_| rng.random_range(0.0..1.0)).sum::<f64>() - 6.0;
+        let mut of_a_set = || {
+            let quantities: Vec<f64> = (0..15)
+                .map(|_| {
+                    let values: Vec<_> = (0..3).map(|_| Observation::independent(normal(), 1.0)).collect();
+                    Scatter::of(&values).and_then(|scatter| scatter.p_value()).unwrap()
+                })
+                .collect();
+            quantities.iter().any(|p| differs(*p, quantities.len()))
+        };
+        let told = (0..1_000).filter(|_| of_a_set()).count();
+        assert!((25..75).contains(&told), "{told} of 1,000 sets of which nothing differs");
     }
 
     #[test]

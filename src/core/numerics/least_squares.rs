@@ -115,6 +115,12 @@ impl Factor {
         &self.basis
     }
 
+    /// Root mean square, weighted by 1/sd^2, of what is left of a column beside the others: 1/sqrt(C_ii sum 1/sd^2), in
+    /// the unit of the column. Meaningless where the parameter is not determined.
+    pub fn excitation(&self, i: usize) -> f64 {
+        (self.covariance[(i, i)] * self.weights.norm_squared()).sqrt().recip()
+    }
+
     /// 1/sd of each row.
     pub fn weights(&self) -> &DVector<f64> {
         &self.weights

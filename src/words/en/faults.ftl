@@ -277,8 +277,9 @@ no_fixture_axes = the fixture's axes are not stated for { $slot }
 bench_undetermined = the dwells do not determine { $parameters }: the specific force must take several directions about the input and spin axes
 bench_no_scale = the scale factor is neither stated (known_e_pulse_per_arcsec) nor seen: the Earth's rate along the input axis hardly changes between dwells
 bench_scale_or_squares = these positions tell the scale factor or D_II and D_SS, not both: state known_e_pulse_per_arcsec, measure at more headings, or leave g_squared out of model
+bench_not_as_stated = the output answers the Earth's rate with { $found } times the stated known_e_pulse_per_arcsec: check sign and unit of the output and of that, and the latitude; without it E is fitted
 not_a_table_rate = the output answers the Earth's rate with { $found } where a table rate in arcsec/s answers with 1 or -1; state known_e_pulse_per_arcsec if the output is in other units
-no_servo_sign = whether the table turns with the gyro's drift or against it does not show in the Earth's rate: state known_e_pulse_per_arcsec, the input axis with its sign
+no_servo_sign = whether the table turns with the gyro's drift or against it does not show in the Earth's rate: state known_e_pulse_per_arcsec, the input axis as a unit vector with its sign
 
 ## What was commanded against the Earth
 

@@ -110,10 +110,10 @@ terminal_copies = { $first } and { $second }: all outputs are the same to the la
 terminal_repeats = Between campaigns
 terminal_repeats_head = gyro | coefficient | n | mean | unit | stated sd | scatter | scatter/stated | p | beyond
 terminal_repeats_nothing = Nothing is determined by two campaigns.
-terminal_repeats_none = No coefficient differs between campaigns by more than is stated (p >= 0.05).
+terminal_repeats_none = No coefficient differs between campaigns by more than is stated (p >= 0.05, corrected for their number).
 terminal_reseated = { $file }: all input axes are turned together against { $first }, as of an IMU that was seated anew: by { $about_x }, { $about_y }, { $about_z } arcsec about its x, y and z.
 terminal_reseated_explains = It explains the change of D_O of { $gyros }.
-terminal_repeats_beyond = Campaigns differ by more than is stated (p < 0.05), and the sd of the mean holds it: { $coefficients }.
+terminal_repeats_beyond = Campaigns differ by more than is stated (p < 0.05, corrected for their number), and the sd of the mean holds it: { $coefficients }.
 
 ## `model fit`, `predict`, `gap`
 

@@ -277,8 +277,9 @@ no_fixture_axes = 没有给出{ $slot }的夹具轴
 bench_undetermined = 这些测点不能确定{ $parameters }：比力应绕输入轴与电机轴取多个方向
 bench_no_scale = 标度因子既未给出（known_e_pulse_per_arcsec）也看不到：各测点沿输入轴的地球自转分量几乎不变
 bench_scale_or_squares = 这些位置不能同时确定标度因子与D_II、D_SS：请给出known_e_pulse_per_arcsec，或在更多航向测量，或在model中去掉g_squared
+bench_not_as_stated = 输出对地球自转的响应是所给known_e_pulse_per_arcsec的{ $found }倍：请检查输出与该项的符号和单位以及纬度；不给出该项则拟合E
 not_a_table_rate = 输出对地球自转的响应为{ $found }，而以arcsec/s计的转台角速度应为1或-1；若输出为其他单位，请给出known_e_pulse_per_arcsec
-no_servo_sign = 转台转动与陀螺漂移同向还是反向在地球自转中看不出来：请给出known_e_pulse_per_arcsec，即带符号的输入轴
+no_servo_sign = 转台转动与陀螺漂移同向还是反向在地球自转中看不出来：请给出known_e_pulse_per_arcsec，即带符号的输入轴单位矢量
 
 ## What was commanded against the Earth
 

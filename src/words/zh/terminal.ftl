@@ -107,10 +107,10 @@ terminal_copies = { $first }与{ $second }：所有输出逐位相同；是否�
 terminal_repeats = 各次试验之间
 terminal_repeats_head = 陀螺 | 系数 | n | 均值 | 单位 | 所述标准差 | 分散 | 分散/所述 | p | 超出部分
 terminal_repeats_nothing = 没有由两次试验确定的量。
-terminal_repeats_none = 各次试验间没有系数的差别超过所述标准差（p >= 0.05）。
+terminal_repeats_none = 各次试验间没有系数的差别超过所述标准差（p >= 0.05，已按个数校正）。
 terminal_reseated = { $file }：相对{ $first }，所有输入轴共同转过一个角度，如同IMU重新安装：绕其x、y、z轴{ $about_x }、{ $about_y }、{ $about_z } arcsec。
 terminal_reseated_explains = 这解释了{ $gyros }的D_O变化。
-terminal_repeats_beyond = 各次试验的差别超过所述标准差（p < 0.05），均值的标准差已计入：{ $coefficients }。
+terminal_repeats_beyond = 各次试验的差别超过所述标准差（p < 0.05，已按个数校正），均值的标准差已计入：{ $coefficients }。
 
 ## `model fit`、`predict`、`gap`
 

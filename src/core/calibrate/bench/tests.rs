@@ -78,6 +78,42 @@ fn outputs(k: f64, drift: &Drift, positions: &[Position]) -> Vec<f64> {
 }
 
 #[test]
+fn a_stated_scale_that_the_earths_rate_contradicts_is_refused() {
+    let asked = |positions: &[Position], sign: f64, e: f64| {
+        let outputs: Vec<f64> = outputs(1.47, &DRIFT, positions).iter().map(|y| sign * y).collect();
+        calibrate_bench(&bench(TestKind::TorqueFeedback, positions, &outputs, Some(1e-3), Some([e, 0.0, 0.0])))
+    };
+    assert!(asked(&all_over(), 1.0, 1.47).is_ok());
+    for (sign, e, expected) in [(-1.0, 1.47, -1.0), (1.0, 1.0, 1.47)] {
+        match asked(&all_over(), sign, e) {
+            Err(NotFitted::NotAsStated { found }) => assert!((found - expected).abs() < 1e-6, "{found}"),
+            other => panic!("{other:?}"),
+        }
+    }
+    assert!(asked(&tumble(), -1.0, 1.47).is_ok(), "in a tumble the Earth's rate tells nothing of E");
+}
+
+#[test]
+fn a_tumble_about_the_input_axis_does_not_determine_what_lies_along_it() {
+    let about_input = |off: f64| -> Vec<Position> {
+        let tumble = tumble().into_iter().enumerate();
+        let turned = tumble.map(|(k, ([c, s, _], w))| ([off * (0.7 * k as f64).sin(), c, s], w));
+        turned.collect()
+    };
+    // Off the fixture by 1 and 17 minutes of arc, by 3 degrees.
+    for (off, is_told) in [(3e-4, false), (5e-3, false), (5e-2, true)] {
+        let positions = about_input(off);
+        let outputs = outputs(1.47, &DRIFT, &positions);
+        let campaign = bench(TestKind::TorqueFeedback, &positions, &outputs, Some(1e-3), Some([1.47, 0.0, 0.0]));
+        match calibrate_bench(&campaign) {
+            Err(NotFitted::Undetermined(of)) => assert!(!is_told && of == ["D_I"], "{off}: {of:?}"),
+            Ok(found) => assert!(is_told && (found.coefficient("D_I").unwrap().value - DRIFT[1]).abs() < 1e-6),
+            Err(other) => panic!("{other}"),
+        }
+    }
+}
+
+#[test]
 fn a_torque_feedback_test_gives_back_scale_and_coefficients() {
     let positions = all_over();
     let campaign = bench(TestKind::TorqueFeedback, &positions, &outputs(1.47, &DRIFT, &positions), Some(1e-3), None);

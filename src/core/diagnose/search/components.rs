@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, Rotation3, Vector3};
 use super::projections::State;
 use crate::core::campaign::Phase;
 use crate::core::diagnose::diagnosis::Variable;
-use crate::core::diagnose::residuals::whitened::Frame;
+use crate::core::diagnose::residuals::whitened::{Frame, GyroFrame};
 use crate::core::effects::Setting;
 use crate::core::numerics::log_sum::LogSum;
 use crate::core::numerics::pivoted_cholesky::pivoted_cholesky;
@@ -260,25 +260,29 @@ impl Component {
     /// ln of the Bayes factor for this component of variance beside what was fitted; each gyro has it or not, with one
     /// half each.
     pub fn evidence(&self, frame: &Frame, state: &State) -> f64 {
-        let of_gyro = |j: usize| {
-            let (gyro, left) = (&frame.gyros[j], &state[j]);
-            let columns = self.factor.column_iter().map(|column| {
-                let mut column = gyro.whiten(column.iter().copied().collect());
-                gyro.basis.project_out(&mut column);
-                left.extra.basis.project_out(&mut column);
-                column
-            });
-            let columns: Vec<Vec<f64>> = columns.collect();
-            log_bayes(
-                &columns,
-                &left.residual,
-                (gyro.dof() - left.extra.basis.rank().min(gyro.dof())) as f64,
-                frame.noise.stated,
-            )
+        let whitened = |gyro: &GyroFrame| {
+            self.factor.column_iter().map(|column| gyro.whiten(column.iter().copied().collect())).collect()
         };
-        let each = (0..frame.gyros.len()).map(of_gyro);
-        each.map(|log| LogSum::of(&[0.0, log]).log() - std::f64::consts::LN_2).sum()
+        evidence_of(frame, state, |j| whitened(&frame.gyros[j]))
     }
+}
+
+/// The same of the columns of an entry (whitened, by gyro): what is held against components is weighed as they are. A
+/// Bayes factor of coefficients ends where their prior does, and what leads it by the size of the effect has not
+/// explained more.
+pub(crate) fn evidence_of(frame: &Frame, state: &State, whitened: impl Fn(usize) -> Vec<Vec<f64>>) -> f64 {
+    let of_gyro = |j: usize| {
+        let (gyro, left) = (&frame.gyros[j], &state[j]);
+        let mut columns = whitened(j);
+        for column in &mut columns {
+            gyro.basis.project_out(column);
+            left.extra.basis.project_out(column);
+        }
+        let nu = (gyro.dof() - left.extra.basis.rank().min(gyro.dof())) as f64;
+        log_bayes(&columns, &left.residual, nu, frame.noise.stated)
+    };
+    let each = (0..frame.gyros.len()).map(of_gyro);
+    each.map(|log| LogSum::of(&[0.0, log]).log() - std::f64::consts::LN_2).sum()
 }
 
 fn log_bayes(columns: &[Vec<f64>], y: &[f64], nu: f64, stated: bool) -> f64 {

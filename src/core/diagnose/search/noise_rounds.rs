@@ -14,7 +14,7 @@ use crate::core::diagnose::residuals::augmented_fit::{self, Part};
 use crate::core::diagnose::residuals::noise_growth::{GROWTHS, profile};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::choice::{Choice, designs, without};
-use crate::core::diagnose::search::components::{Component, components, of_single_dwells};
+use crate::core::diagnose::search::components::{Component, components, evidence_of, of_single_dwells};
 use crate::core::diagnose::search::hypotheses::{Bank, Candidates};
 use crate::core::diagnose::search::noise_models::{Found, NoiseModels, likelier_law};
 use crate::core::diagnose::search::null_distribution::Null;
@@ -293,7 +293,13 @@ impl SearchOutcome {
                 .filter(|c| c.competes)
                 .map(|c| c.evidence(&self.frame, &state))
                 .fold(f64::NEG_INFINITY, f64::max);
-            let own = self.search().against_white_noise(&others, found[i].kind);
+            let block = |j: usize| &self.bank.hypotheses[found[i].hypothesis].blocks[j];
+            let columns = |j: usize| {
+                let places = block(j).start..block(j).start + block(j).len;
+                places.map(|c| self.bank.column(j, c).iter().copied().collect()).collect()
+            };
+            let alike = evidence_of(&self.frame, &state, columns);
+            let own = self.search().against_white_noise(&others, found[i].kind).max(alike);
             best - own - LEAD_SHARE * own.max(0.0)
         };
         let named = (0..found.len()).filter(|&i| found[i].kind.is_nameable());

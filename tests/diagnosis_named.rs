@@ -9,7 +9,7 @@ use gyrowatch::core::mounting::Slot;
 use gyrowatch::simulate::presets::preset;
 use gyrowatch::simulate::scenario::{EffectChoice, Profile, Scenario};
 use gyrowatch::simulate::simulate;
-use gyrowatch::wire::campaign::{parse_json, to_json};
+use gyrowatch::wire::campaign::{parse_json, terms_from_names, to_json};
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -50,6 +50,17 @@ fn a_cause_that_two_entries_explain_alike_has_one_name_in_all_its_gyros() {
     assert_eq!(names(&answer), BTreeSet::from(["scale_asymmetry"]));
     assert_eq!(answer.effects[0].gyros, [Slot::G1, Slot::G2]);
     assert_eq!(answer.verdict, Verdict::Explained);
+}
+
+/// A strong effect is explained by what is alike in dwells of one face as well, and that ends later.
+#[test]
+fn a_term_that_the_model_leaves_out_is_named_where_there_are_six_faces() {
+    let terms = terms_from_names(&["bias", "g_squared", "scale"]).unwrap();
+    for seed in 51..55 {
+        let campaign = simulate(&Scenario { seed, ..preset("24-position").unwrap() }).unwrap().campaign;
+        let answer = diagnose(&campaign, &Options { terms: Some(terms), ..Options::default() }).unwrap();
+        assert_eq!((names(&answer), answer.verdict), (BTreeSet::from(["g_linear"]), Verdict::Explained), "{seed}");
+    }
 }
 
 #[test]

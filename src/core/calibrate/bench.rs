@@ -42,6 +42,9 @@ pub const GAUGE: &str = "D_II + D_SS = 0";
 /// left out may feed the latter.
 const SERVO_SCALE: f64 = 0.02;
 const STATED_SCALE: f64 = 0.2;
+/// Rate along E, arcsec/s (root mean square of what is left of it beside the other columns), from which on the Earth's
+/// tells what a stated E is: in a polar tumble what is left is of the mounting.
+const LEAST_RATE: f64 = 1.0;
 /// Standard deviations from which on a scale is not zero, or not 1.
 const SIGNIFICANT: f64 = 5.0;
 
@@ -210,7 +213,9 @@ impl BenchProblem<'_> {
         let fit_along = |fitted: Vec<Vector3<f64>>| BenchScale { held: None, fitted };
         if let Some(e) = known_e {
             let along = fit_along(vec![e]);
-            let told = self.determines_scale(&along).then(|| self.answer(&along, e / e.norm_squared()).ok()).flatten();
+            let is_asked =
+                self.determines_scale(&along) && self.nominal_factor(&along).excitation(0) > LEAST_RATE * e.norm();
+            let told = is_asked.then(|| self.answer(&along, e / e.norm_squared()).ok()).flatten();
             return match told {
                 Some((answer, sd)) if is_off(answer - 1.0, sd, STATED_SCALE) => {
                     Err(NotFitted::NotAsStated { found: answer })

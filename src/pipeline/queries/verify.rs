@@ -7,8 +7,8 @@
 use std::fmt::Display;
 
 use crate::core::figures::near;
-use crate::core::judge::Older;
 use crate::core::judge::history::Need;
+use crate::core::judge::{Older, State};
 use crate::core::name::normal_form;
 use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
@@ -151,16 +151,20 @@ impl Records {
                 verified.not_compared += decided.len();
                 continue;
             }
+            let mut by_earlier_version = false;
             for stored in decided {
                 let computed = expected.iter().find(|computed| same_rule(stored, computed));
-                if computed.is_none_or(|computed| !same(stored, computed)) {
+                if computed.is_some_and(|computed| uncertainty_exceeded(stored, computed)) {
+                    by_earlier_version = true;
+                    verified.not_compared += 1;
+                } else if computed.is_none_or(|computed| !same(stored, computed)) {
                     let (rule, coefficient) = (stored.rule.name(), stored.coefficient.name());
                     let again = computed.map_or_else(|| "-".to_owned(), |computed| format!("{computed:?}"));
                     let stored = format_args!("{stored:?}");
                     verified.faults.push(wrong(message!("verdict_differs", rule, coefficient, stored, again)));
                 }
             }
-            if stored.is_some_and(|stored| stored.states != states) {
+            if !by_earlier_version && stored.is_some_and(|stored| stored.states != states) {
                 verified.faults.push(wrong(message!("state_differs")));
             }
         }
@@ -244,6 +248,43 @@ fn same(a: &StoredVerdict, b: &StoredVerdict) -> bool {
     (a.state, a.confirmed) == (b.state, b.confirmed) && near
 }
 
+/// Whether an earlier version decided it, to which a figure that may lie beyond either limit exceeded one.
+fn uncertainty_exceeded(stored: &StoredVerdict, computed: &StoredVerdict) -> bool {
+    let StoredVerdict { state, confirmed, .. } = *stored;
+    (state, computed.state) == (State::Exceeded, State::Indeterminate)
+        && stored.sd.is_some_and(|sd| sd > stored.limit)
+        && same(stored, &StoredVerdict { state, confirmed, ..*computed })
+}
+
 fn near_or_none(a: Option<f64>, b: Option<f64>) -> bool {
     a.zip(b).map_or(a.is_none() && b.is_none(), |(a, b)| near(a, b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::judge::Coefficient;
+
+    #[test]
+    fn what_uncertainty_exceeded_in_an_earlier_version_is_no_fault() {
+        let computed = StoredVerdict {
+            coefficient: Coefficient::DI,
+            rule: Rule::Step,
+            state: State::Indeterminate,
+            value: Some(0.56),
+            limit: 0.01,
+            sd: Some(1.0),
+            probability: Some(0.993),
+            confirmed: false,
+        };
+        let before = StoredVerdict { state: State::Exceeded, ..computed };
+        assert!(uncertainty_exceeded(&before, &computed));
+        for other in [
+            StoredVerdict { state: State::Within, ..computed },
+            StoredVerdict { value: Some(0.57), ..before },
+            StoredVerdict { sd: Some(0.005), ..before },
+        ] {
+            assert!(!uncertainty_exceeded(&other, &StoredVerdict { sd: other.sd, ..computed }), "{other:?}");
+        }
+    }
 }

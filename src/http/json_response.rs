@@ -5,7 +5,7 @@ use axum::http::header::{CONTENT_TYPE, HeaderValue};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 
-/// As [`axum::Json`], which writes into `BytesMut`, piece by piece through a call: of a record's answer half the time.
+/// As [`axum::Json`], which writes into `BytesMut`, piece by piece through a call.
 pub struct Json<T>(pub T);
 
 impl<T: Serialize> IntoResponse for Json<T> {

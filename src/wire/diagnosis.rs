@@ -114,7 +114,7 @@ impl DiagnosisBody {
         let is_small = self.gap.rms_deg_per_h <= self.gap.noise_alone_deg_per_h;
         let by_pattern = self.verdict != "no_gap" && is_small && !of_single_dwells;
         let by_pattern = by_pattern.then(|| message!("diagnosis_by_pattern"));
-        language.sentences(&[verdict].into_iter().chain(by_pattern).collect::<Vec<_>>())
+        language.sentences(&[verdict].into_iter().chain(by_pattern).collect::<Vec<_>>()).into_owned()
     }
 
     /// D_I and D_S of every gyro before and after the named effects entered the model, in order, and whether they

@@ -267,7 +267,7 @@ impl ForecastVerdictBody {
             smallest_step: step,
             unseen: unseen.map(|unseen| unseen.name().to_owned()),
             campaigns,
-            reason: asked().sentences(&said),
+            reason: asked().sentences(&said).into_owned(),
             reason_codes: said.to_body(),
         })
     }
@@ -304,7 +304,7 @@ impl ForecastVerdictBody {
 
     fn say(&mut self, language: Language) {
         let said: Vec<Message> = self.verdict().map(|verdict| verdict.messages()).unwrap_or_default();
-        self.reason = language.sentences(&said);
+        self.reason = language.sentences(&said).into_owned();
         self.reason_codes = said.iter().map(|message| MessageBody::of(message, language)).collect();
     }
 }

@@ -44,11 +44,7 @@ impl Reason {
 
     /// As sentences.
     pub fn words(&self, language: Language) -> Cow<'static, str> {
-        let phrase = match &self.0[..] {
-            [phrase] if phrase.parameters.is_empty() => language.word(&phrase.code),
-            _ => "",
-        };
-        if phrase.is_empty() { Cow::Owned(language.sentences(&self.0)) } else { Cow::Borrowed(phrase) }
+        language.sentences(&self.0)
     }
 
     /// As the database keeps it, in place of words.

@@ -135,20 +135,27 @@ impl Language {
         }
     }
 
-    pub fn sentences(self, messages: &[Message]) -> String {
+    /// One after the other; a phrase alone is not copied.
+    pub fn sentences(self, messages: &[Message]) -> Cow<'static, str> {
+        if let [phrase] = messages
+            && phrase.parameters.is_empty()
+        {
+            let word = self.word(&phrase.code);
+            if !word.is_empty() {
+                return Cow::Borrowed(word);
+            }
+        }
         let sentences: Vec<String> = messages.iter().map(|message| self.words(message)).collect();
-        sentences.join(match self {
+        let between = match self {
             Self::English => " ",
             Self::Chinese => "",
-        })
+        };
+        Cow::Owned(sentences.join(between))
     }
 
     /// Why a verdict is what it is.
     pub fn reason(self, verdict: &Verdict) -> Cow<'static, str> {
-        match verdict.phrase() {
-            Some(phrase) => Cow::Borrowed(self.word(&phrase.code)),
-            None => Cow::Owned(self.sentences(&verdict.messages())),
-        }
+        self.sentences(&verdict.messages())
     }
 
     fn value<'p>(self, parameter: &'p Parameter) -> FluentValue<'p> {

@@ -212,12 +212,9 @@ impl BenchProblem<'_> {
         let held = |e| BenchScale { held: Some(e), fitted: Vec::new() };
         let fit_along = |fitted: Vec<Vector3<f64>>| BenchScale { held: None, fitted };
         if let Some(e) = known_e {
-            let along = fit_along(vec![e]);
-            let is_asked =
-                self.determines_scale(&along) && self.nominal_factor(&along).excitation(0) > LEAST_RATE * e.norm();
-            let told = is_asked.then(|| self.answer(&along, e / e.norm_squared()).ok()).flatten();
+            let told = self.answer(&fit_along(vec![e]), e / e.norm_squared(), LEAST_RATE * e.norm());
             return match told {
-                Some((answer, sd)) if is_off(answer - 1.0, sd, STATED_SCALE) => {
+                Ok(Some((answer, sd))) if is_off(answer - 1.0, sd, STATED_SCALE) => {
                     Err(NotFitted::NotAsStated { found: answer })
                 }
                 _ => Ok(held(e)),
@@ -232,11 +229,7 @@ impl BenchProblem<'_> {
             let squares = self.squares_beside(&held(input));
             return told.into_iter().find(|scale| self.squares_beside(scale) == squares).ok_or(otherwise);
         }
-        let along_input = fit_along(vec![input]);
-        if !self.determines_scale(&along_input) {
-            return Err(NotFitted::NoServoSign);
-        }
-        let (answer, sd) = self.answer(&along_input, input)?;
+        let (answer, sd) = self.answer(&fit_along(vec![input]), input, 0.0)?.ok_or(NotFitted::NoServoSign)?;
         if is_off(answer.abs() - 1.0, sd, SERVO_SCALE) {
             return Err(NotFitted::NotATableRate { found: answer });
         }
@@ -247,12 +240,16 @@ impl BenchProblem<'_> {
     }
 
     /// By what the output answers the Earth's rate: E of a fit along one direction, seen along `unit`, and its standard
-    /// deviation.
-    fn answer(&self, along: &BenchScale, unit: Vector3<f64>) -> Result<(f64, f64), NotFitted> {
+    /// deviation. None where the dwells do not determine it, or excite it by less than `least`, pulse/s.
+    fn answer(&self, along: &BenchScale, unit: Vector3<f64>, least: f64) -> Result<Option<(f64, f64)>, NotFitted> {
+        let factor = self.nominal_factor(along);
+        if !self.determines(&factor, 1) || factor.excitation(0) < least {
+            return Ok(None);
+        }
         let found = self.fit(along)?;
-        let of_weights = self.nominal_factor(along).covariance()[(0, 0)].max(0.0).sqrt();
+        let of_weights = factor.covariance()[(0, 0)].max(0.0).sqrt();
         let sd = found.noise.covariance_scale().map_or(f64::INFINITY, f64::sqrt) * of_weights;
-        Ok((found.e.dot(&unit), sd))
+        Ok(Some((found.e.dot(&unit), sd)))
     }
 
     /// As for a campaign of an IMU. Errors that are far too large for the residuals say nothing of kinds.
@@ -284,8 +281,12 @@ impl BenchProblem<'_> {
     }
 
     fn determines_scale(&self, scale: &BenchScale) -> bool {
-        let factor = self.nominal_factor(scale);
-        self.sd.len() > factor.rank() && (0..scale.fitted.len()).all(|i| factor.determines_parameter(i))
+        self.determines(&self.nominal_factor(scale), scale.fitted.len())
+    }
+
+    /// Whether the first `rates` columns of a design are determined, with dwells to spare.
+    fn determines(&self, factor: &Factor, rates: usize) -> bool {
+        self.sd.len() > factor.rank() && (0..rates).all(|i| factor.determines_parameter(i))
     }
 
     /// Of the design on the nominal axes.

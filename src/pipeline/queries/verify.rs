@@ -29,7 +29,8 @@ pub struct Verified {
     /// Gyros whose row in the table `head` was compared; none where those were made with other limits than those in
     /// force.
     pub heads: Option<usize>,
-    /// Verdicts that were decided with other limits than those in force, or on records that count no more.
+    /// Verdicts that were decided with other limits than those in force, on records that count no more, or by an earlier
+    /// version to which uncertainty exceeded.
     pub not_compared: usize,
     /// Which record and what about it. Empty where everything is right.
     pub faults: Vec<Message>,
@@ -151,20 +152,21 @@ impl Records {
                 verified.not_compared += decided.len();
                 continue;
             }
-            let mut by_earlier_version = false;
-            for stored in decided {
-                let computed = expected.iter().find(|computed| same_rule(stored, computed));
-                if computed.is_some_and(|computed| uncertainty_exceeded(stored, computed)) {
-                    by_earlier_version = true;
-                    verified.not_compared += 1;
-                } else if computed.is_none_or(|computed| !same(stored, computed)) {
+            let computed = |stored: &StoredVerdict| expected.iter().find(|computed| same_rule(stored, computed));
+            let exceeded_before =
+                |stored: &&StoredVerdict| computed(stored).is_some_and(|now| uncertainty_exceeded(stored, now));
+            let (of_earlier_version, compared): (Vec<_>, Vec<_>) = decided.iter().partition(exceeded_before);
+            verified.not_compared += of_earlier_version.len();
+            for stored in compared {
+                let computed = computed(stored);
+                if computed.is_none_or(|computed| !same(stored, computed)) {
                     let (rule, coefficient) = (stored.rule.name(), stored.coefficient.name());
                     let again = computed.map_or_else(|| "-".to_owned(), |computed| format!("{computed:?}"));
                     let stored = format_args!("{stored:?}");
                     verified.faults.push(wrong(message!("verdict_differs", rule, coefficient, stored, again)));
                 }
             }
-            if !by_earlier_version && stored.is_some_and(|stored| stored.states != states) {
+            if of_earlier_version.is_empty() && stored.is_some_and(|stored| stored.states != states) {
                 verified.faults.push(wrong(message!("state_differs")));
             }
         }

@@ -41,9 +41,7 @@ pub(crate) fn designs(frame: &Frame, bank: &Bank, found: &[Choice]) -> Vec<Vec<V
             for choice in found {
                 let hypothesis = &bank.hypotheses[choice.hypothesis];
                 if choice.members[j] && hypothesis.blocks[j].len <= MOST_COLUMNS {
-                    let block = &hypothesis.blocks[j];
-                    for c in block.start..block.start + block.len {
-                        let column = bank.column(j, c);
+                    for column in bank.columns_of(choice.hypothesis, j) {
                         design.push(column.iter().zip(&frame.gyros[j].sd).map(|(x, sd)| x * sd).collect());
                     }
                 }

@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, Rotation3, Vector3};
 use super::projections::State;
 use crate::core::campaign::Phase;
 use crate::core::diagnose::diagnosis::Variable;
-use crate::core::diagnose::residuals::whitened::{Frame, GyroFrame};
+use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::Setting;
 use crate::core::numerics::log_sum::LogSum;
 use crate::core::numerics::pivoted_cholesky::pivoted_cholesky;
@@ -260,10 +260,11 @@ impl Component {
     /// ln of the Bayes factor for this component of variance beside what was fitted; each gyro has it or not, with one
     /// half each.
     pub fn evidence(&self, frame: &Frame, state: &State) -> f64 {
-        let whitened = |gyro: &GyroFrame| {
-            self.factor.column_iter().map(|column| gyro.whiten(column.iter().copied().collect())).collect()
+        let whitened = |j: usize| {
+            let columns = self.factor.column_iter();
+            columns.map(|column| frame.gyros[j].whiten(column.iter().copied().collect())).collect()
         };
-        evidence_of(frame, state, |j| whitened(&frame.gyros[j]))
+        evidence_of(frame, state, whitened)
     }
 }
 

@@ -189,6 +189,12 @@ impl Bank {
         products
     }
 
+    /// The projected, whitened columns of a hypothesis in a gyro, each n long.
+    pub fn columns_of(&self, hypothesis: usize, gyro: usize) -> impl Iterator<Item = DVectorView<'_, f64>> {
+        let block = &self.hypotheses[hypothesis].blocks[gyro];
+        (block.start..block.start + block.len).map(move |index| self.column(gyro, index))
+    }
+
     /// One projected, whitened column of a gyro, n long; `index` counts in its matrix.
     pub fn column(&self, gyro: usize, index: usize) -> DVectorView<'_, f64> {
         self.columns[gyro].column(index)

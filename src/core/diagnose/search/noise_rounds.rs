@@ -293,10 +293,9 @@ impl SearchOutcome {
                 .filter(|c| c.competes)
                 .map(|c| c.evidence(&self.frame, &state))
                 .fold(f64::NEG_INFINITY, f64::max);
-            let block = |j: usize| &self.bank.hypotheses[found[i].hypothesis].blocks[j];
             let columns = |j: usize| {
-                let places = block(j).start..block(j).start + block(j).len;
-                places.map(|c| self.bank.column(j, c).iter().copied().collect()).collect()
+                let of_name = self.bank.columns_of(found[i].hypothesis, j);
+                of_name.map(|column| column.iter().copied().collect()).collect()
             };
             let alike = evidence_of(&self.frame, &state, columns);
             let own = self.search().against_white_noise(&others, found[i].kind).max(alike);

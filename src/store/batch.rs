@@ -4,25 +4,66 @@
 //! once a statement: there the rows travel as one JSON array of arrays (numbers) and one run of bytes (everything
 //! else) that the numbers point into.
 
+use std::borrow::Cow;
+
 use sqlx::{AssertSqlSafe, PgConnection};
 
+use super::db::Sql;
 use super::error::{Result, StoreError};
-use super::rows::{Columns, Rows};
+use super::rows::{ALL_ROWS, Columns, Rows};
 use crate::store::sqlite::checksum::Summing;
 
 /// A transaction under construction.
 #[derive(Debug, Default)]
 pub(crate) struct Batch(Vec<Statement>);
 
-/// A statement with its rows, in the words of each database: `$C0`, `$C1` and so on stand for the cells of one row, by
-/// their places, and `$ROWS` in PostgreSQL's for all rows.
+/// A statement with its rows.
 #[derive(Debug)]
 struct Statement {
-    sqlite: String,
-    postgres: String,
+    does: Words,
     rows: Rows,
     /// It is to find what each of its rows is about: where it does not, somebody else has changed that.
     finds_all: bool,
+}
+
+/// What a statement does: `$C0`, `$C1` and so on stand for the cells of one row, by their places, and `$ROWS` in
+/// PostgreSQL's words for all rows.
+#[derive(Debug)]
+enum Words {
+    Change { does: Cow<'static, str>, which: Cow<'static, str> },
+    Insert { table: &'static str, columns: &'static str, on_conflict: OnConflict },
+    OfEach(Sql<Cow<'static, str>>),
+}
+
+impl Statement {
+    fn of_sqlite(&self) -> String {
+        match &self.does {
+            Words::Change { does, which } => self.rows.of_sqlite(&format!("{does} WHERE {which}")),
+            Words::Insert { table, columns, on_conflict } => {
+                let (cells, then) = (self.rows.cells_of_sqlite(), on_conflict.words(columns));
+                format!("INSERT INTO {table} ({columns}) VALUES ({cells}) {then}")
+            }
+            Words::OfEach(words) => self.rows.of_sqlite(&words.sqlite),
+        }
+    }
+
+    fn of_postgres(&self) -> String {
+        match &self.does {
+            Words::Change { does, which } => {
+                let beside = match does.split(' ').next() {
+                    Some("UPDATE") => "FROM",
+                    Some("DELETE") => "USING",
+                    _ => "CROSS JOIN",
+                };
+                self.rows.of_postgres(&format!("{does} {beside} $ROWS WHERE {which}"))
+            }
+            Words::Insert { table, columns, on_conflict } => {
+                let (cells, then) = (self.rows.cells_of_postgres(), on_conflict.words(columns));
+                format!("INSERT INTO {table} ({columns}) SELECT {cells} FROM {ALL_ROWS} WHERE true {then}")
+            }
+            Words::OfEach(words) => self.rows.of_postgres(&words.postgres),
+        }
+    }
 }
 
 /// What becomes of a row whose key is there already.
@@ -63,36 +104,31 @@ const PAGE: usize = 4096;
 impl Batch {
     /// Appends a statement for each row, unless there are none: what it does, `"UPDATE alert SET rule = $C1"`, and
     /// `which` rows of the table are meant, `"id = $C0"`. An insert names the tables that it selects from.
-    pub fn change(&mut self, does: &str, which: &str, rows: Rows) {
-        let beside = match does.split(' ').next() {
-            Some("UPDATE") => "FROM",
-            Some("DELETE") => "USING",
-            _ => "CROSS JOIN",
-        };
-        self.add(&format!("{does} WHERE {which}"), &format!("{does} {beside} $ROWS WHERE {which}"), rows);
+    pub fn change(&mut self, does: impl Into<Cow<'static, str>>, which: impl Into<Cow<'static, str>>, rows: Rows) {
+        self.push(Words::Change { does: does.into(), which: which.into() }, rows);
     }
 
     /// As [`Batch::change`], where the two databases are to be asked in words of their own.
-    pub fn add(&mut self, sqlite: &str, postgres: &str, rows: Rows) {
-        if !rows.ends.is_empty() {
-            let (sqlite, postgres) = (rows.of_sqlite(sqlite), rows.of_postgres(postgres));
-            self.0.push(Statement { sqlite, postgres, rows, finds_all: false });
-        }
+    pub fn add(&mut self, words: Sql<impl Into<Cow<'static, str>>>, rows: Rows) {
+        self.push(Words::OfEach(Sql { sqlite: words.sqlite.into(), postgres: words.postgres.into() }), rows);
     }
 
     /// As [`Batch::add`], where nothing may be committed to a server unless the statement changes something for each row.
-    pub fn add_to_all(&mut self, sqlite: &str, postgres: &str, rows: Rows) {
+    pub fn add_to_all(&mut self, words: Sql<impl Into<Cow<'static, str>>>, rows: Rows) {
         let there = self.0.len();
-        self.add(sqlite, postgres, rows);
+        self.add(words, rows);
         self.0[there..].iter_mut().for_each(|statement| statement.finds_all = true);
     }
 
     /// Appends the rows to `table`, each a cell a column: `"id, name"`.
-    pub fn insert(&mut self, table: &str, columns: &str, on_conflict: OnConflict, rows: Rows) {
-        let (into, then) = (format!("INSERT INTO {table} ({columns})"), on_conflict.words(columns));
-        let cells = rows.places().map(|place| format!("$C{place}")).collect::<Vec<_>>().join(", ");
-        let sqlite = format!("{into} VALUES ({cells}) {then}");
-        self.add(&sqlite, &format!("{into} SELECT {cells} FROM $ROWS WHERE true {then}"), rows);
+    pub fn insert(&mut self, table: &'static str, columns: &'static str, on_conflict: OnConflict, rows: Rows) {
+        self.push(Words::Insert { table, columns, on_conflict }, rows);
+    }
+
+    fn push(&mut self, does: Words, rows: Rows) {
+        if !rows.ends.is_empty() {
+            self.0.push(Statement { does, rows, finds_all: false });
+        }
     }
 
     /// As [`Batch::insert`], where the type of a row says which columns it has.
@@ -118,8 +154,8 @@ impl Batch {
     fn run_and_commit(&self, connection: &Summing) -> rusqlite::Result<()> {
         connection.begin();
         connection.prepare_cached("BEGIN IMMEDIATE")?.execute(())?;
-        for Statement { sqlite, rows, .. } in &self.0 {
-            rows.run(&mut connection.prepare_cached(sqlite)?)?;
+        for statement in &self.0 {
+            statement.rows.run(&mut connection.prepare_cached(&statement.of_sqlite())?)?;
         }
         connection.write()?;
         connection.prepare_cached("COMMIT")?.execute(())?;
@@ -128,7 +164,9 @@ impl Batch {
 
     /// Runs everything within the transaction that is open.
     pub async fn run(self, connection: &mut PgConnection) -> Result<()> {
-        for Statement { postgres, rows, finds_all, .. } in self.0 {
+        for statement in self.0 {
+            let postgres = statement.of_postgres();
+            let Statement { rows, finds_all, .. } = statement;
             let wanted = rows.ends.len() as u64;
             let has_bytes = postgres.contains("$2");
             let query = sqlx::query(AssertSqlSafe(postgres)).bind(rows.json());

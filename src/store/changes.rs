@@ -7,6 +7,7 @@ use crate::core::correction::CorrectionItem;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::store::batch::{Batch, OnConflict};
+use crate::store::db::Sql;
 use crate::store::rows::Rows;
 use crate::store::tables::correction::Withdrawn;
 use crate::store::tables::set_aside::SetAside;
@@ -151,7 +152,7 @@ pub(super) fn batch_of(changes: &Changes) -> Batch {
         // A file knows of no cells.
         let sqlite = format!("INSERT INTO {table} (id, {column}) VALUES ($C0, $C2)");
         let postgres = format!("INSERT INTO {table} (id, cell, {column}) SELECT $C0, $C1, $C2 FROM $ROWS");
-        batch.add(&sqlite, &postgres, rows);
+        batch.add(Sql { sqlite, postgres }, rows);
     }
     correction::withdraw(&changes.withdrawn, &mut batch);
     batch.enter(&changes.records, OnConflict::Fail);

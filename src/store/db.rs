@@ -28,9 +28,9 @@ pub(crate) enum Readers {
 
 /// The same in the words of each database.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Sql {
-    pub sqlite: &'static str,
-    pub postgres: &'static str,
+pub(crate) struct Sql<T = &'static str> {
+    pub sqlite: T,
+    pub postgres: T,
 }
 
 impl Readers {

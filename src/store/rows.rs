@@ -1,6 +1,5 @@
 //! Rows on their way into the database and out of it, cell by cell.
 
-use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::ops::Range;
 
@@ -42,6 +41,9 @@ pub(crate) trait Part: Sized {
 
     fn get(found: &mut Found<'_, impl AnyRow>) -> Result<Self>;
 }
+
+/// All rows of a statement, in PostgreSQL's words.
+pub(super) const ALL_ROWS: &str = "jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)";
 
 /// The rows of one statement.
 #[derive(Debug, Default)]
@@ -89,11 +91,11 @@ impl Cell {
         if matches!(self.kind(), CellKind::Bytes | CellKind::Words) { 2 } else { 1 }
     }
 
-    /// The cell at a place of its row, in SQLite's words.
+    /// The cell at a place of its row, in SQLite's words: a parameter has the number of its place, counted from 1.
     fn of_sqlite(&self, place: usize) -> String {
         match self.kind() {
-            CellKind::Words => format!("CAST($C{place} AS TEXT)"),
-            _ => format!("$C{place}"),
+            CellKind::Words => format!("CAST(?{} AS TEXT)", place + 1),
+            _ => format!("?{}", place + 1),
         }
     }
 
@@ -138,9 +140,18 @@ impl Rows {
         starts.zip(cells)
     }
 
-    /// Where each cell of a row stands.
-    pub(super) fn places(&self) -> impl Iterator<Item = usize> {
-        self.first().map(|(place, _)| place)
+    /// The cells of a row, as SQLite lists them.
+    pub(super) fn cells_of_sqlite(&self) -> String {
+        self.listed(Cell::of_sqlite)
+    }
+
+    /// Those of all rows, as PostgreSQL lists them.
+    pub(super) fn cells_of_postgres(&self) -> String {
+        self.listed(Cell::of_postgres)
+    }
+
+    fn listed(&self, words: fn(&Cell, usize) -> String) -> String {
+        self.first().map(|(place, cell)| words(cell, place)).collect::<Vec<_>>().join(", ")
     }
 
     /// A statement with a row's cells in SQLite's words.
@@ -150,18 +161,17 @@ impl Rows {
 
     /// In PostgreSQL's, which stand for those of all rows.
     pub(super) fn of_postgres(&self, statement: &str) -> String {
-        let all = statement.replace("$ROWS", "jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)");
-        self.with_cells(&all, Cell::of_postgres)
+        self.with_cells(&statement.replace("$ROWS", ALL_ROWS), Cell::of_postgres)
     }
 
     fn with_cells(&self, statement: &str, words: fn(&Cell, usize) -> String) -> String {
-        let cells: HashMap<usize, &Cell> = self.first().collect();
         let mut parts = statement.split("$C");
         let mut all = parts.next().unwrap_or_default().to_owned();
         for part in parts {
             let (digits, rest) = part.split_at(part.find(|c: char| !c.is_ascii_digit()).unwrap_or(part.len()));
             let place: usize = digits.parse().expect("the place of a cell follows");
-            all.push_str(&words(cells[&place], place));
+            let (_, cell) = self.first().find(|(at, _)| *at == place).expect("a row has a cell there");
+            all.push_str(&words(cell, place));
             all.push_str(rest);
         }
         all
@@ -206,18 +216,12 @@ impl Rows {
 
     /// Runs a statement of SQLite's for each row.
     pub(super) fn run(&self, statement: &mut CachedStatement<'_>) -> rusqlite::Result<()> {
-        let parameters = self.places().map(|place| statement.parameter_index(&format!("$C{place}")));
-        let parameters = parameters.collect::<Result<Vec<_>, _>>()?;
-        let bound = parameters.iter().flatten().count();
-        if bound != statement.parameter_count() {
-            return Err(rusqlite::Error::InvalidParameterCount(bound, statement.parameter_count()));
-        }
+        let places: Vec<usize> = self.first().map(|(place, _)| place).collect();
+        let parameters = statement.parameter_count();
         for row in self.rows() {
-            debug_assert_eq!(row.len(), parameters.len(), "rows of a statement are alike");
-            for (cell, parameter) in row.iter().zip(&parameters) {
-                if let Some(parameter) = parameter {
-                    statement.raw_bind_parameter(*parameter, self.value(cell))?;
-                }
+            debug_assert_eq!(row.len(), places.len(), "rows of a statement are alike");
+            for (cell, place) in row.iter().zip(&places).take_while(|(_, place)| **place < parameters) {
+                statement.raw_bind_parameter(place + 1, self.value(cell))?;
             }
             statement.raw_execute()?;
         }

@@ -250,37 +250,37 @@ fn stands_behind() -> String {
 /// first of all its own lines; where that waits already, nothing.
 fn move_up(lines: impl Iterator<Item = (Id, UtcMicros)>, batch: &mut Batch) {
     let (first, lines_of, stands_behind) = (first_open("line"), lines_of("$C0"), stands_behind());
-    batch.add(
-        &format!(
+    let sql = Sql {
+        sqlite: format!(
             "UPDATE delivery SET state = 'waiting', due_at = $C1 WHERE state = 'behind'
                  AND id IN (SELECT {first} FROM {lines_of} AS line) AND NOT {stands_behind}"
         ),
-        &format!(
+        postgres: format!(
             "UPDATE delivery SET state = 'waiting', due_at = head.at
              FROM (SELECT min(at) AS at, first AS id
                    FROM (SELECT $C1 AS at, {first} AS first FROM $ROWS JOIN LATERAL {lines_of} AS line ON true) AS firsts
                    GROUP BY first) AS head
              WHERE delivery.id = head.id AND delivery.state = 'behind' AND NOT {stands_behind}"
         ),
-        Rows::of(lines),
-    );
+    };
+    batch.add(sql, Rows::of(lines));
 }
 
 /// After deliveries that are sent again, what waits of their hooks and stands behind another waits for its turn.
 fn fall_back(again: &[(Id, UtcMicros)], batch: &mut Batch) {
     let stands_behind = stands_behind();
-    batch.add(
-        &format!(
+    let sql = Sql {
+        sqlite: format!(
             "UPDATE delivery SET state = 'behind' WHERE state = 'waiting'
                  AND hook = (SELECT again.hook FROM delivery AS again WHERE again.id = $C0) AND {stands_behind}"
         ),
-        &format!(
+        postgres: format!(
             "UPDATE delivery SET state = 'behind' WHERE state = 'waiting'
                  AND hook IN (SELECT again.hook FROM delivery AS again WHERE again.id IN (SELECT $C0 FROM $ROWS))
                  AND {stands_behind}"
         ),
-        Rows::of(again.iter().map(|(id, _)| *id)),
-    );
+    };
+    batch.add(sql, Rows::of(again.iter().map(|(id, _)| *id)));
 }
 
 /// At most `limit` deliveries of a hook that are due, the longest due first.

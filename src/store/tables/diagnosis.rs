@@ -38,11 +38,11 @@ pub(crate) fn make_due(models: &[ModelRow], batch: &mut Batch) {
     let imus = || Rows::of(models.iter().map(|model| model.imu));
     batch.change("DELETE FROM diagnosis_gist", "imu = $C0", imus());
     let made_due = "UPDATE diagnosis SET body = NULL, packed = NULL, model = NULL, program = NULL, refused = NULL";
-    batch.add(
-        &format!("{made_due} WHERE record IN (SELECT record FROM calendar WHERE imu = $C0)"),
-        &format!("{made_due} WHERE record IN (SELECT id FROM record WHERE imu IN (SELECT $C0 FROM $ROWS))"),
-        imus(),
-    );
+    let sql = Sql {
+        sqlite: format!("{made_due} WHERE record IN (SELECT record FROM calendar WHERE imu = $C0)"),
+        postgres: format!("{made_due} WHERE record IN (SELECT id FROM record WHERE imu IN (SELECT $C0 FROM $ROWS))"),
+    };
+    batch.add(sql, imus());
 }
 
 pub(crate) fn update(diagnoses: &[NewDiagnosis], batch: &mut Batch) {

@@ -112,7 +112,7 @@ fn start(jobs: &[NewJob], batch: &mut Batch) {
         tasks,
     );
     let at_end = format!("id = $C0 AND NOT {WAITS}");
-    batch.change("UPDATE diagnosis_job SET begun_at = $C1, ended_at = $C1", &at_end, ends);
+    batch.change("UPDATE diagnosis_job SET begun_at = $C1, ended_at = $C1", at_end, ends);
 }
 
 const WAITS: &str = "EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND state = 'waiting')";
@@ -126,7 +126,7 @@ fn settle(settled: &[FinishedTask], batch: &mut Batch) {
         tasks,
     );
     batch.change(
-        &format!(
+        format!(
             "UPDATE diagnosis_job SET begun_at = coalesce(begun_at, $C1), ended_at = CASE WHEN NOT {WAITS} THEN $C2 END"
         ),
         "ended_at IS NULL AND EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND record = $C0)",

@@ -144,11 +144,11 @@ pub(crate) fn update_verdicts(sheets: &[(Id, RejudgedVerdicts)], batch: &mut Bat
     let rows = Rows::each(sheets, |(id, RejudgedVerdicts { sheet, packed_before }), row| {
         row.put(id).written(|out| sheet.pack(*id, out)).bytes(packed_before);
     });
-    batch.add_to_all(
-        "UPDATE record SET verdicts = $C1 WHERE id = $C0",
-        "UPDATE record SET verdicts = $C1 FROM $ROWS WHERE id = $C0 AND verdicts = $C3",
-        rows,
-    );
+    let sql = Sql {
+        sqlite: "UPDATE record SET verdicts = $C1 WHERE id = $C0",
+        postgres: "UPDATE record SET verdicts = $C1 FROM $ROWS WHERE id = $C0 AND verdicts = $C3",
+    };
+    batch.add_to_all(sql, rows);
 }
 
 impl Part for RecordRow {

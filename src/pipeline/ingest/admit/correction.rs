@@ -212,6 +212,7 @@ impl Admission<'_> {
         });
         let what = (if *trusted { "trust window" } else { "suspect window" }, format!("stations/{}", sent.station));
         self.known.group.changes.access.audit.push(self.by.line(id, self.now, what, None::<&()>, Some(&audited)));
+        self.known.memory.forget_marks(station);
         self.known.group.changes.window_marks.push(WindowMarkRow { id, station, mark: sent.mark.clone() });
         Ok(Accepted::stored(id))
     }

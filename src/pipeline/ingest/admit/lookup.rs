@@ -85,7 +85,10 @@ impl Lookup<'_> {
 
     /// How the windows of a station are marked, this group's marks included, oldest mark first.
     pub async fn window_marks(&self, station: u32) -> Result<Vec<Mark>, StoreError> {
-        let mut marks = self.ahead.marks(station, self.store).await?;
+        let mut marks = match self.memory.marks(station) {
+            Some(remembered) => remembered.to_vec(),
+            None => self.ahead.marks(station, self.store).await?,
+        };
         let new = self.group.changes.window_marks.iter().filter(|row| row.station == station);
         marks.extend(new.map(|row| row.mark.clone()));
         Ok(marks)
@@ -195,7 +198,10 @@ impl Lookup<'_> {
                 NameKind::Station => NamesOf::Stations,
                 NameKind::Serial => NamesOf::Gyros,
             };
-            let known = self.look_alike(table, name).filter(|_| self.number(table, name).is_none())?;
+            if self.number(table, name).is_some() {
+                return None;
+            }
+            let known = self.look_alike(table, name)?;
             Some(HistoryNote::LookAlike { of: *of, name: (*name).to_owned(), known })
         };
         names.iter().filter_map(alike).collect()

@@ -15,8 +15,8 @@ pub(crate) struct Prefetched {
     records: HashMap<(u32, UtcMicros), Vec<RecordAt>>,
     /// The record that holds a gyro's row at an instant.
     rows: HashMap<(u32, UtcMicros), Option<Id>>,
-    /// How the windows of the group's stations are marked.
-    marks: HashMap<u32, Vec<Mark>>,
+    /// How the windows of the group's stations are marked that were not remembered.
+    pub marks: HashMap<u32, Vec<Mark>>,
 }
 
 impl Prefetched {
@@ -34,7 +34,8 @@ impl Prefetched {
             for sent in &sent {
                 let at = sent.calibrated_at;
                 at_imus.extend(tables.imus.number(sent.imu.as_str()).map(|imu| (imu, at)));
-                stations.extend(tables.stations.number(sent.station.as_str()));
+                let station = tables.stations.number(sent.station.as_str());
+                stations.extend(station.filter(|station| memory.marks(*station).is_none()));
                 let gyros = sent.gyros.iter().filter_map(|gyro| tables.gyros.number(gyro.serial.as_str()));
                 at_gyros.extend(gyros.filter(|gyro| !memory.is_newer(*gyro, at)).map(|gyro| (gyro, at)));
             }
@@ -55,8 +56,10 @@ impl Prefetched {
         ahead.rows = at_gyros.into_iter().zip(rows.into_iter().map(held)).collect();
         let stations: Vec<u32> = stations.into_iter().collect();
         ahead.marks = stations.iter().map(|station| (*station, Vec::new())).collect();
-        for row in store::suspect_window::of_stations(store, &stations).await? {
-            ahead.marks.entry(row.station).or_default().push(row.mark);
+        if !stations.is_empty() {
+            for row in store::suspect_window::of_stations(store, &stations).await? {
+                ahead.marks.entry(row.station).or_default().push(row.mark);
+            }
         }
         Ok(ahead)
     }

@@ -6,6 +6,7 @@ use std::collections::hash_map::Entry;
 use super::group::Group;
 use crate::core::mounting::Slot;
 use crate::core::own_history::RecordFigures;
+use crate::core::suspect_window::Mark;
 use crate::pipeline::prelude::*;
 
 /// Newest records of a gyro that are read, and how many more may gather before the oldest are forgotten.
@@ -19,6 +20,8 @@ const MOST_GYROS: usize = 20_000;
 #[derive(Debug, Default)]
 pub(crate) struct RecentRecords {
     gyros: HashMap<u32, GyroRecords>,
+    /// How the windows of stations are marked, where nobody else marks any.
+    marks: HashMap<u32, Vec<Mark>>,
 }
 
 /// One gyro's newest records, oldest first.
@@ -79,6 +82,22 @@ impl RecentRecords {
     /// Forgets everything: what is remembered is not what was stored.
     pub fn forget(&mut self) {
         self.gyros.clear();
+        self.marks.clear();
+    }
+
+    /// The stored marks of a station's windows, oldest first, where they are remembered.
+    pub(super) fn marks(&self, station: u32) -> Option<&[Mark]> {
+        self.marks.get(&station).map(Vec::as_slice)
+    }
+
+    /// Takes in the stored marks of stations. Whoever shares the database with other writers does not: they mark windows too.
+    pub fn take_in_marks(&mut self, read: &HashMap<u32, Vec<Mark>>) {
+        self.marks.extend(read.iter().map(|(station, marks)| (*station, marks.clone())));
+    }
+
+    /// Of a station that has just been marked.
+    pub(super) fn forget_marks(&mut self, station: u32) {
+        self.marks.remove(&station);
     }
 
     pub fn forget_of(&mut self, gyros: impl IntoIterator<Item = u32>) {

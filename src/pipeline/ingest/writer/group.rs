@@ -21,6 +21,9 @@ pub(super) async fn prepare(state: &mut WriterState, items: &[Item<'_>]) -> Resu
     let (now, service) = (state.clock.now(), Actor::by_caller());
     read_histories(state, items).await?;
     let ahead = Prefetched::read(&state.store, &state.memory, items.iter().map(|item| item.sent)).await?;
+    if !state.writer.is_one_of_many() {
+        state.memory.take_in_marks(&ahead.marks);
+    }
     let mut admission = Admission {
         known: Lookup {
             store: &state.store,

@@ -146,7 +146,7 @@ impl PendingIndex {
         enter(waiting, batch);
         // Makes room for what takes its place.
         let withdrawn = Rows::of(changes.withdrawn.iter().copied());
-        batch.change("UPDATE calendar SET voided = record", &of_record("0"), withdrawn);
+        batch.change("UPDATE calendar SET voided = record", of_record("0"), withdrawn);
         let (at_once, later): (Vec<_>, Vec<_>) =
             changes.records.iter().partition(|record| entering.at_once.contains(&record.imu));
         let entry = |record: &&NewRecord| {
@@ -156,7 +156,7 @@ impl PendingIndex {
         enter(at_once.iter().map(entry), batch);
         // What was set aside takes its place.
         let confirmed = Rows::of(changes.confirmed.iter().copied());
-        batch.change("UPDATE calendar SET voided = 0", &of_record("id"), confirmed);
+        batch.change("UPDATE calendar SET voided = 0", of_record("id"), confirmed);
         let first = self.waiting.first_without(&entering.imus);
         let first = first.or_else(|| later.first().map(|record| record.record.0));
         // Where nothing waits any more.

@@ -114,6 +114,12 @@ fn outputs(campaign: &Campaign, change: impl Fn(&mut Vec<f64>)) -> Campaign {
     })
 }
 
+fn scale_outputs(d: &mut Dwell, scale: impl Fn(usize) -> f64) {
+    for of_gyros in [Some(&mut d.output_pulse_s), d.output_sem_pulse_s.as_mut()].into_iter().flatten() {
+        of_gyros.iter_mut().enumerate().for_each(|(j, value)| *value *= scale(j));
+    }
+}
+
 const REVERSED_X: Matrix3<f64> = Matrix3::new(-1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
 const REVERSED_Z: Matrix3<f64> = Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0);
 const EXCHANGED_XY: Matrix3<f64> = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
@@ -123,7 +129,7 @@ const NED: Matrix3<f64> = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -
 /// this sine; none where there is nothing to get wrong.
 type Mutant = (&'static str, &'static str, fn(&Campaign, f64) -> Option<Campaign>);
 
-const MUTANTS: [Mutant; 26] = [
+const MUTANTS: [Mutant; 28] = [
     ("force reversed", "force_reversed", |c, _| Some(each(c, |d| d.specific_force_g0 *= -1.0))),
     ("Earth rate left out", "earth_rate_left_out", |c, sin| {
         Some(each(c, |d| {
@@ -205,6 +211,12 @@ const MUTANTS: [Mutant; 26] = [
     }),
     ("output of one gyro reversed", "direction_off_axis", |c, _| {
         turning(c, |_| ()).map(|c| outputs(&c, |o| o[1] *= -1.0))
+    }),
+    ("all outputs tenfold while turning", "output_scale (gyros: G1, G2, G3)", |c, _| {
+        turning(c, |d| scale_outputs(d, |_| 10.0))
+    }),
+    ("output of one gyro halved while turning", "output_scale (gyros: G2)", |c, _| {
+        turning(c, |d| scale_outputs(d, |j| if j == 1 { 0.5 } else { 1.0 }))
     }),
     ("x and y of the rate exchanged", "axes_exchanged (first: x, second: y, vectors: rate_arcsec_s)", |c, _| {
         Some(each(c, axes(EXCHANGED_XY, false, true)))

@@ -6,7 +6,8 @@ use crate::core::campaign::commanded::{AffectedDwells, CommandFinding, MistakeKi
 use crate::core::campaign::gravity::{normal_gravity_g0, possible_gravity_g0};
 use crate::core::campaign::{Campaign, Site, TestKind, constant, stuck};
 use crate::core::effects::Refusal;
-use crate::core::message::{Parameter, figure, signed, text};
+use crate::core::message::{Parameter, figure, list, signed, text};
+use crate::core::mounting::Slot;
 use crate::core::record::Plausibility;
 use crate::core::units::degrees;
 use crate::wire::prelude::*;
@@ -99,6 +100,7 @@ fn pointer(finding: &CommandFinding, dwell: usize) -> String {
             _,
         ) => "specific_force_g0",
         (Some(MistakeKind::AttitudeInverted), _) | (_, Symptom::Attitude) => "attitude",
+        (_, Symptom::Scale) => "output_pulse_s",
         (Some(MistakeKind::EarthRateLeftOut | MistakeKind::NedForEnu), _) => "rate_arcsec_s",
         (_, Symptom::Gravity | Symptom::Output) => "specific_force_g0",
         (
@@ -143,6 +145,7 @@ fn measured(finding: &CommandFinding) -> Message {
         (Symptom::Heading, _) => message!("measured_heading", value = figure(value, 2), share),
         (Symptom::Output, _) => message!("measured_output", value = figure(value, 2)),
         (Symptom::Senses, _) => message!("measured_senses", value = figure(value, 1), share),
+        (Symptom::Scale, _) => message!("measured_scale", value = figure(value, 4), share),
         (Symptom::Gravity, expected) => {
             let expected = figure(expected.unwrap_or(1.0), 5);
             message!("measured_gravity", value = figure(value, 5), share, expected)
@@ -185,6 +188,10 @@ fn cause(cause: &MistakeKind) -> Message {
         MistakeKind::ForceUnit { unit } => message!("force_unit", unit),
         MistakeKind::ForceNormalised => message!("force_normalised"),
         MistakeKind::ForceScale { ratio } => message!("force_scale", ratio = figure(ratio, 5)),
+        MistakeKind::OutputScale { of } => {
+            let slots = Slot::ALL.into_iter().filter(|slot| of[slot.index()]).map(Slot::name);
+            message!("output_scale", gyros = list(slots))
+        }
     }
 }
 

@@ -80,7 +80,7 @@ impl Measure {
         match symptom {
             Symptom::StaticRate | Symptom::TurningRate => self.rate,
             Symptom::VerticalRate => self.vertical,
-            Symptom::Heading | Symptom::Output | Symptom::Senses => self.off.unwrap_or(0.0),
+            Symptom::Heading | Symptom::Output | Symptom::Senses | Symptom::Scale => self.off.unwrap_or(0.0),
             Symptom::Gravity => self.force,
             Symptom::Attitude => self.tilt.unwrap_or(0.0).to_degrees(),
         }

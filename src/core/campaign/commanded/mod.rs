@@ -17,6 +17,7 @@ mod trial_fit;
 
 pub use search::{findings, force_off_gravity, latitude_of_rates};
 
+use crate::core::mounting::Slot;
 use crate::core::named::named;
 use crate::core::numerics::median::median_of;
 use crate::core::units::EARTH_RATE_DEG_H;
@@ -37,6 +38,8 @@ pub enum Symptom {
     Output = "output",
     /// The outputs of turning dwells show other input axes than those of static dwells.
     Senses = "senses",
+    /// The outputs of turning dwells answer rates with another scale factor than those of static dwells.
+    Scale = "scale",
     /// |f| is not local gravity.
     Gravity = "gravity",
     /// The attitude contradicts the specific force.
@@ -93,6 +96,8 @@ pub enum MistakeKind {
     ForceNormalised,
     /// |f| over gravity, the same in all dwells.
     ForceScale { ratio: f64 },
+    /// Outputs of the gyros in these slots, while the table turns, in another unit than at rest.
+    OutputScale { of: [bool; Slot::ALL.len()] },
 }
 
 impl MistakeKind {
@@ -114,6 +119,7 @@ impl MistakeKind {
             Self::ForceUnit { .. } => "specific_force_unit",
             Self::ForceNormalised => "specific_force_normalised",
             Self::ForceScale { .. } => "specific_force_scale",
+            Self::OutputScale { .. } => "output_scale",
         }
     }
 }

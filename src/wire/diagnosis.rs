@@ -169,8 +169,8 @@ pub struct GyroFloorBody {
 pub struct DescribedBody {
     /// `time`, `temperature`, `rate_of_temperature`, `up_direction`, `heading`, `rate_level`, `rate_axis`,
     /// `rate_history`, `previous_orientation`, `orientation_age` or `phase`; of two together `time_and_force`,
-    /// `time_and_rate`, `temperature_and_force`, `temperature_and_rate` or `temperature_and_time`; `single_dwells`
-    /// where it lies in a few.
+    /// `time_and_rate`, `time_and_heading`, `temperature_and_force`, `temperature_and_rate`, `temperature_and_heading` or
+    /// `temperature_and_time`; `single_dwells` where it lies in a few.
     pub by: String,
     /// ln of the odds against noise.
     pub evidence: f64,

@@ -80,8 +80,10 @@ pub enum Variable("variable_") {
     Phase = "phase",
     TimeAndForce = "time_and_force",
     TimeAndRate = "time_and_rate",
+    TimeAndHeading = "time_and_heading",
     TemperatureAndForce = "temperature_and_force",
     TemperatureAndRate = "temperature_and_rate",
+    TemperatureAndHeading = "temperature_and_heading",
     TemperatureAndTime = "temperature_and_time",
     SingleDwells = "single_dwells",
 }

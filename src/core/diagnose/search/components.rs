@@ -36,6 +36,8 @@ pub(crate) struct Component {
     pub variable: Variable,
     /// Whether a name falls by it: not by what is an entry of the catalogue itself.
     pub competes: bool,
+    /// Of how many it is one that are as likely together as any other alone.
+    among: usize,
     factor: DMatrix<f64>,
 }
 
@@ -59,6 +61,7 @@ pub(crate) fn components(s: &Setting) -> Vec<Component> {
     of_a_field(&mut found);
     of_time(&mut found);
     of_temperature(&mut found);
+    of_faces(&mut found);
     of_one_face(&mut found);
     if (0..s.dwells()).any(|k| turns(s, k)) {
         of_rate(&mut found);
@@ -85,7 +88,7 @@ impl Found<'_> {
         let n = self.s.dwells();
         let factor = pivoted_cholesky(&DMatrix::from_fn(n, n, like), MOST, LEFT_OUT);
         if factor.ncols() > 0 {
-            self.all.push(Component { variable, competes, factor });
+            self.all.push(Component { variable, competes, among: 1, factor });
         }
     }
 }
@@ -119,13 +122,34 @@ fn of_temperature(found: &mut Found) {
     found.add(Variable::TemperatureRate, |a, b| gaussian((rate[a] - rate[b]) / width));
 }
 
-fn of_one_face(found: &mut Found) {
+fn of_faces(found: &mut Found) {
     let s = found.s;
     found.add(Variable::UpDirection, |a, b| both(same_face(s, a, b)));
     let Some(c) = &s.nav_to_body else { return };
     let north: Vec<Vector3<f64>> = c.iter().map(|c| c * Vector3::y()).collect();
     let still = |a: usize, b: usize| !turns(s, a) && !turns(s, b);
     found.add(Variable::Heading, |a, b| both(still(a, b) && same_face(s, a, b)) * north[a].dot(&north[b]));
+    found.component(Variable::Heading, false, |a, b| both(still(a, b)) * north[a].dot(&north[b]).powi(2));
+}
+
+/// A single face, at rest, of which there are several dwells, by itself and with time or temperature: something touches or
+/// sticks there.
+fn of_one_face(found: &mut Found) {
+    let s = found.s;
+    let on = |k: usize| (0..s.dwells()).filter(move |&other| !turns(s, other) && same_face(s, k, other));
+    let firsts = (0..s.dwells()).filter(|&k| !turns(s, k) && on(k).next() == Some(k) && on(k).nth(1).is_some());
+    let firsts: Vec<usize> = firsts.collect();
+    let before = found.all.len();
+    for &first in &firsts {
+        let here = |k: usize| both(!turns(s, k) && same_face(s, k, first));
+        found.component(Variable::UpDirection, false, |a, b| here(a) * here(b));
+        let middle = |k: usize| here(k) * (s.elapsed(k) / span(s) - 0.5);
+        found.component(Variable::TimeAndForce, false, |a, b| middle(a) * middle(b));
+        if let Some(t) = &s.temperature {
+            found.component(Variable::TemperatureAndForce, false, |a, b| here(a) * t[a] * here(b) * t[b]);
+        }
+    }
+    found.all[before..].iter_mut().for_each(|component| component.among = firsts.len());
 }
 
 /// Of dwells at rate: their levels, axes and senses.
@@ -162,11 +186,16 @@ fn of_phases(found: &mut Found) {
     found.add(Variable::Phase, |a, b| phase(a) * phase(b));
 }
 
-/// Which attitude came before, and how long the present one was held.
+/// Which attitude came before, or before that, and how long the present one was held.
 fn of_orientation_before(found: &mut Found) {
     let (s, span) = (found.s, span(found.s));
-    found.add(Variable::OrientationBefore, |a, b| {
-        both(a > 0 && b > 0 && s.force[a.max(1) - 1].angle(&s.force[b.max(1) - 1]) < SAME)
+    found.add(Variable::OrientationBefore, |a, b| both(a > 0 && b > 0 && same_face(s, a.max(1) - 1, b.max(1) - 1)));
+    for lag in [1_usize, 2] {
+        let before = |k: usize| k.checked_sub(lag).map_or_else(Vector3::zeros, |before| s.force[before]);
+        found.component(Variable::OrientationBefore, false, |a, b| before(a).dot(&before(b)));
+    }
+    found.component(Variable::OrientationBefore, false, |a, b| {
+        both(a > 1 && b > 1 && same_face(s, a.max(2) - 2, b.max(2) - 2))
     });
     let mut held_since = s.time[0];
     let age: Vec<f64> = (0..s.dwells())
@@ -191,18 +220,35 @@ fn of_near_attitudes(found: &mut Found) {
 /// Two variables together: no name falls by them, for some are entries themselves.
 fn of_two_variables(found: &mut Found) {
     let (s, span) = (found.s, span(found.s));
-    let (_, top) = speeds(s);
+    let (speed, top) = speeds(s);
     let force = |a: usize, b: usize| s.force[a].dot(&s.force[b]);
     let rate = |a: usize, b: usize| s.rate[a].dot(&s.rate[b]) / top.powi(2);
     let middle = |k: usize| s.elapsed(k) / span - 0.5;
     let slow = |a: usize, b: usize| gaussian((s.time[a] - s.time[b]) / (SLOW * span));
+    let level = |a: usize, b: usize| both(turns(s, a) && turns(s, b)) * speed[a] * speed[b] / top.powi(2);
+    let face = |a: usize, b: usize| both(same_face(s, a, b));
+    let still = |k: usize| both(!turns(s, k));
+    let north: Option<Vec<Vector3<f64>>> =
+        s.nav_to_body.as_ref().map(|c| (0..s.dwells()).map(|k| still(k) * (c[k] * Vector3::y())).collect());
     found.component(Variable::TimeAndForce, false, |a, b| middle(a) * middle(b) * force(a, b));
     found.component(Variable::TimeAndForce, false, |a, b| slow(a, b) * force(a, b));
     found.component(Variable::TimeAndRate, false, |a, b| middle(a) * middle(b) * rate(a, b));
     found.component(Variable::TimeAndRate, false, |a, b| slow(a, b) * rate(a, b));
+    found.component(Variable::TimeAndForce, false, |a, b| middle(a) * middle(b) * face(a, b));
+    found.component(Variable::TimeAndRate, false, |a, b| middle(a) * middle(b) * level(a, b));
+    if let Some(north) = &north {
+        let heading = |a: usize, b: usize| north[a].dot(&north[b]);
+        found.component(Variable::TimeAndHeading, false, |a, b| middle(a) * middle(b) * heading(a, b));
+        found.component(Variable::TimeAndHeading, false, |a, b| slow(a, b) * heading(a, b));
+    }
     let Some(t) = &s.temperature else { return };
     found.component(Variable::TemperatureAndForce, false, |a, b| t[a] * t[b] * force(a, b));
     found.component(Variable::TemperatureAndRate, false, |a, b| t[a] * t[b] * rate(a, b));
+    found.component(Variable::TemperatureAndForce, false, |a, b| t[a] * t[b] * face(a, b));
+    found.component(Variable::TemperatureAndRate, false, |a, b| t[a] * t[b] * level(a, b));
+    if let Some(north) = &north {
+        found.component(Variable::TemperatureAndHeading, false, |a, b| t[a] * t[b] * north[a].dot(&north[b]));
+    }
     found.component(Variable::TemperatureAndTime, false, |a, b| t[a] * t[b] * middle(a) * middle(b));
     found.component(Variable::Temperature, false, |a, b| (t[a] * t[b]).powi(2));
 }
@@ -264,7 +310,12 @@ impl Component {
             let columns = self.factor.column_iter();
             columns.map(|column| frame.gyros[j].whiten(column.iter().copied().collect())).collect()
         };
-        evidence_of(frame, state, whitened)
+        evidence_of(frame, state, whitened) + self.share().ln()
+    }
+
+    /// How likely it is beforehand, against a component that is one by itself.
+    pub fn share(&self) -> f64 {
+        1.0 / self.among as f64
     }
 }
 

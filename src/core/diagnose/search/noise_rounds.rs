@@ -234,7 +234,8 @@ impl SearchOutcome {
         let all = self.components();
         let state = each_by_itself(&self.frame, self.search().extras(&self.found));
         let evidence = all.iter().map(|component| component.evidence(&self.frame, &state));
-        evidence.fold(of_single_dwells(&state), f64::max) - ((all.len() + 1) as f64).ln()
+        let alternatives: f64 = all.iter().map(Component::share).sum();
+        evidence.fold(of_single_dwells(&state), f64::max) - (alternatives + 1.0).ln()
     }
 
     /// Probability, at most, that residuals of noise alone go with some variable as much as those beside what was found
@@ -324,8 +325,10 @@ impl SearchOutcome {
         let least = |variable: Variable| match variable {
             Variable::TimeAndForce
             | Variable::TimeAndRate
+            | Variable::TimeAndHeading
             | Variable::TemperatureAndForce
             | Variable::TemperatureAndRate
+            | Variable::TemperatureAndHeading
             | Variable::TemperatureAndTime
             | Variable::SingleDwells => LEAST_TOGETHER,
             _ => LEAST_DESCRIBED,

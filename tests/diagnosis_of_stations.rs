@@ -5,11 +5,13 @@ use gyrowatch::blindcheck::answer::Answer;
 use gyrowatch::blindcheck::draw::{Case, Draw};
 use gyrowatch::blindcheck::kind::{CampaignKind, KindRow, row};
 use gyrowatch::core::augmented::Options;
+use gyrowatch::core::campaign::{Dwell, Phase};
 use gyrowatch::core::diagnose::{Diagnosis, Variable, Verdict, diagnose};
 use gyrowatch::simulate::outside::{FAMILIES, depends_on};
 use gyrowatch::simulate::scenario::{EffectChoice, Scenario};
 use gyrowatch::simulate::simulate;
 use gyrowatch::wire;
+use nalgebra::Vector3;
 
 const COUNT: usize = 14;
 
@@ -217,6 +219,61 @@ fn what_scatters_in_repeats_as_well_is_a_gap_where_it_goes_with_something() {
         let answer = answer(&wire::campaign::to_json(&simulated.campaign)).unwrap();
         let by: Vec<&str> = answer.description.iter().map(|described| described.by.as_str()).collect();
         assert!(answer.verdict == "unexplained" && by.contains(&"orientation_age"), "{number}: {answer:?}");
+    }
+}
+
+/// What a campaign shows of a drift that is added to the output of one gyro, at most eight standard errors large.
+fn with_drift(seed: u64, drift: fn(&[Dwell], usize) -> f64) -> Diagnosis {
+    let mut campaign = simulate(&Scenario { seed, ..Scenario::default() }).unwrap().campaign;
+    let dwells = campaign.dwells.clone();
+    let drifts: Vec<f64> = (0..dwells.len()).map(|k| drift(&dwells, k)).collect();
+    let largest = drifts.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let error = dwells[0].output_sem_pulse_s.as_ref().unwrap()[0];
+    for (dwell, drift) in campaign.dwells.iter_mut().zip(drifts) {
+        dwell.output_pulse_s[0] += 8.0 * error * drift / largest;
+    }
+    diagnose(&campaign, &Options::default()).unwrap()
+}
+
+fn north_at_rest(dwell: &Dwell) -> f64 {
+    let north = dwell.attitude.unwrap().matrix() * Vector3::y();
+    if dwell.phase == Phase::Static { north.dot(&Vector3::new(0.6, 0.64, -0.48)) } else { 0.0 }
+}
+
+fn time(dwells: &[Dwell], k: usize) -> f64 {
+    dwells[k].start_s / dwells[dwells.len() - 1].start_s - 0.5
+}
+
+fn temperature(dwells: &[Dwell], k: usize) -> f64 {
+    let of = |dwell: &Dwell| dwell.temperature_c.unwrap();
+    of(&dwells[k]) - dwells.iter().map(of).sum::<f64>() / dwells.len() as f64
+}
+
+#[test]
+fn two_dwells_before_a_single_face_and_products_with_heading_and_speed_are_described() {
+    type Drift = fn(&[Dwell], usize) -> f64;
+    let cases: [(&str, Drift); 6] = [
+        ("previous_orientation", |dwells, k| {
+            let before = k.checked_sub(2).map(|before| dwells[before].specific_force_g0);
+            before.map_or(0.0, |force| force.dot(&Vector3::new(0.6, 0.64, -0.48)))
+        }),
+        ("up_direction", |dwells, k| {
+            let face = dwells[0].specific_force_g0;
+            f64::from(u8::from(dwells[k].phase == Phase::Static && dwells[k].specific_force_g0.angle(&face) < 1e-3))
+        }),
+        ("heading", |dwells, k| north_at_rest(&dwells[k]).powi(2)),
+        ("time_and_heading", |dwells, k| time(dwells, k) * north_at_rest(&dwells[k])),
+        ("temperature_and_heading", |dwells, k| temperature(dwells, k) * north_at_rest(&dwells[k])),
+        ("time_and_rate", |dwells, k| {
+            if dwells[k].phase == Phase::Rate { time(dwells, k) * dwells[k].rate_arcsec_s.norm() } else { 0.0 }
+        }),
+    ];
+    for (variable, drift) in cases {
+        for seed in [71, 72] {
+            let diagnosis = with_drift(seed, drift);
+            let by: Vec<&str> = diagnosis.description.iter().map(|described| described.by.name()).collect();
+            assert!(by.contains(&variable), "{variable}, {seed}: {:?} {by:?}", diagnosis.verdict);
+        }
     }
 }
 
